@@ -15,13 +15,12 @@ use palpate_chance::{Explained, LEFT, least_likely};
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;
 use crate::patch::Sample;
-use crate::quadric::SquareQuadric;
 use crate::square::Square;
+use crate::square_quadric::SquareQuadric;
 use crate::{Doubt, Ep2Error, Fit, Jet, Noise, Patch};
-use score_test::{Test, by_factors};
+pub(crate) use score_test::Process;
+use score_test::{Products, Sums, Test, by_factors};
 
-/// Number of unknowns of a quadric, whose products come first.
-const UNKNOWNS: usize = count(2);
 /// Observations of a contact: its height, and both slopes.
 const OBSERVED: usize = 3;
 /// Patterns of normals: of their slopes, turns about both tangents and linear maps; of heights, quadrics, which are the same turns
@@ -55,9 +54,6 @@ pub(crate) struct Model<'a> {
     pub(crate) degree: usize,
 }
 
-/// Process beside quadrics: the series' coefficients behind the quadrics, a column for each independent factor of unit variance.
-pub(crate) type Process = DMatrix<f64>;
-
 /// Part of the contacts that contradicts the rest, and is no sign of roughness then.
 #[derive(Clone, Copy)]
 pub(crate) enum Apart {
@@ -83,24 +79,6 @@ struct Weighted {
     root: DMatrix<f64>,
 }
 
-/// Sums over contacts of products of patterns.
-struct Products {
-    /// With each other.
-    by_patterns: DMatrix<f64>,
-    /// With slopes by the coefficients of the series, a column for each pattern.
-    by_slopes: DMatrix<f64>,
-    /// With the deviations.
-    by_values: DVector<f64>,
-}
-
-/// Sums over contacts of products.
-struct Sums {
-    information: DMatrix<f64>,
-    right: DVector<f64>,
-    square: f64,
-    equations: usize,
-}
-
 impl Model<'_> {
     /// Goodness of fit and doubts, by the process that is likeliest, and by that which is where something stands `apart`.
     ///
@@ -115,7 +93,7 @@ impl Model<'_> {
             return Ok(Agreement::default());
         };
         let sums = self.sums(variances)?;
-        let test = Test::new(self, process, &sums)?;
+        let test = Test::new(process, &sums, self.is_noise_told())?;
         let goodness = self.is_noise_told().then_some(test.goodness);
         let (finger, displaced) = self.displaced(&test, variances, &sums, &apart)?;
         let (contact, stray) = self.stray(&test, variances)?;
@@ -176,7 +154,7 @@ impl Model<'_> {
         let chance = test.chance_of(&products);
         match apart(Apart::Normals) {
             Ok(process) => {
-                let apart = Test::new(self, &process, sums)?.chance_of(&products);
+                let apart = Test::new(&process, sums, self.is_noise_told())?.chance_of(&products);
                 Ok((chance / (1.0 - SHARE_APART))
                     .min(apart / SHARE_APART)
                     .min(1.0))
@@ -218,7 +196,7 @@ impl Model<'_> {
         chances.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
         for (finger, chance, one) in chances.iter_mut().take(MOST_APART) {
             if let Ok(process) = apart(Apart::Finger(*finger)) {
-                *chance = Test::new(self, &process, sums)?.chance_of(one);
+                *chance = Test::new(&process, sums, self.is_noise_told())?.chance_of(one);
             }
         }
         let chances = chances.iter().map(|(finger, chance, _)| (*finger, *chance));
@@ -427,15 +405,4 @@ fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
         rows[(2, column)] = of_a * slope_b / half_v;
     }
     rows
-}
-
-impl Products {
-    /// Sums of one pattern alone.
-    fn of(&self, place: usize) -> Self {
-        Self {
-            by_patterns: DMatrix::from_element(1, 1, self.by_patterns[(place, place)]),
-            by_slopes: self.by_slopes.columns(place, 1).into_owned(),
-            by_values: DVector::from_element(1, self.by_values[place]),
-        }
-    }
 }

@@ -58,6 +58,7 @@ mod smoothing;
 mod sparse;
 mod spline;
 mod square;
+mod square_quadric;
 mod surface;
 mod tip;
 mod two_pass;

@@ -3,8 +3,40 @@
 use nalgebra::{DMatrix, DVector};
 use palpate_chance::{Explained, GoodnessOfFit, LEFT};
 
-use super::{Model, Process, Products, Sums, UNKNOWNS};
 use crate::Ep2Error;
+use crate::square_quadric::UNKNOWNS;
+
+/// Process beside quadrics: the series' coefficients behind the quadrics, a column for each independent factor of unit variance.
+pub(crate) type Process = DMatrix<f64>;
+
+/// Sums over contacts of products of patterns.
+pub(super) struct Products {
+    /// With each other.
+    pub(super) by_patterns: DMatrix<f64>,
+    /// With slopes by the coefficients of the series, a column for each pattern.
+    pub(super) by_slopes: DMatrix<f64>,
+    /// With the deviations.
+    pub(super) by_values: DVector<f64>,
+}
+
+/// Sums over contacts of products.
+pub(super) struct Sums {
+    pub(super) information: DMatrix<f64>,
+    pub(super) right: DVector<f64>,
+    pub(super) square: f64,
+    pub(super) equations: usize,
+}
+
+impl Products {
+    /// Sums of one pattern alone.
+    pub(super) fn of(&self, place: usize) -> Self {
+        Self {
+            by_patterns: DMatrix::from_element(1, 1, self.by_patterns[(place, place)]),
+            by_slopes: self.by_slopes.columns(place, 1).into_owned(),
+            by_values: DVector::from_element(1, self.by_values[place]),
+        }
+    }
+}
 
 /// A fit of quadric and process with all that its tests ask for.
 pub(super) struct Test<'p> {
@@ -26,11 +58,10 @@ impl<'p> Test<'p> {
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the equations do not determine the quadric.
     pub(super) fn new(
-        model: &Model<'_>,
         process: &'p Process,
         sums: &Sums,
+        is_noise_told: bool,
     ) -> Result<Self, Ep2Error> {
-        let is_noise_told = model.is_noise_told();
         Self::of(process, sums, is_noise_told).ok_or(Ep2Error::OutOfRange)
     }
 

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::noise::Kinds;
-use crate::quadric::SquareQuadric;
 use crate::square::Square;
+use crate::square_quadric::SquareQuadric;
 use crate::{Knots, Patch};
 
 /// Degree of the spline.

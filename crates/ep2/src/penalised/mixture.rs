@@ -9,8 +9,8 @@ use super::product::{add_symmetric, product};
 use super::series::SeriesEquations;
 use super::tridiagonal::{Factors, Tridiagonal};
 use crate::chebyshev::count;
-use crate::quadric::{UNKNOWNS, bend};
 use crate::square::Square;
+use crate::square_quadric::{UNKNOWNS, bend};
 use crate::{Ep2Error, Posterior};
 
 /// The longest length of roughness, in half sides of the square: beyond, a cubic is left.

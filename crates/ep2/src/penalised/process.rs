@@ -6,8 +6,8 @@ use nalgebra::DMatrix;
 
 use super::product::product;
 use crate::chebyshev::{place, products, values};
-use crate::quadric::UNKNOWNS;
 use crate::sparse::SparseMap;
+use crate::square_quadric::UNKNOWNS;
 
 /// Coefficients of which the variance of a second derivative is less than this anywhere in the square, given those of
 /// lower degree, are left out.

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::Patch;
 use crate::chebyshev::{count, derivative, products, values};
 use crate::noise::Variances;
-use crate::quadric::SquareQuadric;
 use crate::square::Square;
+use crate::square_quadric::SquareQuadric;
 
 /// The weighted normal equations of heights and slopes, of unit variance, for the deviation from a quadric.
 #[derive(Clone)]

@@ -6,7 +6,7 @@ use super::equations::Equations;
 use super::product::add_symmetric;
 use crate::Ep2Error;
 use crate::noise::Kinds;
-use crate::quadric::UNKNOWNS;
+use crate::square_quadric::UNKNOWNS;
 
 /// Share of the penalty that is added to the fidelity, relative to their traces, so that the sum
 /// determines all coefficients.

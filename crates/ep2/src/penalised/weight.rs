@@ -4,8 +4,8 @@ use std::f64::consts::LN_2;
 
 use super::spectrum::Spectrum;
 use crate::Ep2Error;
-use crate::quadric::UNKNOWNS;
 use crate::spline::{LANES, Lanes};
+use crate::square_quadric::UNKNOWNS;
 
 /// Places at which the criterion is looked at, in equal steps of the logarithm of the weight; a multiple of [`LANES`].
 const NODES: usize = 80;

@@ -1,0 +1,295 @@
+//! The quadric over the square of a patch that fits heights and slopes best.
+
+use nalgebra::{SMatrix, SVector, SymmetricEigen};
+
+use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
+use crate::square::Square;
+use crate::{Ep2Error, Knots, Patch, Sample};
+
+/// Unknowns of a quadric: 1, a, b, a², ab, b².
+pub(crate) const UNKNOWNS: usize = 6;
+/// Eigenvalues of the normal equations below this share of the largest are rounding.
+const RANK: f64 = 1e-13;
+/// Rounds in which the weights follow the noise and the slopes.
+const ROUNDS: usize = 4;
+
+type Row = SVector<f64, UNKNOWNS>;
+type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The coefficients of products of Chebyshev polynomials, from those of 1, a, b, a², ab, b².
+#[rustfmt::skip]
+pub(crate) const SERIES: Gram = Gram::new(
+    1.0, 0.0, 0.0, 0.5, 0.0, 0.5,
+    0.0, 1.0, 0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.5, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+    0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
+);
+
+/// Root of the mean over the directions of the square of the second derivative of a quadric that is a series, in units of the
+/// square.
+pub(crate) fn bend(series: &[f64; UNKNOWNS]) -> f64 {
+    let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
+    (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
+}
+
+/// A quadric over the unit square, with the noise found around it.
+#[derive(Clone, Debug)]
+pub(crate) struct SquareQuadric {
+    unknowns: Row,
+    pub(crate) covariance: Gram,
+    pub(crate) variances: Variances,
+    /// `None` where too few contacts are left to tell it.
+    pub(crate) noise: Option<NoiseEstimate>,
+}
+
+/// The equations of a contact for the surface over the square: its height and, if it has a normal, its
+/// slopes along a and b. Each equation has a weight, relative to the inverse variance of its kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Observation {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) height: f64,
+    pub(crate) height_weight: f64,
+    pub(crate) slopes: [f64; 2],
+    pub(crate) slope_weights: [f64; 2],
+}
+
+/// The normal equations of heights and of slopes, of unit variance.
+#[derive(Default)]
+struct NormalEquations {
+    grams: Kinds<Gram>,
+    right_sides: Kinds<Row>,
+    squares: Kinds<f64>,
+}
+
+impl SquareQuadric {
+    /// The best quadric; its noise is `None` where too few contacts are left to tell it.
+    pub(crate) fn of(patch: &Patch, square: &Square, known: &Noise) -> Result<Self, Ep2Error> {
+        if patch.equations() < UNKNOWNS {
+            return Err(Ep2Error::TooFewContacts {
+                contacts: patch.samples.len(),
+                equations: patch.equations(),
+                needed: UNKNOWNS,
+            });
+        }
+        let mut quadric = Self {
+            unknowns: Row::zeros(),
+            covariance: Gram::zeros(),
+            variances: Variances::START,
+            noise: None,
+        };
+        let rounds = if patch.has_normals() { ROUNDS } else { 2 };
+        for _ in 0..rounds {
+            let equations = NormalEquations::around(&quadric, patch, square);
+            quadric.improve(&equations, patch, square, known)?;
+        }
+        Ok(quadric)
+    }
+
+    /// Solves for the deviation that is left, and for the noise.
+    fn improve(
+        &mut self,
+        equations: &NormalEquations,
+        patch: &Patch,
+        square: &Square,
+        known: &Noise,
+    ) -> Result<(), Ep2Error> {
+        let Kinds { heights, slopes } = self.variances;
+        let gram = equations.grams.heights / heights + equations.grams.slopes / slopes;
+        let right = equations.right_sides.heights / heights + equations.right_sides.slopes / slopes;
+        self.covariance = inverse(&gram, patch.samples.len())?;
+        let change = self.covariance * right;
+        self.unknowns += change;
+        let residual = |square: f64, right: &Row, gram: &Gram| {
+            (square - 2.0 * change.dot(right) + change.dot(&(gram * change))).max(0.0)
+        };
+        let residuals = Kinds {
+            heights: residual(
+                equations.squares.heights,
+                &equations.right_sides.heights,
+                &equations.grams.heights,
+            ),
+            slopes: residual(
+                equations.squares.slopes,
+                &equations.right_sides.slopes,
+                &equations.grams.slopes,
+            ),
+        };
+        let taken = Kinds {
+            heights: (self.covariance * equations.grams.heights).trace() / heights,
+            slopes: (self.covariance * equations.grams.slopes).trace() / slopes,
+        };
+        let bending = self.bending(square);
+        let told = self
+            .variances
+            .update(known, bending, patch, &residuals, &taken);
+        self.noise = told.then(|| self.variances.estimate(patch));
+        if self
+            .unknowns
+            .iter()
+            .chain(&self.covariance)
+            .all(|x| x.is_finite())
+        {
+            Ok(())
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+
+    /// Whether enough contacts are left to tell the noise, or it was known.
+    pub(crate) const fn tells_noise(&self) -> bool {
+        self.noise.is_some()
+    }
+
+    /// Height and slopes along a and b.
+    #[inline]
+    fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+        let c = &self.unknowns;
+        [
+            c[0] + a * (c[1] + a * c[3] + b * c[4]) + b * (c[2] + b * c[5]),
+            c[1] + 2.0 * a * c[3] + b * c[4],
+            c[2] + a * c[4] + 2.0 * b * c[5],
+        ]
+    }
+
+    /// Slopes along u and v at a contact.
+    pub(crate) fn slopes(&self, square: &Square, sample: &Sample) -> [f64; 2] {
+        let [a, b] = square.place([sample.u, sample.v]);
+        let [half_u, half_v] = square.half();
+        let [_, along_a, along_b] = self.value_and_slopes(a, b);
+        [along_a / half_u, along_b / half_v]
+    }
+
+    /// The observations of a patch that is nearly this quadric, of its deviation from it.
+    ///
+    /// Errors of a contact's place across the normal look like errors of its height, larger by
+    /// √D, D = 1 + p² + q²; a tilt of the normal by a small angle turns the slope p along u by
+    /// √(D(1 + p²)) times as much.
+    pub(crate) fn observations<'a>(
+        &'a self,
+        patch: &'a Patch,
+        square: &'a Square,
+    ) -> impl Iterator<Item = Observation> + 'a {
+        let [half_u, half_v] = square.half();
+        patch.samples.iter().map(move |sample| {
+            let [a, b] = square.place([sample.u, sample.v]);
+            let [height, slope_a, slope_b] = self.value_and_slopes(a, b);
+            let (p, q) = (slope_a / half_u, slope_b / half_v);
+            let steepness = 1.0 + p * p + q * q;
+            let height_weight = sample.weight / steepness;
+            let (slopes, slope_weights) = match sample.slopes {
+                Some([along_u, along_v]) => (
+                    [along_u * half_u - slope_a, along_v * half_v - slope_b],
+                    [
+                        height_weight / (half_u * half_u * (1.0 + p * p)),
+                        height_weight / (half_v * half_v * (1.0 + q * q)),
+                    ],
+                ),
+                None => ([0.0; 2], [0.0; 2]),
+            };
+            Observation {
+                a,
+                b,
+                height: sample.w - height,
+                height_weight,
+                slopes,
+                slope_weights,
+            }
+        })
+    }
+
+    /// The quadric as a series of products of Chebyshev polynomials.
+    pub(crate) fn series(&self) -> [f64; UNKNOWNS] {
+        (SERIES * self.unknowns).into()
+    }
+
+    /// Mean over the directions of the square of the slope's change per length.
+    pub(crate) fn bending(&self, square: &Square) -> f64 {
+        let [half_u, half_v] = square.half();
+        let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
+        let uv = self.unknowns[4] / (half_u * half_v);
+        let vv = 2.0 * self.unknowns[5] / (half_v * half_v);
+        0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
+    }
+
+    /// The coefficients of the spline that is this quadric.
+    pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
+        (0..a.functions() * b.functions())
+            .map(|index| coefficient(&self.unknowns, a, b, index))
+            .collect()
+    }
+}
+
+impl NormalEquations {
+    fn around(quadric: &SquareQuadric, patch: &Patch, square: &Square) -> Self {
+        let mut equations = Self::default();
+        let Self {
+            grams,
+            right_sides,
+            squares,
+        } = &mut equations;
+        let has_normals = patch.has_normals();
+        for one in quadric.observations(patch, square) {
+            let (a, b) = (one.a, one.b);
+            let height = Row::new(1.0, a, b, a * a, a * b, b * b);
+            let weighted = height * one.height_weight;
+            grams.heights += weighted * height.transpose();
+            right_sides.heights += weighted * one.height;
+            squares.heights += one.height_weight * one.height * one.height;
+            if has_normals {
+                let along_a = Row::new(0.0, 1.0, 0.0, 2.0 * a, b, 0.0);
+                let along_b = Row::new(0.0, 0.0, 1.0, 0.0, a, 2.0 * b);
+                let slopes = one.slopes.into_iter().zip(one.slope_weights);
+                for (row, (slope, weight)) in [along_a, along_b].into_iter().zip(slopes) {
+                    let weighted = row * weight;
+                    grams.slopes += weighted * row.transpose();
+                    right_sides.slopes += weighted * slope;
+                    squares.slopes += weight * slope * slope;
+                }
+            }
+        }
+        equations
+    }
+}
+
+/// The inverse of normal equations that determine all unknowns.
+fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
+    let eigen = SymmetricEigen::new(*gram);
+    let largest = eigen.eigenvalues.max();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return Err(Ep2Error::OutOfRange);
+    }
+    let rank = eigen
+        .eigenvalues
+        .iter()
+        .filter(|&&value| value > RANK * largest)
+        .count();
+    if rank < UNKNOWNS {
+        return Err(Ep2Error::Undetermined {
+            contacts,
+            rank,
+            unknowns: UNKNOWNS,
+        });
+    }
+    let vectors = eigen.eigenvectors;
+    Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
+}
+
+/// A coefficient of the spline that is a quadric. That of a monomial is its blossom: the mean of
+/// the products of as many different inner knots of the B-spline.
+fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
+    let (a1, a2) = blossoms(a, index / b.functions());
+    let (b1, b2) = blossoms(b, index % b.functions());
+    unknowns.dot(&Row::new(1.0, a1, b1, a2, a1 * b1, b2))
+}
+
+/// The coefficients of x and x² for a B-spline.
+fn blossoms(knots: &Knots, function: usize) -> (f64, f64) {
+    let inner = &knots.as_slice()[function + 1..=function + knots.degree()];
+    let count = inner.len() as f64;
+    let sum: f64 = inner.iter().sum();
+    let squares: f64 = inner.iter().map(|knot| knot * knot).sum();
+    (sum / count, (sum * sum - squares) / (count * (count - 1.0)))
+}
