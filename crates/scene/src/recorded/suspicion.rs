@@ -93,6 +93,9 @@ pub(super) fn of_press(
 const FIT_BETTER: f64 = 4.0;
 const NO_NOISE: f64 = 0.2;
 
+/// Change of a displacement along the skin.
+type Change = fn([f64; 2]) -> [f64; 2];
+
 /// The mistake of signs or columns that displacements along the skin look like, where the fit does not follow them.
 pub(super) fn along_skin(
     fit: &ForwardFit,
@@ -114,7 +117,7 @@ pub(super) fn along_skin(
             .map_or(f64::INFINITY, |std| std * std),
         false => estimate.reduced_chi_squared,
     };
-    let changed = |change: fn([f64; 2]) -> [f64; 2]| {
+    let changed = |change: Change| {
         let along: Vec<[f64; 2]> = along.iter().map(|along| change(*along)).collect();
         let changed = Reading {
             tangential: Some(&along),
@@ -123,7 +126,7 @@ pub(super) fn along_skin(
         fit.estimate(&changed)
             .map_or(f64::INFINITY, |found| misfit(&found))
     };
-    let changes: [(&str, fn([f64; 2]) -> [f64; 2]); 4] = [
+    let changes: [(&str, Change); 4] = [
         ("tangential_x and tangential_y swapped", |[x, y]| [y, x]),
         ("the sign of tangential_x turned", |[x, y]| [-x, y]),
         ("the sign of tangential_y turned", |[x, y]| [x, -y]),
