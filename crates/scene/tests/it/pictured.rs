@@ -196,7 +196,7 @@ fn a_camera_that_moved_between_the_frames_is_told() {
     assert_eq!(told(&pressed), "");
     let shifted = told(&seen_from(&pressed, |x, y| [x - 4.0, y]));
     assert!(shifted.contains("moved by about (4.0, "), "{shifted}");
-    let (sine, cosine) = 0.04_f64.sin_cos();
+    let (sine, cosine) = libm::sincos(0.04);
     let turned = told(&seen_from(&pressed, |x, y| {
         let (x, y) = (x - 199.5, y - 199.5);
         [199.5 + cosine * x + sine * y, 199.5 - sine * x + cosine * y]
