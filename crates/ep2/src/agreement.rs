@@ -10,7 +10,7 @@ mod score_test;
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_chance::{Explained, LEFT, least_likely};
+use palpate_chance::least_likely;
 
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;
@@ -19,7 +19,7 @@ use crate::square::Square;
 use crate::square_quadric::SquareQuadric;
 use crate::{Doubt, Ep2Error, Fit, Jet, Noise, Patch};
 pub(crate) use score_test::Process;
-use score_test::{Products, Sums, Test, by_factors};
+use score_test::{ContactRest, Products, Rest, Sums, Test, Weighted};
 
 /// Observations of a contact: its height, and both slopes.
 const OBSERVED: usize = 3;
@@ -36,8 +36,6 @@ const MOST_CONTACTS: usize = 2000;
 const MOST_FINGERS: usize = 64;
 /// Most fingers for each of which the roughness is found anew: those that seem displaced most.
 const MOST_APART: usize = 8;
-/// Most contacts that are tested one by one: those with the largest residuals.
-const MOST_SUSPECTED: usize = 32;
 /// Noise of positions that is found below which it may be rounding, or what the series does not follow, in the patch's unit.
 const ROUNDING: f64 = 1e-4;
 /// Least share of the noise of normals that is found that is not from positions.
@@ -68,15 +66,6 @@ pub(crate) enum Apart {
 struct Variances {
     position: f64,
     normal: f64,
-}
-
-/// Observations of a contact in standard deviations.
-struct Weighted {
-    /// Deviation from the first surface.
-    values: DVector<f64>,
-    /// Slopes by the coefficients of the series.
-    slopes: DMatrix<f64>,
-    root: DMatrix<f64>,
 }
 
 impl Model<'_> {
@@ -204,41 +193,31 @@ impl Model<'_> {
     }
 
     /// The contact that contradicts the others most, and the probability that chance makes one of all do as much. Where noise is
-    /// found, a contact that is far off spoils that of positions and with it that of normals: its height and its slopes count one
-    /// by one then.
+    /// found, a contact that is far off spoils that of positions and with it that of normals, and makes the surface seem rough:
+    /// heights count beside heights then, and slopes beside slopes, each by as much as the fit leaves of it.
     fn stray(&self, test: &Test<'_>, variances: Variances) -> Result<(usize, f64), Ep2Error> {
         let mut far = Vec::new();
         for (place, sample) in self.samples().enumerate() {
-            let Weighted { values, slopes, .. } = self.weighted(sample, variances)?;
-            let slopes = by_factors(test.process, &slopes.transpose());
-            let residual = values - slopes.tr_mul(&test.factors);
-            far.push((place, residual, slopes));
+            far.push((place, test.rest(&self.weighted(sample, variances)?)));
         }
-        let count = far.len();
-        far.sort_by(|(_, one, _), (_, other, _)| {
-            other.norm_squared().total_cmp(&one.norm_squared())
-        });
-        let chances = far
+        let sums = far
             .iter()
-            .take(MOST_SUSPECTED)
-            .map(|(place, residual, slopes)| {
-                let rows = residual.len();
-                let left =
-                    DMatrix::identity(rows, rows) - slopes.tr_mul(&(&test.covariance * slopes));
-                let chance = |first: usize, rows: usize| {
-                    let left = left.view((first, first), (rows, rows)).into_owned();
-                    let residual = residual.rows(first, rows).into_owned();
-                    test.chance(Explained::by(&vec![1.0; rows], &left, &residual, LEFT))
-                };
-                let chance = match test.is_noise_trusted {
-                    true => chance(0, rows),
-                    false => (2.0 * chance(0, 1).min(chance(1, rows - 1))).min(1.0),
-                };
-                (place * self.step(), chance)
+            .fold([Rest::default(); 2], |[heights, slopes], (_, rest)| {
+                let [height, slope] = rest.by_kind;
+                [heights.plus(height), slopes.plus(slope)]
             });
-        let (contact, chance) = least_likely(chances);
-        let all = count as f64 / count.clamp(1, MOST_SUSPECTED) as f64;
-        Ok((contact, (chance * all).min(1.0)))
+        let chance = |(place, rest): &(usize, ContactRest)| {
+            let chance = match test.is_noise_trusted {
+                true => rest.all.p_value(),
+                false => {
+                    let kinds = rest.by_kind.iter().zip(&sums);
+                    let chances = kinds.map(|(own, all)| own.chance_beside(all));
+                    (2.0 * chances.fold(1.0, f64::min)).min(1.0)
+                }
+            };
+            (place * self.step(), chance)
+        };
+        Ok(least_likely(far.iter().map(chance)))
     }
 
     /// Variances of the contacts; `None` where they are found and nothing tells them from rounding, or of too few contacts.

@@ -38,12 +38,58 @@ impl Products {
     }
 }
 
+/// Observations of a contact in standard deviations.
+pub(super) struct Weighted {
+    /// Deviation from the first surface.
+    pub(super) values: DVector<f64>,
+    /// Slopes by the coefficients of the series.
+    pub(super) slopes: DMatrix<f64>,
+    pub(super) root: DMatrix<f64>,
+}
+
+/// Rest that a fit leaves of observations of one kind.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Rest {
+    /// Squares in standard deviations of what is left.
+    square: f64,
+    /// Number of observations that are left.
+    left: f64,
+    /// Number of observations.
+    count: usize,
+}
+
+impl Rest {
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            square: self.square + other.square,
+            left: self.left + other.left,
+            count: self.count + other.count,
+        }
+    }
+
+    /// Probability by chance of as much beside all of this kind, of which this is a part.
+    pub(super) fn chance_beside(&self, all: &Self) -> f64 {
+        let explained = Explained {
+            fall: self.square,
+            freedom: self.count,
+        };
+        explained.p_value_beside(all.square, all.left as usize)
+    }
+}
+
+/// Rest that a fit leaves of a contact.
+pub(super) struct ContactRest {
+    pub(super) all: Explained,
+    /// Rest of its height and of its slopes.
+    pub(super) by_kind: [Rest; 2],
+}
+
 /// A fit of quadric and process with all that its tests ask for.
 pub(super) struct Test<'p> {
-    pub(super) process: &'p Process,
-    pub(super) covariance: DMatrix<f64>,
+    process: &'p Process,
+    covariance: DMatrix<f64>,
     /// The most likely factors.
-    pub(super) factors: DVector<f64>,
+    factors: DVector<f64>,
     pub(super) goodness: GoodnessOfFit,
     /// Rest of all contacts, of which the process explains as much as it may, and its degrees of freedom.
     chi_squared: f64,
@@ -121,6 +167,32 @@ impl<'p> Test<'p> {
         })
     }
 
+    /// Rest of a contact.
+    pub(super) fn rest(&self, contact: &Weighted) -> ContactRest {
+        let slopes = by_factors(self.process, &contact.slopes.transpose());
+        let residual = &contact.values - slopes.tr_mul(&self.factors);
+        let rows = residual.len();
+        let left = DMatrix::identity(rows, rows) - slopes.tr_mul(&(&self.covariance * &slopes));
+        let part = |first: usize, rows: usize| {
+            let left = left.view((first, first), (rows, rows)).into_owned();
+            let residual = residual.rows(first, rows).into_owned();
+            let explained = Explained::by(&vec![1.0; rows], &left, &residual, LEFT);
+            (explained, left.trace())
+        };
+        let of_kind = |first: usize, rows: usize| {
+            let (Explained { fall, freedom }, left) = part(first, rows);
+            Rest {
+                square: fall,
+                left,
+                count: freedom,
+            }
+        };
+        ContactRest {
+            all: part(0, rows).0,
+            by_kind: [of_kind(0, 1), of_kind(1, rows - 1)],
+        }
+    }
+
     /// Probability by chance of as much of patterns as the contacts have, after the factors have taken what they can.
     pub(super) fn chance_of(&self, products: &Products) -> f64 {
         let by_slopes = by_factors(self.process, &products.by_slopes);
@@ -132,7 +204,7 @@ impl<'p> Test<'p> {
     }
 
     /// Probability by chance of as much that patterns explain.
-    pub(super) fn chance(&self, explained: Explained) -> f64 {
+    fn chance(&self, explained: Explained) -> f64 {
         match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
@@ -141,7 +213,7 @@ impl<'p> Test<'p> {
 }
 
 /// Rows of the coefficients of a series as those of the factors of quadric and process.
-pub(super) fn by_factors(process: &Process, rows: &DMatrix<f64>) -> DMatrix<f64> {
+fn by_factors(process: &Process, rows: &DMatrix<f64>) -> DMatrix<f64> {
     let rough = rows.nrows() - UNKNOWNS;
     let mut all = DMatrix::zeros(UNKNOWNS + process.ncols(), rows.ncols());
     all.rows_mut(0, UNKNOWNS).copy_from(&rows.rows(0, UNKNOWNS));

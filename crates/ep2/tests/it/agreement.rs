@@ -218,10 +218,16 @@ fn a_finger_of_three_is_told_from_the_roughness_that_it_looks_like() {
 
 #[test]
 fn a_contact_that_strays_is_told() {
-    for noise in [told(&SWEEP), Noise::default()] {
+    // One that is far off is no roughness either.
+    let cases = [
+        (told(&SWEEP), 0.2),
+        (Noise::default(), 0.2),
+        (Noise::default(), 3.0),
+    ];
+    for (noise, off) in cases {
         let named = (0..20).filter(|&trial| {
             let mut contacts = SWEEP.contacts(SADDLE, trial);
-            contacts[16].position.z += 0.2;
+            contacts[16].position.z += off;
             let doubts = agreement(&penalised(noise), &contacts).doubts;
             let told = doubts.iter().find_map(|doubt| match doubt {
                 Doubt::StrayContact { contact, .. } => Some(*contact),

@@ -207,10 +207,19 @@ fn a_cell_in_which_every_trial_fails_still_has_rows() {
     let lines = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\nnoise";
     let desk = Desk::with(&edited(STUDY, "noise", lines));
     // On the wide sphere the contact runs off the pads; on the small one it does not get there.
-    let printed = desk.palpate("run c.toml --out o").printed();
+    let ended = desk.palpate("run c.toml --out o");
     assert_eq!(
-        printed,
-        "a-study: 2 cells, 40 trials, 20 failed (beyond-pads 20) -> o\n"
+        (ended.status, ended.stdout.as_str()),
+        (
+            Some(0),
+            "a-study: 2 cells, 40 trials, 20 failed (beyond-pads 20) -> o\n"
+        )
+    );
+    assert!(
+        ended
+            .stderr
+            .contains("trials fail as `beyond-pads` (cell 0)"),
+        "{ended:?}"
     );
     assert_eq!(
         desk.read("o/failures.csv"),
