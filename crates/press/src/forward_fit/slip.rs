@@ -45,7 +45,6 @@ impl Problem<'_> {
         let contact = self.contact(state)?;
         let components = if self.uses_tangential() { 3 } else { 1 };
         let slopes = self.slopes(state)?;
-        let sums = self.sums(state)?;
         let variance = covariance[(CURVATURE, CURVATURE)];
         let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
             let residuals = self.residuals_at(&contact, state, marker);
@@ -57,10 +56,13 @@ impl Problem<'_> {
                 square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
                 moves += by[CURVATURE] * by[CURVATURE];
             }
-            if left < ALONE && matters(moves, variance) {
+            if left < ALONE
+                && matters(moves, variance)
+                && let Ok(all) = self.sums(state)
+            {
                 let without = self.without(marker, state);
                 let chi_squared = without.map_or(f64::INFINITY, |(_, _, sums)| sums.chi_squared);
-                square = square.max(sums.chi_squared - chi_squared);
+                square = square.max(all.chi_squared - chi_squared);
             }
             let explained = Explained {
                 fall: square,
