@@ -111,7 +111,7 @@ pub fn estimate_pictures(
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =
         indentation.and_then(|told| Contradiction::of(widened.alone(), told, scene.unit()));
-    let is_contradicted = contradiction.is_some();
+    let is_contradicted = contradiction.as_ref().is_some_and(Contradiction::is_told);
     if let Some(contradiction) = &contradiction {
         widened.doubts = contradiction.doubts(widened.doubts);
     }
