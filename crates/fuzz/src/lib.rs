@@ -133,7 +133,7 @@ pub fn readings(bytes: &[u8]) -> Verdict {
     });
     let press = whole(recorded::parse_press(file())).map(|readings| {
         let mut options = PressOptions {
-            marker_depth: 2.0,
+            marker_depth: Some(2.0),
             indentation: Some(1.0),
             normal_std: Some(0.05),
             tangential_std: Some(0.02),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_chance::Share;
+use palpate_chance::{GoodnessOfFit, Share};
 use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model of a press. Where the model holds each arises by chance in
@@ -51,6 +51,13 @@ impl Doubt {
     /// Probability by chance of all that depends on distance and direction together, or of presses in a row, below which the
     /// likeliest cause is told.
     pub const LEVEL_OF_ALL: f64 = palpate_chance::DOUBTED_BY_ALL;
+
+    /// Doubts where only the size of the residuals can be tested.
+    pub(crate) fn of_size(goodness: Option<GoodnessOfFit>) -> Vec<Self> {
+        let doubted = goodness.filter(|goodness| goodness.p_value < Self::LEVEL);
+        let large = doubted.map(|GoodnessOfFit { p_value, .. }| Self::LargeResiduals { p_value });
+        large.into_iter().collect()
+    }
 
     /// The stable name.
     pub fn name(self) -> &'static str {

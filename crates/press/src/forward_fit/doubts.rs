@@ -41,16 +41,11 @@ impl ForwardFit {
         }
         problem.normal_std = estimate.normal_std;
         problem.tangential_std = estimate.tangential_std.unwrap_or(problem.tangential_std);
-        let large = Doubt::LargeResiduals {
-            p_value: estimate.goodness.map_or(1.0, |goodness| goodness.p_value),
-        };
+        let large = estimate.goodness.map_or(1.0, |goodness| goodness.p_value);
         match Test::new(&problem, &state)? {
             // Patterns are sought about the best of all fits, which a press that is not seen is not.
             Some(test) if estimate.is_seen => test.doubts(large),
-            _ => {
-                let is_large = large.p_value() < Doubt::LEVEL;
-                Ok(is_large.then_some(large).into_iter().collect())
-            }
+            _ => Ok(Doubt::of_size(estimate.goodness)),
         }
     }
 }
@@ -78,7 +73,7 @@ impl<'p, 'a> Test<'p, 'a> {
         }))
     }
 
-    fn doubts(&self, large: Doubt) -> Result<Vec<Doubt>, PressError> {
+    fn doubts(&self, large: f64) -> Result<Vec<Doubt>, PressError> {
         let (problem, state) = (self.problem, self.state);
         let slipped = problem.slipped(state, &self.covariance, &self.noise)?;
         let doubts = self.beside(slipped, large)?;
@@ -95,10 +90,10 @@ impl<'p, 'a> Test<'p, 'a> {
     }
 
     /// Doubts by the markers that count, beside a marker that may have slipped.
-    fn beside(&self, slipped: (usize, f64), large: Doubt) -> Result<Vec<Doubt>, PressError> {
+    fn beside(&self, slipped: (usize, f64), large: f64) -> Result<Vec<Doubt>, PressError> {
         let products = self.products()?;
         let score = Score::new(&products, &self.covariance, &self.gradient, self.noise);
-        Ok(score.doubts(self.indentation(), slipped, large.p_value()))
+        Ok(score.doubts(self.indentation(), slipped, large))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {

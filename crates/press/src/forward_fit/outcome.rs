@@ -6,7 +6,6 @@ use super::bias::relative_bias;
 use super::problem::{
     ACROSS, ALONG, BASELINE, CURVATURE, GAIN, INDENTATION, Problem, Square, State, Sums,
 };
-use super::settings::Prior;
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate, Verdict};
 
 /// The estimate at the least sum of squares; `limit` is half the width of a 95 % interval in standard deviations.
@@ -39,7 +38,6 @@ pub(super) fn outcome(
         std: stds.relative_curvature * (unbiased / contact.relative_curvature),
         interval,
     };
-    let freedom = problem.equations() - problem.unknowns();
     let nuisance = |index: usize, value: f64| {
         problem.sought[index].then(|| around(value, covariance[(index, index)].sqrt()))
     };
@@ -64,7 +62,7 @@ pub(super) fn outcome(
         normal_std: problem.normal_std,
         tangential_std: problem.uses_tangential().then_some(problem.tangential_std),
         r_squared: problem.r_squared(state)?,
-        reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
+        reduced_chi_squared: sums.chi_squared / problem.freedom().max(1) as f64,
         goodness: problem.goodness(sums),
         is_seen: true,
         only_marker: None,
@@ -75,18 +73,8 @@ pub(super) fn outcome(
 impl Problem<'_> {
     /// Goodness of a fit whose noise is stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
-        let fit = self.fit;
-        let is_given = [
-            (INDENTATION, self.reading.indentation.is_some()),
-            (BASELINE, matches!(fit.baseline, Prior::Within(_))),
-            (GAIN, matches!(fit.gain, Prior::Within(_))),
-        ];
-        let given = is_given
-            .iter()
-            .filter(|(index, is_given)| *is_given && self.sought[*index]);
-        let freedom = (self.equations() + given.count()).saturating_sub(self.unknowns());
-        (self.knows_noise() && !fit.body.is_approximate())
-            .then(|| GoodnessOfFit::new(sums.chi_squared, freedom))
+        (self.knows_noise() && !self.fit.body.is_approximate())
+            .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
     }
 
     /// The share of the variance of the normal displacements that count which the model explains.

@@ -23,7 +23,7 @@ impl Problem<'_> {
         if self.knows_noise() {
             return 2.0 * odds;
         }
-        let freedom = self.equations().saturating_sub(self.unknowns()).max(1) as f64;
+        let freedom = self.freedom().max(1) as f64;
         freedom * libm::expm1(2.0 * odds / freedom)
     }
 
@@ -58,8 +58,7 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>
         let squares = (0..problem.kept.len())
             .filter(|_| problem.knows_noise())
             .map(|marker| squared(problem.readings_of(marker, baseline)));
-        let each = if problem.uses_tangential() { 3 } else { 1 };
-        return Err(unexplained((improvement, needed), squares, each));
+        return Err(unexplained((improvement, needed), squares, problem.components()));
     }
     let is_alone = most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS;
     Ok(is_alone.then_some(marker))
@@ -69,18 +68,16 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// Normal displacement of all markers where nothing touches: the mean reading, or 0 if the baseline is known to be
-/// exact.
+/// Normal displacement of all markers where nothing touches: the likeliest by the mean reading and by what is known of it.
 fn resting(problem: &Problem<'_>) -> f64 {
-    if problem.fit.baseline == Prior::Exact {
-        return 0.0;
-    }
-    let kept = problem.reading.normal.iter().zip(&problem.kept);
-    let (sum, count) = kept
-        .filter(|(_, kept)| **kept)
-        .fold((0.0, 0.0), |(sum, count), (value, _)| {
-            (sum + value, count + 1.0)
-        });
+    // Readings that count as much as what is known beforehand, which is of 0.
+    let known = match problem.fit.baseline {
+        Prior::Exact => return 0.0,
+        Prior::Within(std) => (problem.normal_std / std).powi(2),
+        Prior::Free => 0.0,
+    };
+    let kept = problem.counting().map(|marker| problem.reading.normal[marker]);
+    let (sum, count) = kept.fold((0.0, known), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 

@@ -103,14 +103,52 @@ impl<'a> Problem<'a> {
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
+    /// Number of displacements of each marker that are read.
+    pub(super) fn components(&self) -> usize {
+        if self.uses_tangential() { 3 } else { 1 }
+    }
+
     /// Number of equations from the markers that count.
     pub(super) fn equations(&self) -> usize {
-        let each = if self.uses_tangential() { 3 } else { 1 };
-        each * self.counting().count()
+        self.components() * self.counting().count()
     }
 
     pub(super) fn unknowns(&self) -> usize {
         self.sought.iter().filter(|&&sought| sought).count()
+    }
+
+    /// Refuses markers that do not determine the unknowns, and the noise where it is found.
+    ///
+    /// # Errors
+    /// [`PressError::TooFewMarkers`].
+    pub(super) fn determined(&self) -> Result<(), PressError> {
+        let is_noise_found = self.fit.normal_std.is_none_or(|std| std == 0.0);
+        let (equations, needed) = (
+            self.equations(),
+            self.unknowns() + usize::from(is_noise_found),
+        );
+        if equations >= needed {
+            return Ok(());
+        }
+        Err(PressError::TooFewMarkers {
+            markers: self.counting().count(),
+            equations,
+            needed,
+        })
+    }
+
+    /// Degrees of freedom: equations, and unknowns that are known beforehand, beyond the unknowns.
+    pub(super) fn freedom(&self) -> usize {
+        let fit = self.fit;
+        let is_known = [
+            (INDENTATION, self.reading.indentation.is_some()),
+            (BASELINE, matches!(fit.baseline, Prior::Within(_))),
+            (GAIN, matches!(fit.gain, Prior::Within(_))),
+        ];
+        let known = is_known
+            .iter()
+            .filter(|(unknown, is_known)| *is_known && self.sought[*unknown]);
+        (self.equations() + known.count()).saturating_sub(self.unknowns())
     }
 
     /// The markers as seen from a place.

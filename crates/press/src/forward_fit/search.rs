@@ -1,7 +1,7 @@
 //! The search for an estimate from readings: start, robust fit, wrong markers, noise, intervals.
 
 use nalgebra::Vector3;
-use palpate_chance::NORMAL_95;
+use palpate_chance::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::minimise::{EXACTLY, minimise};
 use super::misfit::Misfit;
@@ -142,15 +142,7 @@ fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
 impl<'a> Search<'a> {
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Result<Self, PressError> {
         let mut problem = Problem::new(fit, reading);
-        let (equations, needed) = (problem.equations(), problem.unknowns());
-        let free_noise = usize::from(fit.normal_std.is_none_or(|std| std == 0.0));
-        if equations < needed + free_noise {
-            return Err(PressError::TooFewMarkers {
-                markers: reading.normal.len(),
-                equations,
-                needed: needed + free_noise,
-            });
-        }
+        problem.determined()?;
         let least = reading.normal.iter().copied().fold(f64::INFINITY, f64::min);
         let most = reading
             .normal
@@ -231,9 +223,7 @@ impl<'a> Search<'a> {
             // Without it the others say what a needle under it would not contradict.
             problem.kept[marker] = false;
         }
-        if problem.equations() < problem.unknowns() {
-            return None;
-        }
+        problem.determined().ok()?;
         let unseen = Unseen::new(&problem)?;
         let mut missed = self.clone();
         if let Some(mut state) = unseen.likeliest()
@@ -488,14 +478,11 @@ impl<'a> Search<'a> {
             normal.push((inward * problem.normal_std).abs());
             tangential.extend([x, y].map(|along| (along * problem.tangential_std).abs()));
         }
-        let equations = problem.equations() as f64;
-        let freedom = equations - problem.unknowns() as f64;
-        let correction = (equations / freedom.max(1.0)).sqrt();
+        let correction = (problem.equations() as f64 / problem.freedom().max(1) as f64).sqrt();
         let floor = EXACT * self.largest;
         let std = |residuals: &[f64]| {
-            // The median of |x| is 0.6745 standard deviations.
             let raw = if robustly {
-                median(residuals) / 0.674_489_750_196_082
+                median(residuals) / HALF_WIDTHS[0]
             } else {
                 let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
                 (squares / residuals.len().max(1) as f64).sqrt()
@@ -530,37 +517,15 @@ impl<'a> Search<'a> {
                 problem.kept[marker] = false;
             }
         }
-        let (equations, needed) = (problem.equations(), problem.unknowns());
-        if equations < needed {
-            return Err(PressError::TooFewMarkers {
-                markers: problem.counting().count(),
-                equations,
-                needed,
-            });
-        }
-        Ok(())
+        problem.determined()
     }
 
     /// The half-width of a 95 % interval, in standard deviations.
     fn limit(&self) -> f64 {
         if self.find_normal {
-            student_95(self.problem.equations() - self.problem.unknowns())
+            student_half_width(0.95, self.problem.freedom())
         } else {
             NORMAL_95
         }
     }
-}
-
-/// The quantile of Student's t for a two-sided interval of 95 % (Fisher's expansion; within 1e-3 from 4 degrees of
-/// freedom, on the long side of it below).
-fn student_95(freedom: usize) -> f64 {
-    const FEW: [f64; 4] = [12.706_205, 12.706_205, 4.302_653, 3.182_446];
-    if let Some(exact) = FEW.get(freedom) {
-        return *exact;
-    }
-    let (z, n) = (NORMAL_95, freedom as f64);
-    let (z3, z5, z7) = (z.powi(3), z.powi(5), z.powi(7));
-    z + (z3 + z) / (4.0 * n)
-        + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
-        + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n)
 }

@@ -1,5 +1,6 @@
 //! Markers that contradict the others.
 
+use nalgebra::{DMatrix, DVector};
 use palpate_chance::{Explained, LEFT, least_likely};
 
 use super::minimise::{EXACTLY, minimise};
@@ -20,7 +21,7 @@ impl Problem<'_> {
     /// Noise that residuals of a fit are judged by; `None` of a Gaussian, which is no body, where there are hardly more equations
     /// than unknowns, and where the noise that is found may be rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
-        let freedom = self.equations().saturating_sub(self.unknowns());
+        let freedom = self.freedom();
         let largest = self.reading.normal.iter();
         let largest = largest.fold(0.0, |most: f64, one| most.max(one.abs()));
         let is_rounding = !self.knows_noise() && self.normal_std <= ROUNDING * largest;
@@ -43,32 +44,33 @@ impl Problem<'_> {
         noise: &Noise,
     ) -> Result<(usize, f64), PressError> {
         let contact = self.contact(state)?;
-        let components = if self.uses_tangential() { 3 } else { 1 };
+        let components = self.components();
         let slopes = self.slopes(state)?;
         let variance = covariance[(CURVATURE, CURVATURE)];
         let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
-            let residuals = self.residuals_at(&contact, state, marker);
-            let (mut square, mut moves, mut left) = (0.0, 0.0, 1.0_f64);
-            for (residual, slopes) in residuals.iter().zip(&slopes) {
-                let slopes = self.of_sought(slopes);
-                let by = covariance * slopes;
-                left = left.min(1.0 - slopes.dot(&by));
-                square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
-                moves += by[CURVATURE] * by[CURVATURE];
+            let slopes = slopes.map(|slopes| self.of_sought(&slopes));
+            let by = slopes.map(|slopes| covariance * slopes);
+            let moves = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
+            if !matters(moves, variance) {
+                return None;
             }
-            if left < ALONE
-                && matters(moves, variance)
+            let left = DMatrix::from_fn(components, components, |one, other| {
+                f64::from(u8::from(one == other)) - slopes[one].dot(&by[other])
+            });
+            let residuals = self.residuals_at(&contact, state, marker);
+            let residuals = DVector::from_column_slice(&residuals[..components]);
+            let mut explained = Explained::by(&[1.0; 3][..components], &left, &residuals, LEFT);
+            if left.diagonal().min() < ALONE
                 && let Ok(all) = self.sums(state)
             {
                 let without = self.without(marker, state);
                 let chi_squared = without.map_or(f64::INFINITY, |(_, _, sums)| sums.chi_squared);
-                square = square.max(all.chi_squared - chi_squared);
+                explained = Explained {
+                    fall: explained.fall.max(all.chi_squared - chi_squared),
+                    freedom: components,
+                };
             }
-            let explained = Explained {
-                fall: square,
-                freedom: components,
-            };
-            matters(moves, variance).then(|| (marker, noise.chance(explained)))
+            Some((marker, noise.chance(explained)))
         };
         let counting = self.counting().zip(slopes);
         Ok(least_likely(counting.filter_map(chance)))
@@ -78,9 +80,7 @@ impl Problem<'_> {
     pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
         let mut others = self.clone();
         others.kept[marker] = false;
-        if others.equations() < others.unknowns() {
-            return None;
-        }
+        others.determined().ok()?;
         let (state, sums) = minimise(&others, *state, EXACTLY, None).ok()?;
         Some((others, state, sums))
     }

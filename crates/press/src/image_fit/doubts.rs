@@ -32,8 +32,11 @@ impl<V: View + Clone> ImageFit<V> {
         self.check(rest, seen, indentation)?;
         let mut problem = Problem::new(self, rest, seen, indentation)?;
         problem.leave_out(&estimate.wrong_markers);
-        if problem.equations() <= problem.unknowns() {
+        let Some(goodness) = estimate.goodness else {
             return Ok(Vec::new());
+        };
+        if problem.equations() <= problem.unknowns() {
+            return Ok(Doubt::of_size(estimate.goodness));
         }
         let state = State {
             log_curvature: libm::log(estimate.most_likely_curvature),
@@ -42,11 +45,10 @@ impl<V: View + Clone> ImageFit<V> {
             shift: [0.0; 2],
         };
         let best = settle(&mut problem, state)?;
-        let Some(goodness) = estimate.goodness else {
-            return Ok(Vec::new());
-        };
-        let test = Test::new(&problem, &best);
-        test.map_or(Ok(Vec::new()), |test| test.doubts(goodness))
+        match Test::new(&problem, &best) {
+            Some(test) => test.doubts(goodness),
+            None => Ok(Doubt::of_size(estimate.goodness)),
+        }
     }
 }
 

@@ -30,7 +30,8 @@ const LEARNT: usize = 5;
 /// Fall of chi-squared by a step about a sensor that was just learnt, below which the next would change nothing that counts: a
 /// twentieth of a standard deviation, of which the next would be a small part.
 const SETTLED: f64 = 2.5e-3;
-/// Least improvement of chi-squared by a contact, against none, that counts as one.
+/// Least improvement of chi-squared by a contact, against none, that counts as one: what displacements of 240 markers need, since
+/// chance may move each number of a marker's picture.
 const SEEN: f64 = 16.0;
 /// Standard deviation of the logarithm of the curvature from which on pictures leave any needle.
 const ANY: f64 = 10.0;
@@ -364,7 +365,7 @@ fn outcome<V: View + Clone>(
     let skin = problem.fit.markers.skin();
     let curvature = contact.relative_curvature;
     let log_variance = variance(CURVATURE, CURVATURE);
-    let freedom = (problem.equations() - problem.unknowns()).max(1);
+    let goodness = problem.goodness(best);
     // The interval goes with the mean.
     let factor = libm::exp(problem.mean_beside(weighed, covariance));
     let Interval { low, high } = interval;
@@ -397,8 +398,8 @@ fn outcome<V: View + Clone>(
         normal_std: best.normal_std(),
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
-        reduced_chi_squared: best.sums.chi_squared / freedom as f64,
-        goodness: Some(problem.goodness(best)),
+        reduced_chi_squared: goodness.chi_squared / goodness.freedom.max(1) as f64,
+        goodness: Some(goodness),
         is_seen: true,
         only_marker: None,
         verdict: Verdict::of(interval, skin.curvature()),

@@ -93,7 +93,7 @@ impl Reader {
             unit: *unit,
             sensor: SensorOptions {
                 radius: options.sensor_radius,
-                depth: options.marker_depth,
+                depth: options.depth(),
                 px_per_rad,
             },
             options: Box::new(options),

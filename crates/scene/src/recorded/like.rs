@@ -186,7 +186,7 @@ impl PressOptions {
             ..
         } = *probe;
         Self {
-            marker_depth,
+            marker_depth: Some(marker_depth),
             ..Self::new(radius)
         }
     }

@@ -20,8 +20,8 @@ use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressMod
 pub struct PressOptions {
     /// Radius of the skin, length.
     pub sensor_radius: f64,
-    /// Depth of the markers under the skin, length.
-    pub marker_depth: f64,
+    /// Depth of the markers under the skin, length; where it is `None`, they are taken to lie at its surface, with a warning.
+    pub marker_depth: Option<f64>,
     /// Model of the sensor's soft body: what the estimator leaves out is its, and a Gaussian is calibrated on it.
     pub model: PressModelConfig,
     /// The estimator. Whether it is given the indentation is told by [`Self::indentation`] and not by its own setting: a
@@ -49,7 +49,7 @@ impl PressOptions {
     pub fn new(sensor_radius: f64) -> Self {
         Self {
             sensor_radius,
-            marker_depth: 0.0,
+            marker_depth: None,
             model: PressModelConfig::default(),
             estimator: PressEstimatorConfig::default(),
             indentation: None,
@@ -59,6 +59,11 @@ impl PressOptions {
             young: None,
             length_unit: None,
         }
+    }
+
+    /// Depth of the markers under the skin, length: 0 where it is not stated.
+    pub fn depth(&self) -> f64 {
+        self.marker_depth.unwrap_or_default()
     }
 }
 
@@ -128,6 +133,7 @@ pub fn estimate_press(
     );
     let warnings = [
         suspicion(recorded, options, unit),
+        at_surface(options, wording),
         mistake,
         contradiction.map(|contradiction| contradiction.words),
         stated.and_then(|(_, warning)| warning),
@@ -222,7 +228,7 @@ struct Fits {
 impl Fits {
     fn new(options: &PressOptions, markers: &Markers) -> Result<Self, PressError> {
         let model = options.model.reference();
-        let body = body_of(&model, options.marker_depth, Body::bonded_layer)?;
+        let body = body_of(&model, options.depth(), Body::bonded_layer)?;
         let assumed = Assumed {
             estimator: &options.estimator,
             model: &model,
@@ -230,7 +236,7 @@ impl Fits {
             shared: model.thickness(),
             layer: &Body::bonded_layer,
             markers,
-            marker_depth: options.marker_depth,
+            marker_depth: options.depth(),
             calibrated_at: options.indentation,
             knows_indentation: options.indentation.is_some(),
             stds: [options.normal_std, options.tangential_std],
@@ -246,6 +252,16 @@ impl Fits {
         };
         Ok(Self { fit, alone })
     }
+}
+
+/// The warning of a depth that is not stated.
+fn at_surface(options: &PressOptions, wording: Wording) -> Option<String> {
+    options.marker_depth.is_none().then(|| {
+        format!(
+            "the depth of the markers is not stated: they are taken to lie at the skin's surface; the readings may not tell that they lie deeper, and the curvature is wrong then ({})",
+            wording.name("depth")
+        )
+    })
 }
 
 /// The mistake of sign or unit that the readings look like.

@@ -127,7 +127,7 @@ impl Case {
         let (csv, told) = self.press(press, off);
         let readings = parse_press(RecordedFile::new("press.csv", csv.into_bytes())).unwrap();
         let options = PressOptions {
-            marker_depth: DEPTH,
+            marker_depth: Some(DEPTH),
             estimator: estimator(self.is_layer),
             indentation: Some(told),
             normal_std: self.is_stated.then_some(self.std),
@@ -185,7 +185,7 @@ fn a_bare_indentation_has_a_standard_deviation() {
     let readings = parse_press(RecordedFile::new("press.csv", readings)).unwrap();
     let told = |indentation_std: f64| {
         let options = PressOptions {
-            marker_depth: DEPTH,
+            marker_depth: Some(DEPTH),
             estimator: PressEstimatorConfig::HalfSpace {
                 poisson: None,
                 indentation: Indentation::Known,

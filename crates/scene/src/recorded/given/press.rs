@@ -98,7 +98,7 @@ impl PressOptions {
         let told = |std: Option<f64>| std.filter(|_| is_stated);
         let options = Self {
             sensor_radius: given.sensor_radius.unwrap_or(base.sensor_radius),
-            marker_depth: given.depth.unwrap_or(base.marker_depth),
+            marker_depth: given.depth.or(base.marker_depth),
             model,
             estimator,
             indentation: given.indentation,
@@ -233,7 +233,7 @@ pub(super) fn possible(options: &PressOptions, wording: Wording) -> Result<(), G
         let expected = format!("{bound} {}, {}", wording.name(what), Number(limit));
         Err(wording.bad(key, value, &expected))
     };
-    let (depth, radius) = (options.marker_depth, options.sensor_radius);
+    let (depth, radius) = (options.depth(), options.sensor_radius);
     let of_sensor = ("sensor_radius", radius);
     if depth >= radius {
         return refuse("depth", depth, "less than", of_sensor);

@@ -111,7 +111,7 @@ fn press(number: &str, sensor_radius: f64) -> Result<Vec<f64>, RecordedError> {
         text += &format!("{x},{y},{moved}\n");
     }
     let options = PressOptions {
-        marker_depth: 2.0,
+        marker_depth: Some(2.0),
         indentation: Some(1.2),
         ..PressOptions::new(sensor_radius)
     };

@@ -204,7 +204,7 @@ impl Calibrated {
         Ok(Self {
             sensor: SensorOptions {
                 radius: estimate.sensor_radius,
-                depth: estimate.marker_depth,
+                depth: estimate.depth(),
                 px_per_rad: args.px_per_rad,
             },
             estimate,
