@@ -58,7 +58,11 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>
         let squares = (0..problem.kept.len())
             .filter(|_| problem.knows_noise())
             .map(|marker| squared(problem.readings_of(marker, baseline)));
-        return Err(unexplained((improvement, needed), squares, problem.components()));
+        return Err(unexplained(
+            (improvement, needed),
+            squares,
+            problem.components(),
+        ));
     }
     let is_alone = most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS;
     Ok(is_alone.then_some(marker))
@@ -76,8 +80,12 @@ fn resting(problem: &Problem<'_>) -> f64 {
         Prior::Within(std) => (problem.normal_std / std).powi(2),
         Prior::Free => 0.0,
     };
-    let kept = problem.counting().map(|marker| problem.reading.normal[marker]);
-    let (sum, count) = kept.fold((0.0, known), |(sum, count), value| (sum + value, count + 1.0));
+    let kept = problem
+        .counting()
+        .map(|marker| problem.reading.normal[marker]);
+    let (sum, count) = kept.fold((0.0, known), |(sum, count), value| {
+        (sum + value, count + 1.0)
+    });
     sum / count
 }
 
