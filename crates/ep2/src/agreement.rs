@@ -46,6 +46,8 @@ pub(crate) struct Model<'a> {
     pub(crate) patch: &'a Patch,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
+    /// Quadric that is as good a part of the fit as any: what is beside it keeps more digits.
+    pub(crate) quadric: &'a SquareQuadric,
     /// Noise that is stated.
     pub(crate) told: &'a Noise,
     /// Degree of the series that the surface is.
@@ -125,8 +127,8 @@ impl Model<'_> {
         let known = self.told.in_patch(&self.patch.frame)?;
         let quadric = SquareQuadric::of(&positions, &self.square, &known).ok();
         let patterns = |sample: &Sample, jet: &Jet| {
-            let of_quadric = |quadric: &SquareQuadric| quadric.slopes(&self.square, sample);
-            let [p, q] = quadric.as_ref().map_or([jet.u, jet.v], of_quadric);
+            let of_quadric = |quadric: &SquareQuadric| quadric.at(&self.square, sample);
+            let [_, p, q] = quadric.as_ref().map_or([jet.w, jet.u, jet.v], of_quadric);
             let (u, v) = (sample.u, sample.v);
             DMatrix::from_row_slice(
                 OBSERVED,
@@ -211,8 +213,8 @@ impl Model<'_> {
                 true => rest.all.p_value(),
                 false => {
                     let kinds = rest.by_kind.iter().zip(&sums);
-                    let chances = kinds.map(|(own, all)| own.chance_beside(all));
-                    (2.0 * chances.fold(1.0, f64::min)).min(1.0)
+                    let kinds = kinds.filter(|(own, _)| own.is_there());
+                    least_likely(kinds.map(|(own, all)| (*place, own.chance_beside(all)))).1
                 }
             };
             (place * self.step(), chance)
@@ -269,14 +271,16 @@ impl Model<'_> {
             .root(sample, &jet, variances)
             .ok_or(Ep2Error::OutOfRange)?;
         let rows = root.nrows();
-        let read = match sample.slopes {
-            Some([along_u, along_v]) => vec![sample.w, along_u, along_v],
-            None => vec![sample.w],
+        let [height, p, q] = self.quadric.at(&self.square, sample);
+        let height = sample.w - height;
+        let deviations = match sample.slopes {
+            Some([along_u, along_v]) => vec![height, along_u - p, along_v - q],
+            None => vec![height],
         };
         let slopes = series(self.square, self.degree, sample)
             .rows(0, rows)
             .into_owned();
-        let values = DVector::from_vec(read);
+        let values = DVector::from_vec(deviations);
         Ok(Weighted {
             values: root
                 .solve_lower_triangular(&values)

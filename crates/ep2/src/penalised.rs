@@ -92,6 +92,7 @@ impl Method for Penalised {
             patch,
             square: estimated.square,
             fit: &estimated.fit,
+            quadric: &estimated.quadric,
             told: &self.noise,
             degree,
         };

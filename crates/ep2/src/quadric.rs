@@ -37,6 +37,27 @@ pub struct Quadric {
 
 impl Method for Quadric {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        Ok(self.fitted(patch)?.0)
+    }
+
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        let (fit, quadric) = self.fitted(patch)?;
+        let model = Model {
+            patch,
+            square: Square::of(patch),
+            fit: &fit,
+            quadric: &quadric,
+            told: &self.noise,
+            degree: 2,
+        };
+        let none = DMatrix::zeros(0, 0);
+        model.agreement(&none, |_| Ok(none.clone()))
+    }
+}
+
+impl Quadric {
+    /// The fit, and the quadric over the patch's square that it is.
+    fn fitted(&self, patch: &Patch) -> Result<(Fit, SquareQuadric), Ep2Error> {
         let square = Square::of(patch);
         let known = self.noise.in_patch(&patch.frame)?;
         let quadric = SquareQuadric::of(patch, &square, &known)?;
@@ -46,7 +67,7 @@ impl Method for Quadric {
             let covariance = DMatrix::from_column_slice(UNKNOWNS, UNKNOWNS, covariance.as_slice());
             Posterior::new(square, 2, &quadric.series(), &covariance)
         });
-        Ok(Fit {
+        let fit = Fit {
             frame: patch.frame,
             domain: patch.domain,
             spline: TensorSpline {
@@ -58,18 +79,7 @@ impl Method for Quadric {
             noise: quadric.noise,
             effective_unknowns: UNKNOWNS as f64,
             status: None,
-        })
-    }
-
-    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        let model = Model {
-            patch,
-            square: Square::of(patch),
-            fit: &self.fit(patch)?,
-            told: &self.noise,
-            degree: 2,
         };
-        let none = DMatrix::zeros(0, 0);
-        model.agreement(&none, |_| Ok(none.clone()))
+        Ok((fit, quadric))
     }
 }

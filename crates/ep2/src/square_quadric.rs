@@ -154,12 +154,12 @@ impl SquareQuadric {
         ]
     }
 
-    /// Slopes along u and v at a contact.
-    pub(crate) fn slopes(&self, square: &Square, sample: &Sample) -> [f64; 2] {
+    /// Height and slopes along u and v at a contact.
+    pub(crate) fn at(&self, square: &Square, sample: &Sample) -> [f64; 3] {
         let [a, b] = square.place([sample.u, sample.v]);
         let [half_u, half_v] = square.half();
-        let [_, along_a, along_b] = self.value_and_slopes(a, b);
-        [along_a / half_u, along_b / half_v]
+        let [height, along_a, along_b] = self.value_and_slopes(a, b);
+        [height, along_a / half_u, along_b / half_v]
     }
 
     /// The observations of a patch that is nearly this quadric, of its deviation from it.

@@ -15,7 +15,7 @@ pub(super) struct Products {
     pub(super) by_patterns: DMatrix<f64>,
     /// With slopes by the coefficients of the series, a column for each pattern.
     pub(super) by_slopes: DMatrix<f64>,
-    /// With the deviations.
+    /// With the deviations from the quadric.
     pub(super) by_values: DVector<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Products {
 
 /// Observations of a contact in standard deviations.
 pub(super) struct Weighted {
-    /// Deviation from the first surface.
+    /// Deviation from the quadric.
     pub(super) values: DVector<f64>,
     /// Slopes by the coefficients of the series.
     pub(super) slopes: DMatrix<f64>,
@@ -67,13 +67,18 @@ impl Rest {
         }
     }
 
+    /// Whether something of this kind was observed that a fit does not follow whatever it is.
+    pub(super) const fn is_there(&self) -> bool {
+        self.count > 0
+    }
+
     /// Probability by chance of as much beside all of this kind, of which this is a part.
     pub(super) fn chance_beside(&self, all: &Self) -> f64 {
         let explained = Explained {
             fall: self.square,
             freedom: self.count,
         };
-        explained.p_value_beside(all.square, all.left as usize)
+        explained.p_value_beside(all.square, all.left.round() as usize)
     }
 }
 

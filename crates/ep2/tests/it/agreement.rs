@@ -53,16 +53,30 @@ const ONE_IN_100: f64 = 1.628;
 
 #[test]
 fn p_values_are_uniform_on_a_quadric() {
-    let methods: [&dyn Method; 2] = [
-        &Quadric {
-            noise: told(&SWEEP),
-        },
-        &penalised(told(&SWEEP)),
+    let exact = Sweep {
+        position_std: 1e-9,
+        normal_std_rad: 1e-9,
+        ..SWEEP
+    };
+    let methods: [(&dyn Method, Sweep); 3] = [
+        (
+            &Quadric {
+                noise: told(&SWEEP),
+            },
+            SWEEP,
+        ),
+        (
+            &Quadric {
+                noise: told(&exact),
+            },
+            exact,
+        ),
+        (&penalised(told(&SWEEP)), SWEEP),
     ];
-    for method in methods {
+    for (method, sweep) in methods {
         let (mut p_values, mut doubted) = (Vec::new(), 0);
         for trial in 0..200 {
-            let found = agreement(method, &SWEEP.contacts(SADDLE, trial));
+            let found = agreement(method, &sweep.contacts(SADDLE, trial));
             let goodness = found.goodness.unwrap();
             assert!(
                 goodness.freedom > 50 && goodness.freedom < 105,
