@@ -59,7 +59,7 @@ impl Pictured {
 /// file.
 ///
 /// Where markers scatter by more than these errors explain, uncertainties are as much wider, with a warning. Doubts, p-value
-/// and reduced χ² are those by the errors that are stated.
+/// and reduced χ² of a press are those by the errors that explain how the markers scatter at rest.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other

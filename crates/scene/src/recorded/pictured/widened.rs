@@ -13,7 +13,7 @@ use crate::press::{PictureLaw, PictureMethod, Pictures};
 pub(super) struct Widened {
     method: PictureMethod,
     pictures: Pictures,
-    /// The estimate; its goodness is that by the errors that are stated.
+    /// The estimate; its goodness is that by the errors that explain how the markers scatter at rest.
     pub(super) estimate: PressEstimate,
     /// Ways in which the pictures contradict the model by these errors.
     pub(super) doubts: Vec<Doubt>,
