@@ -2,6 +2,7 @@
 
 mod matched;
 mod meant;
+mod nearest;
 mod report;
 mod written;
 
@@ -44,7 +45,8 @@ pub fn calibrate_camera(rest: &Frame, study: &StudyConfig) -> Result<RestCamera,
     };
     let of_study = |error: PlanError| fail(format!("{}: {}", error.path, error.message));
     let (press, camera) = sensor(&study.scene).map_err(of_study)?;
-    let meant = Meant::of(press, camera).map_err(of_study)?;
+    let meant = Meant::of(press, camera).and_then(Meant::through_blemishes);
+    let meant = meant.map_err(of_study)?;
     usable(rest, camera).map_err(fail)?;
     let found = find(rest)?;
     let seen = SeenAtRest::of(&meant, &found, study.length_unit);
@@ -66,6 +68,8 @@ pub(super) struct SeenAtRest {
     pub(super) missing: Option<String>,
     /// Each marker of the layout; `None` for those that the frame does not show whole.
     pub(super) seen: Vec<Option<Seen>>,
+    /// Number among those found of each.
+    pub(super) found: Vec<Option<usize>>,
 }
 
 impl SeenAtRest {
@@ -80,6 +84,7 @@ impl SeenAtRest {
                 camera: matched.camera(&meant, &optics, unit)?,
                 missing: matched.warning(),
                 seen: matched.seen,
+                found: matched.found,
             })
         };
         // As many odd terms of the lens as the frame determines.

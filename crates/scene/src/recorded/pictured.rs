@@ -22,7 +22,7 @@ use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::tracked::{Frame, TrackedFrames};
 use super::wording::Wording;
 use crate::plan::PlanError;
-use crate::press::{PicturePlan, Pictures, pressed, seen_of};
+use crate::press::{PicturePlan, Pictures, pressed};
 use crate::tracks::errors_of;
 
 /// A press behind two frames, and the displacements of the markers in it.
@@ -53,6 +53,9 @@ impl Pictured {
     }
 }
 
+/// Warning of doubts about pictures that light and blur change.
+const BLEMISHED: &str = "what `light_at_rim` and `blur_px` of the study make of pictures is known of markers at rest: it changes as they move, and doubts may come of that";
+
 /// Estimates the curvature of an object from a frame at rest and a pressed one: the markers of the first are matched with
 /// the layout, those of the second tracked, and a press is fitted to centroid, hue and size of each, by the errors that the
 /// tracker states. `tracked` is of these frames; `file` is the name of the readings, for messages, `None` where they are no
@@ -75,7 +78,8 @@ pub fn estimate_pictures(
     let camera = camera_of(&options.press).map_err(of_study)?;
     usable(rest, camera).map_err(at_rest)?;
     usable(press, camera).map_err(|message| failure(press, message))?;
-    let meant = Meant::of(&options.press, camera).map_err(of_study)?;
+    let meant = Meant::of(&options.press, camera).and_then(Meant::through_blemishes);
+    let meant = meant.map_err(of_study)?;
     let seen = SeenAtRest::of(&meant, &tracked.found[0], options.unit()).map_err(at_rest)?;
     let known = KnownCamera::of(&meant, options, rest)?;
     let doubt = known.doubt(&seen.camera, rest)?;
@@ -102,7 +106,12 @@ pub fn estimate_pictures(
     let measured = scene.indentation(wording);
     let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
     let refused = |error: PressError| scene.refused(&error, wording);
-    let widened = Widened::of(fit, &seen.seen, matched.pressed(tracked), indentation);
+    let widened = Widened::of(
+        fit,
+        &seen.seen,
+        matched.pressed(tracked, &meant),
+        indentation,
+    );
     let mut widened = widened.map_err(|(error, at_rest)| match widened::reason(rest, at_rest) {
         Some(reason) => failure(press, explained(format!("{error}; {reason}"), error.name())),
         None => refused(error),
@@ -116,9 +125,11 @@ pub fn estimate_pictures(
         widened.doubts = contradiction.doubts(widened.doubts);
     }
     let missing = seen.missing.into_iter();
+    let blemished = meant.is_blemished() && !widened.doubts.is_empty();
     let warnings = missing
         .chain(doubt)
         .chain(options.other_body())
+        .chain(blemished.then(|| BLEMISHED.to_owned()))
         .chain(widened.warnings(scene.frames))
         .chain(contradiction.map(|contradiction| contradiction.words))
         .chain(measured.and_then(|(_, warning)| warning))
@@ -147,20 +158,8 @@ struct Matched {
 
 impl Matched {
     fn of(at_rest: &SeenAtRest, tracked: &TrackedFrames) -> Self {
-        let found = &tracked.found[0];
-        let pictures: Vec<_> = found
-            .markers
-            .iter()
-            .zip(&found.errors)
-            .map(|(marker, errors)| seen_of(marker, errors).picture)
-            .collect();
         // The tracks begin with those of the markers at rest, in their order.
-        let track = |picture: [f64; 4]| pictures.iter().position(|one| *one == picture);
-        let tracks: Vec<Option<usize>> = at_rest
-            .seen
-            .iter()
-            .map(|seen| track(seen.as_ref()?.picture))
-            .collect();
+        let tracks = at_rest.found.clone();
         let again = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
             track.is_some_and(|track| track.change().is_some())
@@ -171,7 +170,7 @@ impl Matched {
     }
 
     /// Pictures of the markers in the pressed frame.
-    fn pressed(&self, tracked: &TrackedFrames) -> Pictures {
+    fn pressed(&self, tracked: &TrackedFrames, meant: &Meant<'_>) -> Pictures {
         let of_layout = self.tracks.iter();
         let tracks: Vec<Option<Track>> = of_layout
             .map(|track| tracked.tracks.get((*track)?).copied())
@@ -180,10 +179,13 @@ impl Matched {
             .iter()
             .map(|track| errors_of(track.as_ref()?, &tracked.found[1]))
             .collect();
+        let seen = pressed(&tracks, &errors).into_iter().enumerate();
         Pictures {
             own_rest: None,
             calibrating: Vec::new(),
-            pressed: pressed(&tracks, &errors),
+            pressed: seen
+                .map(|(marker, seen)| Some(meant.clear(marker, seen?)))
+                .collect(),
         }
     }
 }

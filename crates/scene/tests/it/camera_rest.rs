@@ -16,7 +16,11 @@ fn study(radius: f64) -> Study {
 }
 
 fn misaligned(radius: f64, misalignment: f64) -> Study {
-    let text = format!(
+    parse("sensor.toml", &text(radius, misalignment)).expect("a study")
+}
+
+fn text(radius: f64, misalignment: f64) -> String {
+    format!(
         r#"
         name = "sensor"
         length_unit = "mm"
@@ -30,8 +34,7 @@ fn misaligned(radius: f64, misalignment: f64) -> Study {
         marker_depth = 2.0
         discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = {misalignment} }}
         "#
-    );
-    parse("sensor.toml", &text).expect("a study")
+    )
 }
 
 /// A sensor as it truly is.
@@ -48,6 +51,7 @@ struct Truth {
     misalignment: f64,
     /// Odd terms of the lens.
     terms: OddTerms,
+    light_at_rim: f64,
 }
 
 impl Default for Truth {
@@ -61,6 +65,7 @@ impl Default for Truth {
             white: 0.96,
             misalignment: 0.25,
             terms: OddTerms::default(),
+            light_at_rim: 1.0,
         }
     }
 }
@@ -84,6 +89,7 @@ impl Truth {
         let camera = camera.adjusted([0.0; 2], camera.px_per_rad() * (1.0 + self.scale));
         let blemishes = Blemishes {
             pixel_std: 2.0,
+            light_at_rim: self.light_at_rim,
             ..Blemishes::default()
         };
         let colours = Colours {
@@ -224,6 +230,28 @@ fn missing_markers_are_told() {
     truth.lost = 30;
     let said = refused(truth.frame(1), &study);
     assert!(said.contains("shows 47 of the 77 markers"), "{said}");
+}
+
+/// Uneven light moves markers near the rim by most of a pixel.
+#[test]
+fn uneven_light_that_the_study_states_is_no_other_camera() {
+    let truth = Truth {
+        place: [0.0; 3],
+        turn_deg: [0.0; 3],
+        scale: 0.0,
+        misalignment: 0.0,
+        light_at_rim: 0.7,
+        ..Truth::default()
+    };
+    let even = text(20.0, 0.0) + "\n[scene.noise]\npixel = { kind = \"gaussian\", std = 2.0 }\n";
+    let uneven = even.replace("size_px", "light_at_rim = 0.7, size_px");
+    let scatter = |text: &str| {
+        let study = parse("sensor.toml", text).expect("a study");
+        let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
+        told.reduced_chi_squared
+    };
+    let [even, uneven] = [&even, &uneven].map(|text| scatter(text));
+    assert!(even > 1.8 && uneven < 1.3, "{even} {uneven}");
 }
 
 #[test]

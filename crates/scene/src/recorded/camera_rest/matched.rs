@@ -5,9 +5,10 @@ use palpate_chromatouch::{Departure, Optics};
 use palpate_number::Number;
 use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
 use palpate_study::config::LengthUnit;
-use palpate_tracking::{Found, Marker};
+use palpate_tracking::Found;
 
 use super::meant::{Meant, TERMS};
+use super::nearest::{closest, nearest};
 use super::report::{Residual, RestCamera};
 use crate::press::{PictureLaw, seen_of};
 
@@ -54,6 +55,8 @@ const SETTLED: f64 = 1e-3;
 
 /// Markers of a frame, by those of the layout.
 pub(super) struct Matched {
+    /// Number among those found of each marker of the layout.
+    pub(super) found: Vec<Option<usize>>,
     pub(super) seen: Vec<Option<Seen>>,
     rest: Rest,
     law: Vec<Option<[f64; 4]>>,
@@ -92,15 +95,13 @@ impl Matched {
         let mut optics = optics;
         for _ in 0..ROUNDS {
             let fit = meant.fit(&optics)?;
-            let rough: Vec<Option<Seen>> = Self::seen(&fit, found, LEAST_AT_FIRST)?
-                .into_iter()
-                .map(|seen| seen.map(roughly))
-                .collect();
+            let (_, seen) = Self::seen(meant, &fit, found, LEAST_AT_FIRST)?;
+            let rough: Vec<Option<Seen>> = seen.into_iter().map(|seen| seen.map(roughly)).collect();
             let rest = fit.at_rest(&rough).map_err(other_layout)?;
             optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
         }
         let fit = meant.fit(&optics)?;
-        let seen = Self::seen(&fit, found, LEAST_SEEN)?;
+        let (markers, seen) = Self::seen(meant, &fit, found, LEAST_SEEN)?;
         let missing = told(&law(&fit, None)?, &seen, found, LEAST_SEEN)?;
         let rest = fit.at_rest(&seen).map_err(other_layout)?;
         let (fit, rest, optics) = match meant.knows_lens() {
@@ -112,19 +113,28 @@ impl Matched {
             missing,
             law,
             rest,
+            found: markers,
             seen,
         };
         Ok((matched, optics))
     }
 
+    /// Markers of the layout among those found, by number, and their pictures.
     fn seen(
+        meant: &Meant<'_>,
         fit: &ImageFit<PictureLaw>,
         found: &Found,
         least: f64,
-    ) -> Result<Vec<Option<Seen>>, String> {
+    ) -> Result<(Vec<Option<usize>>, Vec<Option<Seen>>), String> {
         let expected = law(fit, None)?;
-        let seen = nearest(&expected, found);
-        told(&expected, &seen, found, least).map(|_| seen)
+        let markers = nearest(&centroids(&expected), found);
+        let seen = |(at, marker): (usize, &Option<usize>)| {
+            let marker = (*marker)?;
+            let seen = seen_of(&found.markers[marker], &found.errors[marker]);
+            Some(meant.clear(at, seen))
+        };
+        let seen: Vec<Option<Seen>> = markers.iter().enumerate().map(seen).collect();
+        told(&expected, &seen, found, least).map(|_| (markers, seen))
     }
 
     /// Kind of number in which the markers differ most from those that the layout makes.
@@ -333,29 +343,9 @@ fn roughly(seen: Seen) -> Seen {
     Seen { covariance, ..seen }
 }
 
-/// The marker of a frame nearest to where each of the layout's is expected, if that one is the nearest to it too.
-fn nearest(expected: &[Option<[f64; 4]>], found: &Found) -> Vec<Option<Seen>> {
-    let mut seen = vec![None; expected.len()];
-    let mut distances = vec![f64::INFINITY; expected.len()];
-    for marker in 0..found.markers.len() {
-        if let Some((at, distance)) = closest(expected, &found.markers[marker])
-            && distance < distances[at]
-        {
-            distances[at] = distance;
-            seen[at] = Some(seen_of(&found.markers[marker], &found.errors[marker]));
-        }
-    }
-    seen
-}
-
-/// Number of the expected marker that is nearest to one of a frame, and its distance, px.
-fn closest(expected: &[Option<[f64; 4]>], marker: &Marker) -> Option<(usize, f64)> {
-    let [x, y] = marker.centroid_px;
-    let all = expected.iter().enumerate().filter_map(|(at, picture)| {
-        let [column, row, ..] = (*picture)?;
-        Some((at, libm::hypot(column - x, row - y)))
-    });
-    all.min_by(|one, other| one.1.total_cmp(&other.1))
+fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
+    let centroid = |picture: &Option<[f64; 4]>| picture.map(|[column, row, ..]| [column, row]);
+    pictures.iter().map(centroid).collect()
 }
 
 /// How many markers are missing; refuses too few of them, and other colours.
@@ -388,7 +378,8 @@ fn told(
         ));
     }
     // Where no marker is seen whole, the rim may cut one.
-    let cut = found.cut.iter().filter_map(|cut| closest(expected, cut));
+    let centroids = centroids(expected);
+    let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
     let cut = cut.filter(|(at, _)| seen[*at].is_none()).count();
     Ok((wanted - there).saturating_sub(cut))
 }

@@ -1,13 +1,17 @@
 //! The sensor that a study states, as a frame at rest is held against it.
 
-use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, OddTerms, Optics, Pose};
-use palpate_press::{Body, ImageFit, Markers, Skin};
-use palpate_study::config::{CameraConfig, PressConfig, SensorNoise};
-use palpate_tracking::Found;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
+};
+use palpate_press::{Body, ImageFit, Markers, Seen, Skin};
+use palpate_sensing::{Channel, Stream};
+use palpate_study::config::{CameraConfig, PixelNoise, PressConfig, SensorNoise};
+use palpate_tracking::{Finder, Found};
 
+use super::nearest::nearest;
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
-use crate::press::{PictureLaw, sensor_stds};
+use crate::press::{PictureLaw, seen_of, sensor_stds};
 
 /// Standard deviations to which a camera is known beforehand: of the image's centre, px; of pixels per radian, a share; of
 /// its place, a share of the sensor's radius; of its turn, degrees.
@@ -20,6 +24,9 @@ pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Standard deviations to which discs are known where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
 /// shares.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
+/// Number of frames from which the change of pictures by blemishes is found: noise of pixels changes it too.
+const BLEMISHED: u64 = 4;
+
 /// The sensor as it is meant to be.
 #[derive(Clone)]
 pub(in crate::recorded) struct Meant<'a> {
@@ -29,6 +36,10 @@ pub(in crate::recorded) struct Meant<'a> {
     pub(in crate::recorded) markers: Markers,
     pub(in crate::recorded) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
+    /// Standard deviation of a pixel's noise, levels of 255.
+    pixel_std: f64,
+    /// Change of each marker's picture at rest by uneven light and blur; none without these.
+    blemished: Vec<[f64; 4]>,
 }
 
 /// Stand of a camera, and the scale of its image.
@@ -82,7 +93,95 @@ impl<'a> Meant<'a> {
             places,
             markers,
             misalignment_std,
+            pixel_std: press
+                .noise
+                .pixel
+                .as_ref()
+                .map_or(0.0, |PixelNoise::Gaussian { std }| *std),
+            blemished: Vec::new(),
         })
+    }
+
+    /// This sensor with what uneven light and blur make of its pictures at rest.
+    ///
+    /// # Errors
+    /// [`PlanError`] where the camera shows no markers through them.
+    pub(in crate::recorded) fn through_blemishes(self) -> Result<Self, PlanError> {
+        let CameraConfig {
+            light_at_rim,
+            blur_px,
+            ..
+        } = *self.camera;
+        let clear = Blemishes {
+            pixel_std: self.pixel_std,
+            ..Blemishes::default()
+        };
+        let blemishes = Blemishes {
+            light_at_rim,
+            blur_px,
+            ..clear
+        };
+        if clear == blemishes {
+            return Ok(self);
+        }
+        let [clear, blemished] = [clear, blemishes].map(|blemishes| self.pictures(blemishes));
+        let (clear, blemished) = (clear?, blemished?);
+        let frames = clear.iter().zip(&blemished);
+        let mut changes = vec![[0.0; 4]; self.places.len()];
+        for (clear, blemished) in frames {
+            for ((change, clear), blemished) in changes.iter_mut().zip(clear).zip(blemished) {
+                let (Some(clear), Some(blemished)) = (clear, blemished) else {
+                    continue;
+                };
+                for (number, change) in change.iter_mut().enumerate() {
+                    *change += (blemished[number] - clear[number]) / BLEMISHED as f64;
+                }
+            }
+        }
+        Ok(Self {
+            blemished: changes,
+            ..self
+        })
+    }
+
+    /// Pictures of the markers at rest, as they are found in some frames with these blemishes; the noise of each frame's
+    /// pixels is the same whatever else they are.
+    fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, PlanError> {
+        let optics = self.shown(&self.stand()?, blemishes)?;
+        let still = vec![Some(MarkerMotion::default()); self.places.len()];
+        let projected = optics
+            .projected(&still)
+            .map_err(|error| of_optics(&error))?;
+        let expected: Vec<Option<[f64; 2]>> = projected
+            .iter()
+            .map(|seen| Some(seen.as_ref()?.centroid_px))
+            .collect();
+        let mut finder = Finder::default();
+        let mut pictures = |number: u64| {
+            let mut pixels = Stream::new(0, number, Channel::Pixel);
+            let frame = optics.rendered(&still, Some(&mut pixels));
+            let frame = frame.map_err(|error| of_optics(&error))?;
+            let found = finder.find(&frame);
+            let found = found.map_err(|error| PlanError::at("scene.sensor", error))?;
+            let seen = |marker: usize| seen_of(&found.markers[marker], &found.errors[marker]);
+            let nearest = nearest(&expected, &found).into_iter();
+            Ok(nearest.map(|marker| Some(seen(marker?).picture)).collect())
+        };
+        (0..BLEMISHED).map(&mut pictures).collect()
+    }
+
+    /// Whether light or blur changes pictures.
+    pub(in crate::recorded) fn is_blemished(&self) -> bool {
+        !self.blemished.is_empty()
+    }
+
+    /// Picture of a marker without what light and blur make of it at rest.
+    pub(in crate::recorded) fn clear(&self, marker: usize, seen: Seen) -> Seen {
+        let change = self.blemished.get(marker).copied().unwrap_or_default();
+        Seen {
+            picture: std::array::from_fn(|number| seen.picture[number] - change[number]),
+            ..seen
+        }
     }
 
     /// This sensor with the first so many odd terms of its lens unknown.
@@ -132,13 +231,17 @@ impl<'a> Meant<'a> {
 
     /// Optics of a camera that stands so.
     pub(in crate::recorded) fn seen_from(&self, stand: &Stand) -> Result<Optics, PlanError> {
+        self.shown(stand, Blemishes::default())
+    }
+
+    fn shown(&self, stand: &Stand, blemishes: Blemishes) -> Result<Optics, PlanError> {
         let lens = self.lens(stand.odd_terms)?;
         let middle = lens.centre_px();
         let offset = [0, 1].map(|axis| stand.centre_px[axis] - middle[axis]);
         let array = self.sphere.array(&self.places)?;
         let pose = Pose::new(stand.place, stand.turn_deg.map(f64::to_radians));
         lens.adjusted(offset, stand.px_per_rad)
-            .and_then(|lens| Optics::new(array, lens, Colours::default(), Blemishes::default()))
+            .and_then(|lens| Optics::new(array, lens, Colours::default(), blemishes))
             .and_then(|optics| optics.seen_from(pose))
             .map_err(|error| of_optics(&error))
     }
