@@ -117,7 +117,7 @@ pub enum PressError {
     /// sharpness does.
     #[error(
         "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
-         of the stated size leaves about {freedom}; the body, its thickness or the depth of the markers is another, or noise is larger \
+         alone leaves about {freedom}; the body, its thickness or the depth of the markers is another, or noise is larger \
          than stated",
         chi_squared = Number(*chi_squared)
     )]

@@ -14,12 +14,14 @@ pub(crate) fn unexplained(
     squares: impl Iterator<Item = f64>,
     each: usize,
 ) -> PressError {
-    let (mut sum, mut most, mut markers) = (0.0, 0.0_f64, 0_usize);
-    for square in squares {
-        (sum, most, markers) = (sum + square, most.max(square), markers + 1);
-    }
-    let (chi_squared, freedom) = (sum - most, each * markers.saturating_sub(1));
-    match chi_squared_tail(chi_squared, freedom) < MOVED {
+    let mut squares: Vec<f64> = squares.collect();
+    squares.sort_by(|one, other| other.total_cmp(one));
+    let others = squares.get(1..).unwrap_or_default();
+    let (chi_squared, freedom) = (others.iter().sum(), each * others.len());
+    let second = others.first().copied().unwrap_or(0.0);
+    // Of all markers as many as two may have moved.
+    let two = squares.len().max(1) as f64 * chi_squared_tail(second, each);
+    match chi_squared_tail(chi_squared, freedom).min(two * two) < MOVED {
         true => PressError::OtherBody {
             chi_squared,
             freedom,

@@ -73,7 +73,7 @@ pub(super) fn outcome(
 impl Problem<'_> {
     /// Goodness of a fit whose noise is stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
-        (self.knows_noise() && !self.fit.body.is_approximate())
+        self.knows_noise()
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
     }
 

@@ -1,7 +1,10 @@
 //! Whether there is a contact to be seen at all.
 
+use palpate_chance::HALF_WIDTHS;
+
 use super::problem::{Problem, State, WRONG};
 use super::settings::Prior;
+use super::start::median;
 use crate::PressError;
 use crate::markers::see;
 use crate::unexplained::unexplained;
@@ -27,12 +30,11 @@ impl Problem<'_> {
         freedom * libm::expm1(2.0 * odds / freedom)
     }
 
-    /// The refusal where even the start explains nothing.
-    pub(super) fn nothing(&self) -> PressError {
-        PressError::NoContact {
-            improvement: 0.0,
-            needed: self.needed(),
-        }
+    /// Refusal of readings that a contact explains only so much better than none does.
+    pub(super) fn without_contact(&self, improvement: f64) -> PressError {
+        let (squares, each) = at_rest(self);
+        let improvement = improvement.max(0.0);
+        unexplained((improvement, self.needed()), squares.into_iter(), each)
     }
 }
 
@@ -53,19 +55,30 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>
             (most, marker) = (gain, index);
         }
     }
-    let needed = problem.needed();
-    if improvement < needed {
-        let squares = (0..problem.kept.len())
-            .filter(|_| problem.knows_noise())
-            .map(|marker| squared(problem.readings_of(marker, baseline)));
-        return Err(unexplained(
-            (improvement, needed),
-            squares,
-            problem.components(),
-        ));
+    if improvement < problem.needed() {
+        return Err(problem.without_contact(improvement));
     }
     let is_alone = most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS;
     Ok(is_alone.then_some(marker))
+}
+
+/// Each marker's chi-squared against rest, on so many readings: of all where the noise is stated, else of its normal displacement
+/// beside those of most markers.
+fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
+    let baseline = resting(problem);
+    let markers = 0..problem.kept.len();
+    let readings = markers.map(|marker| problem.readings_of(marker, baseline));
+    if problem.knows_noise() {
+        return (readings.map(squared).collect(), problem.components());
+    }
+    let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
+    // Three standard deviations of how far chance takes the median of normally distributed noise.
+    let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
+    let noise = chance * median(&normal) / HALF_WIDTHS[0];
+    let squares = normal
+        .iter()
+        .map(|normal| normal / noise * (normal / noise));
+    (squares.filter(|square| square.is_finite()).collect(), 1)
 }
 
 fn squared(residuals: [f64; 3]) -> f64 {

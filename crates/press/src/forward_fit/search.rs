@@ -150,7 +150,10 @@ impl<'a> Search<'a> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
         if least == most {
-            return Err(problem.nothing());
+            return Err(PressError::NoContact {
+                improvement: 0.0,
+                needed: problem.needed(),
+            });
         }
         let largest = most.abs().max(least.abs());
         let floored = |std: f64| std.max(EXACT * largest);
@@ -410,7 +413,7 @@ impl<'a> Search<'a> {
         let mut fits: Vec<(f64, State)> = Vec::new();
         let middling = 0.1 * self.problem.reading.markers.skin().radius();
         let unsolved = self.problem.fit.body.unit_contact(middling).err();
-        let mut failure = unsolved.unwrap_or_else(|| self.problem.nothing());
+        let mut failure = unsolved.unwrap_or_else(|| self.problem.without_contact(0.0));
         let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
@@ -446,6 +449,10 @@ impl<'a> Search<'a> {
             }
             let least = minimise(&self.problem, *state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
+        }
+        if self.problem.fit.window.is_some() {
+            // A marker at its edge may come and go without end.
+            return self.problem.sums(state);
         }
         Err(PressError::Undetermined {
             what: "which markers are wrong, and how noisy the others are, does not settle",

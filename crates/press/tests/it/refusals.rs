@@ -268,3 +268,29 @@ fn chi_squared_is_reduced_by_what_its_p_value_is_judged_by() {
     assert_eq!(goodness.freedom, 2);
     assert!((found.reduced_chi_squared - goodness.chi_squared / 2.0).abs() < 1e-12);
 }
+
+/// A press that no contact on the believed body explains is none of noise, also where that is not stated.
+#[test]
+fn markers_that_moved_are_no_missing_contact_where_noise_is_found() {
+    let markers = published();
+    let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
+    let contact = markers.skin().contact(&layer, 1.0 / 30.0, 1.0).unwrap();
+    let moved = Readings::of(&markers, &contact, [0.6, -0.3]);
+    let nothing = Readings {
+        normal: vec![0.0; moved.normal.len()],
+        tangential: Vec::new(),
+    };
+    let known = Some(Measured {
+        value: 1.0,
+        std: 0.02,
+    });
+    let fit = ForwardFit::new(half_space());
+    for trial in 0..40 {
+        let readings = moved.noisy(0.015, trial);
+        let refused = refusal(fit.estimate(&readings.reading(&markers, known)));
+        assert_ne!(refused, "no-contact", "trial {trial}");
+        let readings = nothing.noisy(0.03, trial);
+        let refused = refusal(fit.estimate(&readings.reading(&markers, None)));
+        assert_eq!(refused, "no-contact", "trial {trial}");
+    }
+}
