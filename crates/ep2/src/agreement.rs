@@ -95,6 +95,9 @@ impl Model<'_> {
             Doubt::ContradictingNormals {
                 p_value: self.of_normals(&test, variances, &sums, &apart)?,
             },
+            Doubt::NotAQuadric {
+                p_value: self.of_powers(&test, variances)?,
+            },
             Doubt::DisplacedFinger {
                 finger,
                 p_value: displaced,
@@ -152,6 +155,21 @@ impl Model<'_> {
             }
             Err(_) => Ok(chance),
         }
+    }
+
+    /// Probability by chance of as much of third and fourth powers of the place as the contacts have beside a quadric; 1 of other
+    /// surfaces, which follow them.
+    fn of_powers(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
+        if self.degree > 2 {
+            return Ok(1.0);
+        }
+        let (quadrics, powers) = (count(2), count(4) - count(2));
+        let patterns = |sample: &Sample, _: &Jet| {
+            let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
+            let all = series(self.square, 4, sample);
+            all.view((0, quadrics), (rows, powers)).into_owned()
+        };
+        Ok(test.chance_of(&self.products(variances, powers, &patterns)?))
     }
 
     /// The finger that is displaced most, and the probability that chance displaces one of all as far. A finger that is displaced

@@ -40,6 +40,11 @@ pub enum Doubt {
         /// Probability that one of all fingers is displaced as far where the model holds.
         p_value: f64,
     },
+    /// The surface that a quadric was fitted to is none: contacts depend on the place by third and fourth powers too.
+    NotAQuadric {
+        /// Probability of as much of these powers where the model holds.
+        p_value: f64,
+    },
     /// One contact contradicts the others.
     StrayContact {
         /// Its number, counted from 0.
@@ -71,6 +76,7 @@ impl Doubt {
         match self {
             Self::LargeResiduals { p_value }
             | Self::ContradictingNormals { p_value }
+            | Self::NotAQuadric { p_value }
             | Self::DisplacedFinger { p_value, .. }
             | Self::StrayContact { p_value, .. } => p_value,
         }
@@ -91,6 +97,10 @@ impl fmt::Display for Doubt {
             Self::DisplacedFinger { finger, .. } => {
                 write!(f, "finger {finger} is displaced against the others")
             }
+            Self::NotAQuadric { .. } => write!(
+                f,
+                "the surface is no quadric: the curvature changes over the patch, and `quadric` states too little uncertainty"
+            ),
             Self::StrayContact { contact, .. } => write!(
                 f,
                 "contact {contact} (counting from 0) contradicts the others"

@@ -129,6 +129,7 @@ subjects! {
         "slipped-probe": "Doubt about rolls: one probe contradicts the others.";
         "contradicting-normals": "Doubt about glides: normals and positions tell different slopes, as in frames that are turned against each other.";
         "displaced-finger": "Doubt about glides: one finger is displaced against the others.";
+        "not-a-quadric": "Doubt about glides by the method quadric: the surface's curvature changes over the patch, and intervals are too narrow. The method penalised follows it.";
         "stray-contact": "Doubt about glides: one contact contradicts the others.";
         "not-round": "Doubt about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
         "other-indentation": "Doubt about presses: the stated indentation is not the one that the displacements tell.";

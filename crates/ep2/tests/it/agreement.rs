@@ -91,6 +91,31 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
+#[test]
+fn a_quadric_is_not_fitted_to_waves_without_a_word() {
+    for noise in [told(&SWEEP), Noise::default()] {
+        let method = Quadric { noise };
+        let is_doubted = |contacts: &[Contact]| {
+            let doubts = agreement(&method, contacts).doubts;
+            doubts.iter().any(|doubt| doubt.name() == "not-a-quadric")
+        };
+        let (mut waves, mut saddles) = (0, 0);
+        for trial in 0..100 {
+            let mut contacts = SWEEP.contacts(SADDLE, trial);
+            saddles += usize::from(is_doubted(&contacts));
+            for contact in &mut contacts {
+                let along = 1.5 * contact.position.x + 1.0;
+                contact.position.z += 0.1 * libm::sin(along);
+                if let Some(normal) = &mut contact.normal {
+                    *normal -= Vector3::x() * (0.15 * libm::cos(along) * normal.z);
+                }
+            }
+            waves += usize::from(is_doubted(&contacts));
+        }
+        assert!(waves > 95 && saddles < 4, "{waves} {saddles}");
+    }
+}
+
 /// Change of contacts, and the doubt that is due.
 type Flaw<'f> = (&'f dyn Fn(&mut [Contact]), &'static str);
 

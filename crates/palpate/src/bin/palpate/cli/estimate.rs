@@ -77,7 +77,7 @@ writes the curvature all over the patch, with standard deviations and the probab
 `p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
 where noise is found and not stated, and of two-pass. `doubts` are the ways in which the contacts contradict the
 model, each with its p-value: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
-displaced-finger, stray-contact; 1 glide in 200 has each by chance, 1 in 2,000 the last. A wrong radius of tips makes
+displaced-finger, stray-contact, and of the method quadric not-a-quadric; 1 glide in 200 has each by chance, 1 in 2,000 the last. A wrong radius of tips makes
 none of them.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
