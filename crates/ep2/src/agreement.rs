@@ -77,10 +77,10 @@ impl Model<'_> {
     /// [`Ep2Error::OutOfRange`] where the numbers leave the range of doubles.
     pub(crate) fn agreement(
         &self,
-        process: &Process,
-        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
+        processes: &[(f64, Process)],
+        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<Agreement, Ep2Error> {
-        let Some(variances) = self.variances() else {
+        let (Some(variances), Some((_, process))) = (self.variances(), processes.first()) else {
             return Ok(Agreement::default());
         };
         let sums = self.sums(variances)?;
@@ -121,7 +121,7 @@ impl Model<'_> {
         test: &Test<'_>,
         variances: Variances,
         sums: &Sums,
-        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
+        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<f64, Ep2Error> {
         if !self.patch.has_normals() {
             return Ok(1.0);
@@ -147,8 +147,8 @@ impl Model<'_> {
         let products = self.products(variances, OF_NORMALS, &patterns)?;
         let chance = test.chance_of(&products);
         match apart(Apart::Normals) {
-            Ok(process) => {
-                let apart = Test::new(&process, sums, self.is_noise_told())?.chance_of(&products);
+            Ok(processes) => {
+                let apart = self.chance_by(&processes, sums, &products)?;
                 Ok((chance / (1.0 - SHARE_APART))
                     .min(apart / SHARE_APART)
                     .min(1.0))
@@ -179,7 +179,7 @@ impl Model<'_> {
         test: &Test<'_>,
         variances: Variances,
         sums: &Sums,
-        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
+        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<(usize, f64), Ep2Error> {
         let fingers: BTreeSet<usize> = self.samples().map(|sample| sample.finger).collect();
         let fingers: Vec<usize> = fingers.into_iter().collect();
@@ -204,12 +204,27 @@ impl Model<'_> {
             .collect();
         chances.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
         for (finger, chance, one) in chances.iter_mut().take(MOST_APART) {
-            if let Ok(process) = apart(Apart::Finger(*finger)) {
-                *chance = Test::new(&process, sums, self.is_noise_told())?.chance_of(one);
+            if let Ok(processes) = apart(Apart::Finger(*finger)) {
+                *chance = self.chance_by(&processes, sums, one)?;
             }
         }
         let chances = chances.iter().map(|(finger, chance, _)| (*finger, *chance));
         Ok(least_likely(chances))
+    }
+
+    /// Probability by chance of as much of patterns, in the mean over processes by their probabilities.
+    fn chance_by(
+        &self,
+        processes: &[(f64, Process)],
+        sums: &Sums,
+        products: &Products,
+    ) -> Result<f64, Ep2Error> {
+        let mut chance = 0.0;
+        for (share, process) in processes {
+            let test = Test::new(process, sums, self.is_noise_told())?;
+            chance += share * test.chance_of(products);
+        }
+        Ok(chance.min(1.0))
     }
 
     /// The contact that contradicts the others most, and the probability that chance makes one of all do as much. Where noise is

@@ -97,8 +97,8 @@ impl Method for Penalised {
             degree,
         };
         let equations = estimated.equations(patch);
-        let process = estimated.with(&equations, patch, mixture::likeliest)?;
-        model.agreement(&process, |apart| {
+        let processes = estimated.with(&equations, patch, mixture::likely)?;
+        model.agreement(&processes, |apart| {
             let Estimated {
                 quadric,
                 square,
@@ -117,7 +117,7 @@ impl Method for Penalised {
                     (positions, equations)
                 }
             };
-            estimated.with(&equations, &patch, mixture::likeliest)
+            estimated.with(&equations, &patch, mixture::likely)
         })
     }
 }

@@ -50,7 +50,7 @@ impl Method for Quadric {
             told: &self.noise,
             degree: 2,
         };
-        let none = DMatrix::zeros(0, 0);
+        let none = vec![(1.0, DMatrix::zeros(0, 0))];
         model.agreement(&none, |_| Ok(none.clone()))
     }
 }

@@ -176,12 +176,13 @@ impl Parted {
     }
 }
 
-/// The process of the most probable length, whose square amplitude is the mean there over [`EVIDENCE`]: its coefficients behind the
-/// quadrics, a column for each independent factor of unit variance.
+/// Processes of each length, most probable first, with their probabilities; the square amplitude of
+/// each is the mean there. A process is its coefficients behind the quadrics, a column for each independent factor of unit
+/// variance.
 ///
 /// # Errors
 /// Errors of [`posterior`].
-pub(super) fn likeliest(given: &Given<'_>) -> Result<DMatrix<f64>, Ep2Error> {
+pub(super) fn likely(given: &Given<'_>) -> Result<Vec<(f64, DMatrix<f64>)>, Ep2Error> {
     let Parted { start, rest, .. } = Parted::of(given)?;
     let quadric = std::array::from_fn(|place| given.quadric[place] + start[place]);
     let rest = Rest {
@@ -189,23 +190,33 @@ pub(super) fn likeliest(given: &Given<'_>) -> Result<DMatrix<f64>, Ep2Error> {
         ..rest
     };
     let rest = rest.blurred()?;
-    let mut best = (f64::NEG_INFINITY, LONGEST, Vec::new());
-    for length in lengths(given.degree) {
+    let of_length = |length| {
         let candidates = Process::of(length, given.degree, &rest).candidates(&rest);
-        let probabilities = candidates.iter().map(|one| one.log_probability);
-        let most = probabilities.fold(f64::NEG_INFINITY, f64::max);
-        if most > best.0 {
-            best = (most, length, candidates);
+        (length, candidates)
+    };
+    let all: Vec<(f64, Vec<Candidate>)> = lengths(given.degree).map(of_length).collect();
+    let probabilities = all.iter().flat_map(|(_, candidates)| candidates);
+    let most = probabilities
+        .map(|one| one.log_probability)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let mut likely: Vec<(f64, f64, f64)> = Vec::new();
+    for (length, candidates) in &all {
+        let shares = candidates.iter().map(|one| {
+            let share = libm::exp(one.log_probability - most);
+            Vector2::new(share, share * one.square_amplitude)
+        });
+        let sums: Vector2<f64> = shares.sum();
+        if sums.x > 0.0 {
+            likely.push((sums.x, *length, sums.y / sums.x));
         }
     }
-    let (most, length, candidates) = best;
-    let shares = candidates.iter().map(|one| {
-        let share = libm::exp(one.log_probability - most);
-        Vector2::new(share, share * one.square_amplitude)
+    likely.sort_by(|(one, ..), (other, ..)| other.total_cmp(one));
+    let total: f64 = likely.iter().map(|(share, ..)| share).sum();
+    let processes = likely.into_iter().map(|(share, length, square)| {
+        let process = process::factors(length, given.degree).matrix();
+        (share / total, process * square.sqrt())
     });
-    let sums: Vector2<f64> = shares.sum();
-    let process = process::factors(length, given.degree).matrix();
-    Ok(process * (sums.y / sums.x.max(1.0) / EVIDENCE).sqrt())
+    Ok(processes.collect())
 }
 
 /// Mean and covariance of the rough products, and mean scale, over all candidates.
