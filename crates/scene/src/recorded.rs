@@ -79,24 +79,41 @@ pub use wording::{GivenError, Wording};
 
 use std::borrow::Cow;
 
+use palpate_chance::NORMAL_95;
 use serde::Serialize;
 
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
-/// A value with its standard deviation and unit.
+/// A value with its standard deviation, interval and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Value {
     value: f64,
     std: Option<f64>,
+    /// Interval of 95 %, where a standard deviation is told.
+    interval95: Option<[f64; 2]>,
     unit: Cow<'static, str>,
 }
 
 impl Value {
     fn new(value: f64, std: Option<f64>, power: Unit, length: LengthUnit) -> Self {
+        Self::within(value, std, NORMAL_95, power, length)
+    }
+
+    /// A value whose interval of 95 % reaches so many standard deviations to either side.
+    fn within(
+        value: f64,
+        std: Option<f64>,
+        half_width: f64,
+        power: Unit,
+        length: LengthUnit,
+    ) -> Self {
+        let value = value + 0.0;
+        let interval = |std: f64| [value - half_width * std, value + half_width * std];
         Self {
-            value: value + 0.0,
+            value,
             std,
+            interval95: std.map(interval),
             unit: Cow::Borrowed(power.of(length)),
         }
     }

@@ -65,7 +65,7 @@ pub enum TrackingError {
     /// Nothing sets itself off from the ground as a marker does.
     #[error(
         "no markers: {shapes} shape(s) set off from the ground, none of the size, form and colour \
-         of a marker"
+         of a marker: are colours swapped?"
     )]
     NoMarkers {
         /// Connected shapes that were looked at.

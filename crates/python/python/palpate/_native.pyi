@@ -79,6 +79,7 @@ class Record:
 class _Value(Record):
     value: float
     std: float | None
+    interval95: _Floats | None
     unit: str
 
 class _Told(_Value):

@@ -106,7 +106,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
     let text = file.table()?;
     let table = Written::of(file, &text)?;
     let columns = columns(&header(&table, &CALIBRATIONS)?);
-    let sheet = Sheet::read(&table, &columns)?;
+    let sheet = Sheet::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let has_hue = place(HUE).is_some();
     let has_growth = place(GROWTH).is_some();

@@ -129,7 +129,9 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
         .chain(GLIDES[4..].iter().filter(|_| with_normals))
         .copied()
         .collect();
-    let sheet = Sheet::read(&table, &columns)?;
+    let others = GLIDES.iter().filter(|column| !columns.contains(column));
+    let others: Vec<Column> = others.copied().collect();
+    let sheet = Sheet::read(&table, &columns, &others)?;
     let mut positions = Vec::new();
     // Fingers may have any numbers; contacts count them in the order in which they appear.
     let mut known = Fingers::default();

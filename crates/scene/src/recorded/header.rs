@@ -81,7 +81,7 @@ impl<'a> Header<'a> {
     /// Places of the columns.
     ///
     /// The error says which are missing, what the file has, and what to write.
-    pub(super) fn places(&self, columns: &[Column]) -> Result<Vec<Place>, String> {
+    pub(super) fn places(&self, columns: &[Column], may: &[Column]) -> Result<Vec<Place>, String> {
         let found: Result<Vec<Option<Place>>, String> =
             columns.iter().map(|column| self.place(column)).collect();
         let found = found?;
@@ -92,7 +92,7 @@ impl<'a> Header<'a> {
             .collect();
         match missing.is_empty() {
             true => Ok(found.into_iter().flatten().collect()),
-            false => Err(self.lacks(columns, &missing, &found)),
+            false => Err(self.lacks([columns, may], &missing, &found)),
         }
     }
 
@@ -229,9 +229,16 @@ impl<'a> Header<'a> {
     }
 
     /// Message about missing columns.
-    fn lacks(&self, columns: &[Column], missing: &[Column], found: &[Option<Place>]) -> String {
-        let wanted: Vec<&str> = columns.iter().map(|column| column.name).collect();
-        let wanted = wanted.join(",");
+    fn lacks(
+        &self,
+        columns: [&[Column]; 2],
+        missing: &[Column],
+        found: &[Option<Place>],
+    ) -> String {
+        let [wanted, may] = columns.map(|columns| {
+            let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
+            names.join(",")
+        });
         let is_number = |heading: &Heading<'_>| heading.name.parse::<f64>().is_ok();
         if !self.headings.is_empty() && self.headings.iter().all(is_number) {
             return format!(
@@ -249,6 +256,9 @@ impl<'a> Header<'a> {
             names.join(", "),
             self.listed()
         );
+        if !may.is_empty() {
+            message += &format!(", and may be {may} too");
+        }
         let is_free = |index: &usize| {
             let mut taken = found.iter().flatten();
             !self.headings[*index].name.is_empty() && taken.all(|place| place.index != *index)

@@ -111,12 +111,12 @@ pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
         (along_a_row, _) => along_a_row,
     };
     let with_tangential = !along_a_row && PRESSES[3..].iter().any(has);
-    let columns = match (along_a_row, with_tangential) {
-        (true, _) => &PRESS_ROW[..],
-        (false, true) => &PRESSES[..],
-        (false, false) => &PRESSES[..3],
+    let (columns, others) = match (along_a_row, with_tangential) {
+        (true, _) => (&PRESS_ROW[..], &[][..]),
+        (false, true) => (&PRESSES[..], &[][..]),
+        (false, false) => PRESSES.split_at(3),
     };
-    let sheet = Sheet::read(&table, columns)?;
+    let sheet = Sheet::read(&table, columns, others)?;
     let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
     for (_, numbers) in sheet.rows() {
         match *numbers {

@@ -289,6 +289,7 @@ pub(super) fn force_and_pressure(
     let value = |value: f64, unit: &str| Value {
         value,
         std: None,
+        interval95: None,
         unit: unit.to_owned().into(),
     };
     let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
@@ -344,8 +345,16 @@ fn warnings(
             "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"
         )
     });
-    large.into_iter().chain(residuals).chain(unexplained)
+    let is_gaussian = matches!(options.estimator, PressEstimatorConfig::Gaussian { .. });
+    large
+        .into_iter()
+        .chain(residuals)
+        .chain(unexplained)
+        .chain(is_gaussian.then(|| NO_BODY.to_owned()))
 }
+
+/// Warning of a fit to a Gaussian.
+const NO_BODY: &str = "a Gaussian is no elastic body: its intervals tell of noise alone, not of how far a skin is from it";
 
 /// Largest normal displacement, either way.
 fn most_moved(recorded: &PressReadings) -> f64 {

@@ -178,7 +178,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
         return Err(file.error("has no columns"));
     };
     let names_probes = header.has(probe);
-    let sheet = Sheet::read(&table, if names_probes { all } else { others })?;
+    let sheet = Sheet::read(&table, if names_probes { all } else { others }, &[])?;
     let (probes, note) = match names_probes {
         true => {
             let of_row =

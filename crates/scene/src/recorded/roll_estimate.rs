@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector2;
+use palpate_chance::{NORMAL_95, student_half_width};
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use palpate_number::Number;
 use serde::Serialize;
@@ -159,8 +160,12 @@ pub fn estimate_roll(
         }
     }
 
+    let half_width = match std_from {
+        "the residuals" => student_half_width(0.95, freedom),
+        _ => NORMAL_95,
+    };
     let value =
-        |measured: Measured, power: Unit| Value::new(measured.value, measured.std, power, unit);
+        |Measured { value, std }, power: Unit| Value::within(value, std, half_width, power, unit);
     let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
     let principal = estimate.curvature.principal();
     Ok(RollEstimate {

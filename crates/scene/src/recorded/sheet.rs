@@ -34,12 +34,17 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Reads the `columns` of a table, which may stand in any order and among others but must be all.
-    pub(super) fn read(table: &Written<'_>, columns: &[Column]) -> Result<Self, RecordedError> {
+    /// Reads the `columns` of a table, which may stand in any order and among others but must be all. Those that it `may`
+    /// have too are named where some of these are missing.
+    pub(super) fn read(
+        table: &Written<'_>,
+        columns: &[Column],
+        may: &[Column],
+    ) -> Result<Self, RecordedError> {
         let form = &table.file.form;
         let fail = |message| table.file.fail(table.header_line, message);
         let header = Header::new(&table.header, &form.columns);
-        let places = header.places(columns).map_err(fail)?;
+        let places = header.places(columns, may).map_err(fail)?;
         let unit = length_unit(columns, &places, form.length_unit).map_err(fail)?;
         let factors: Vec<f64> = columns
             .iter()

@@ -48,7 +48,7 @@ const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Number of a departure that is the camera's height.
 const HEIGHT: usize = 9;
 /// Question about a frame in which the layout is not found.
-const ELSEWHERE: &str = "is it of another layout or camera, or does the camera stand elsewhere than `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` say?";
+const ELSEWHERE: &str = "is it of another layout or camera, or does the camera stand elsewhere than `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` say, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
 /// Fits about the optics that the last one led to, and the gain in chi-squared that ends them.
 const MOST_FITS: usize = 12;
 const SETTLED: f64 = 1e-3;

@@ -203,7 +203,13 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
         }
         PressEstimatorConfig::Image { .. } => {
             let method = wording.with("kind", "half-space or bonded-layer");
-            let message = "a fit of pictures needs the frames and a model of the sensor";
+            let frames = match wording {
+                Wording::Flags => "`palpate sensor track` takes them",
+                Wording::Arguments => "`track` takes them",
+            };
+            let message = format!(
+                "a fit of pictures needs the frames and a model of the sensor, and {frames}"
+            );
             refuse("kind", format!("{message}; displacements take {method}"))
         }
         PressEstimatorConfig::BondedLayer {

@@ -44,8 +44,8 @@ the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 5
 they tell together. Where probes roll as far to as fro, a curvature that changes along them cancels: it makes
 `p_value` small, but is a doubt only where the rolls are so long that it is likely to change the estimate.
 
-Where no noise is stated, standard deviations follow from the residuals, of 2n - 3 degrees of freedom with n probes: an
-interval of 95 % is as many of them as Student's t says, 2.57 to either side with 4 probes and 2.16 with 8, not 1.96.
+`interval95` is 1.96 standard deviations to either side where noise is stated. Where none is, they follow from the residuals,
+of 2n - 3 degrees of freedom with n probes, and it is as many as Student's t says: 2.57 with 4 probes, 2.16 with 8.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell the doubts, and where the readings contradict what is stated: noise (or a pitch)
