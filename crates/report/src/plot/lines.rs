@@ -119,8 +119,25 @@ impl<'a> Lines<'a> {
     }
 
     fn scales(&self, panels: &[Panel], marks: &[Mark]) -> [Scale; 2] {
+        let bars = || {
+            let lines = panels.iter().flat_map(|panel| &panel.lines);
+            lines.flat_map(|line| line.bars.iter().flat_map(|(_, ends)| *ends))
+        };
         let [x, y] = scales(panels, marks, |axis, places| {
-            Scale::around(self.spacing[axis], places)
+            let mut places: Vec<f64> = places.collect();
+            if axis == 1 {
+                let [least, most] = [
+                    places.iter().copied().fold(f64::INFINITY, f64::min),
+                    places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                ];
+                // A bar that reaches far beyond all points does not stretch the axis.
+                let is_near = |end: &f64| match self.spacing[axis] {
+                    Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
+                    Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),
+                };
+                places.extend(bars().filter(is_near));
+            }
+            Scale::around(self.spacing[axis], places.into_iter())
         });
         let named = self.categories.as_ref().map(|names| {
             Scale::of_categories(names.iter().map(|name| (*name).to_owned()).collect())
