@@ -44,7 +44,7 @@ fn quantities_have_value_std_and_unit() {
         let quantity = json[name].as_object().unwrap();
         assert_eq!(
             quantity.keys().collect::<Vec<_>>(),
-            ["std", "unit", "value"],
+            ["interval95", "std", "unit", "value"],
             "{name}"
         );
         assert_close(quantity["value"].as_f64().unwrap(), value, 1e-12);

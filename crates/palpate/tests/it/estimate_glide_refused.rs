@@ -53,7 +53,7 @@ fn said_of(text: &str) -> String {
 fn columns_and_fields() {
     assert_eq!(
         said(&["finger,x_mm,y_mm", "0,1,2"], ""),
-        "r.csv:1: no column `z`; the file has `finger`, `x_mm`, `y_mm`; the columns must be finger,x,y,z"
+        "r.csv:1: no column `z`; the file has `finger`, `x_mm`, `y_mm`; the columns must be finger,x,y,z, and may be normal_x,normal_y,normal_z too"
     );
     assert_eq!(
         said(&["finger,x,y,z,normal_x,normal_y", "0,1,2,3,0,0"], ""),

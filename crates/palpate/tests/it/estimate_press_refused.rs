@@ -41,7 +41,7 @@ fn said_of(lines: &[String], options: &str) -> String {
 fn columns_and_fields() {
     assert_eq!(
         said(&["x_mm,normal_displacement_mm", "0,1"], ""),
-        "r.csv:1: no column `y`; the file has `x_mm`, `normal_displacement_mm`; the columns must be x,y,normal_displacement"
+        "r.csv:1: no column `y`; the file has `x_mm`, `normal_displacement_mm`; the columns must be x,y,normal_displacement, and may be tangential_x,tangential_y too"
     );
     assert_eq!(
         said(&["x,y,normal_displacement,tangential_x", "0,1,2,3"], ""),
