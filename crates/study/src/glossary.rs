@@ -69,6 +69,9 @@ subjects! {
         "saddle": "Class by signs of a place that is convex one way and concave the other, or flat in some direction.";
         "thresholds": "Magnitudes of K and H below which they count as 0 when shapes are classified.";
         "edge": "Regime of a press on an object more hollow than the sensor is round: it touches the rim, and no curvature follows.";
+        "RCR": "Relative curvature ratio: the object's normal curvature over the probe's. Relative errors of rolls are amplified by 1 + 1/RCR.";
+        "Montana": "Author of the contact equations (1988): how a contact moves on two bodies that roll on each other, by their curvatures.";
+        "coherence": "Of a region of one class: from 0, where its direction of largest curvature points every way, to 1, where it points one way.";
         "indentation": "Approach of two bodies after their first touch, length.";
         "half-space": "Soft body that is deep compared with the contact; its displacements under load have a closed form.";
         "bonded-layer": "Soft layer that sticks to a rigid core; its contact is solved as an integral equation.";

@@ -272,7 +272,7 @@ pub(crate) fn notes(narrowed: usize, ended: &[Ended]) -> Vec<String> {
     }
     if ended.contains(&Ended::Time) {
         lines.push(
-            "note     time was up before the gap was as small as it was to be: --budget gives more"
+            "note     the gap is wider than asked for, since --budget is shared by all that was looked at: a larger one narrows it"
                 .to_owned(),
         );
     }

@@ -104,23 +104,25 @@ is named, and nothing is written. The shards stay; merging again gives the same.
     #[command(after_help = "Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
   palpate estimate glide examples/glide-readings.csv --map map.csv
-  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5")]
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2")]
     Estimate(Estimator),
     /// Design, calibrate and read a camera sensor with colour markers.
     #[command(subcommand)]
     #[command(after_help = "Example:
   palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern
-  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv --out calibration.toml
+  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv \\
+    --out calibration.toml
   palpate sensor track rest.png pressed.png --out out/track")]
     Sensor(SensorCommand),
     /// Find the values of a field that meet a target: which pads, which roll, which camera will do.
     #[command(after_help = "Examples:
-  palpate design examples/pads-for-a-ball.toml --target 'relative_rms_error(mean_curvature) <= 5 %' \\
-    --vary scene.sensor.pitch=0.05..2
-  palpate design my.toml --target 'coverage95(object_curvature) >= 0.9' --vary scene.sensor.normal_from=hue,both \\
-    --set scene.object.radius=42 --max-failures 0.01 --out out/which-reading
-  palpate design examples/pads-for-a-ball.toml --target 'relative_rms_error(mean_curvature) <= 5 %' \\
-    --vary scene.sensor.pitch=0.05..2 --vary scene.motion.arc_length=0.5..8 --maximise scene.sensor.pitch
+  palpate design examples/pads-for-a-ball.toml --set scene.motion.arc_length=4 \\
+    --target 'relative_rms_error(mean_curvature) <= 5 %' --vary scene.sensor.pitch=0.05..2
+  palpate design my.toml --target 'coverage95(object_curvature) >= 0.9' \\
+    --vary scene.sensor.normal_from=hue,both --set scene.object.radius=42 --out out/which-reading
+  palpate design examples/pads-for-a-ball.toml \\
+    --target 'relative_rms_error(mean_curvature) <= 5 %' --vary scene.sensor.pitch=0.05..2 \\
+    --vary scene.motion.arc_length=0.5..8 --maximise scene.sensor.pitch
 
 The target is to hold in every cell of the config at once; a field that is swept can be --set to one value.
 At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the

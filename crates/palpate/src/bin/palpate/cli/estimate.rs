@@ -58,7 +58,8 @@ unit; flags override them.
 
 Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
-  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.2"))]
+  palpate estimate roll examples/roll-readings.csv \\
+    --like examples/pads-for-a-ball.toml --pitch 0.2"))]
     Roll(EstimateRollArgs),
     /// Curvature over a patch from sliding fingers (EP2).
     #[command(
@@ -99,8 +100,10 @@ Examples:
   palpate estimate glide examples/glide-readings.csv --criterion gcv --intervals 6
   palpate estimate glide examples/glide-readings.csv --like examples/fingers-over-a-mug.toml
   palpate estimate glide examples/glide-readings.csv --tip-radius 4 --reports centre
-  palpate estimate glide examples/foreign-glide.csv --columns 'x=Finger X [m],y=Finger Y [m],z=Finger Z [m]' --length-unit mm
-  palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01")
+  palpate estimate glide examples/foreign-glide.csv --length-unit mm \\
+    --columns 'x=Finger X [m],y=Finger Y [m],z=Finger Z [m]'
+  palpate estimate glide examples/glide-readings.csv \\
+    --gaussian-threshold 0.0005 --mean-threshold 0.01")
     )]
     Glide(EstimateGlideArgs),
     /// Curvature of an object from one press of a soft sphere with markers.
@@ -142,10 +145,14 @@ kind press, in the readings' unit; flags override them. The indentation of the s
 taken over: it is fitted unless --indentation tells it.
 
 Examples:
-  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02
-  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --method bonded-layer --thickness 5
-  palpate estimate press examples/chromatouch-2020/profile-dish.csv --sensor-radius 20 --depth 2 --radial-scale 2.19
-  palpate estimate press examples/press-readings.csv --like examples/press-a-ball.toml --indentation 1.5");
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 \\
+    --indentation 1.5 --indentation-std 0.02
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 \\
+    --method bonded-layer --thickness 5
+  palpate estimate press examples/chromatouch-2020/profile-dish.csv \\
+    --sensor-radius 20 --depth 2 --radial-scale 2.19
+  palpate estimate press examples/press-readings.csv \\
+    --like examples/press-a-ball.toml --indentation 1.5");
 
 /// Study whose settings stand for those that are not given.
 #[derive(Debug, Args)]
@@ -265,8 +272,8 @@ pub(crate) struct SensorArgs {
     /// Radius of the sensor's skin, in the readings' length unit; needed without --like.
     #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) sensor_radius: Option<f64>,
-    /// Depth of the markers under the skin; `sensor track` needs it without --like, `estimate press`
-    /// takes 0.
+    /// Depth of the markers under the skin; `sensor track` needs it without --like, `estimate press` takes 0, the
+    /// surface, with a warning.
     #[arg(long, value_name = "Z", value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) depth: Option<f64>,
     /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.

@@ -56,9 +56,12 @@ rad, a share; place, length; turn, rad; odd terms), and how far each marker lies
 that the frame does not tell to half of what fisheyes differ by stay those of the study.
 
 Examples:
-  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
-  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml
-  palpate sensor calibrate --rest rest.png --layout examples/press-with-a-camera.toml --out camera.toml");
+  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv \\
+    examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
+  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 \\
+    --length-unit mm --from size --out calibration.toml
+  palpate sensor calibrate --rest rest.png --layout examples/press-with-a-camera.toml \\
+    --out camera.toml");
 
 const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
 is transparent. Writes to DIR
@@ -87,8 +90,10 @@ along x, rows against y.
 
 Examples:
   palpate sensor track rest.png pressed.png --out out/track
-  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --indentation-std 0.02 --out out/track
-  palpate sensor track rest.png pressed.png --like examples/press-with-a-camera.toml --cell 2 --method image --indentation 1 --indentation-std 0.02 --out out/track";
+  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 \\
+    --depth 2 --indentation 1.4 --indentation-std 0.02 --out out/track
+  palpate sensor track rest.png pressed.png --like examples/press-with-a-camera.toml --cell 2 \\
+    --method image --indentation 1 --indentation-std 0.02 --out out/track";
 
 #[derive(Debug, Args)]
 pub(crate) struct PatternArgs {
