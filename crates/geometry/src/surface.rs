@@ -53,7 +53,7 @@ pub trait Surface {
     /// than computing the whole level set. Off the surface the result means nothing.
     ///
     /// # Errors
-    /// As [`Surface::level_set`].
+    /// Errors of [`Surface::level_set`].
     #[inline]
     fn tangent_form(
         &self,
@@ -70,7 +70,7 @@ pub trait Surface {
     /// surface; `x` must be a unit tangent.
     ///
     /// # Errors
-    /// As [`Surface::level_set`].
+    /// Errors of [`Surface::level_set`].
     fn curvature_along(
         &self,
         point: &Point3<f64>,
@@ -118,7 +118,7 @@ pub trait Surface {
     /// Frame and forms of the chart at `at`.
     ///
     /// # Errors
-    /// As [`Surface::chart`], and [`SurfaceError::ChartSingular`] at a pole of the chart.
+    /// Errors of [`Surface::chart`], and [`SurfaceError::ChartSingular`] at a pole of the chart.
     fn chart_geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
         self.chart(at)?.geometry(at)
     }

@@ -110,7 +110,7 @@ impl Body {
     /// takes little longer than one.
     ///
     /// # Errors
-    /// As [`Body::bonded_layer`].
+    /// Errors of [`Body::bonded_layer`].
     pub fn bonded_layers(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let layers = BondedLayer::at_depths(thickness, depths)?.into_iter();
         Ok(layers
@@ -122,7 +122,7 @@ impl Body {
     /// for itself, as [`BondedLayer::solved`] does, without tables.
     ///
     /// # Errors
-    /// As [`Body::bonded_layer`].
+    /// Errors of [`Body::bonded_layer`].
     pub fn solved_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
         BondedLayer::new(thickness, depth).map(Self::solved)
     }

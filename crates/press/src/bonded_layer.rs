@@ -165,7 +165,7 @@ impl BondedLayer {
     /// The contact's radius from the indentation over the relative curvature: the inverse of D(a), within 1e-12.
     ///
     /// # Errors
-    /// As [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
+    /// Errors of [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
     /// positive.
     pub fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
         self.radius_by(indentation_over_curvature, |contact| {
@@ -177,7 +177,7 @@ impl BondedLayer {
     /// table: each of Newton's few steps solves a contact.
     ///
     /// # Errors
-    /// As [`Self::contact_radius`].
+    /// Errors of [`Self::contact_radius`].
     pub fn solved_contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -222,7 +222,7 @@ impl BondedLayer {
     /// thicknesses it is as [`Self::solved`].
     ///
     /// # Errors
-    /// As [`Self::indentation_of`].
+    /// Errors of [`Self::indentation_of`].
     pub fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let Some(place) = Table::place(contact) else {
@@ -242,7 +242,7 @@ impl BondedLayer {
     /// A contact of radius `a`, solved for itself: within 1e-9 of the peak displacement at the surface.
     ///
     /// # Errors
-    /// As [`Self::indentation_of`]; [`PressError::OutOfRange`] also where the resolution is too coarse for any
+    /// Errors of [`Self::indentation_of`]; [`PressError::OutOfRange`] also where the resolution is too coarse for any
     /// solution.
     pub fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;

@@ -22,8 +22,8 @@ pub(crate) const BY_INDENTATION: usize = 8;
 /// Number of directions, of half a turn, in which contacts in a row are sought.
 const ROWS: usize = 60;
 
-/// Share of a pattern that the unknowns must leave for it to be looked for: what bends the model where the unknowns are known
-/// badly has as much of what they leave less of.
+/// Share of a pattern that the unknowns must leave for it to be looked for: of less, only what bends the model where the unknowns
+/// are known badly.
 const LEFT_OF_PATTERN: f64 = 0.1;
 
 /// Standard deviations by which a marker may slip before it is left out, about.
@@ -100,9 +100,9 @@ fn row_at(angle: f64) -> Patterns {
 /// Noise that residuals are judged by.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
-    /// Its size is stated.
+    /// Noise whose size is stated.
     Stated,
-    /// It is found from the residuals, whose sum of squares is this with so many degrees of freedom.
+    /// Noise that is found from the residuals, whose sum of squares is this with so many degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 

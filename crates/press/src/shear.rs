@@ -82,7 +82,7 @@ pub fn stuck_shift(
 /// ```
 ///
 /// # Errors
-/// As [`stuck_shift`].
+/// Errors of [`stuck_shift`].
 pub fn followed(poisson: f64, depth: f64, contact_radius: f64) -> Result<f64, PressError> {
     stuck_shift(poisson, depth, contact_radius, 0.0, 0.0).map(|shift| shift.along)
 }

@@ -236,7 +236,7 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// What a run will do: cells, trials, models and why, and roughly how long.
+    /// Plan of a run: cells, trials, models and why, and roughly how long.
     ///
     /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`, of each
     /// the number of its `cells`, what it `needs` and why, and the `rungs` of its model with errors and costs (s).

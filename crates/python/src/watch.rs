@@ -120,7 +120,7 @@ const PATIENCE: Duration = Duration::from_millis(60);
 /// signal goes on by itself until it sees that it is cancelled.
 ///
 /// # Errors
-/// What a signal or the progress raises.
+/// Exception that a signal or the progress raises.
 pub(crate) fn watched_alone<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

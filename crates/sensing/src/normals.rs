@@ -84,7 +84,7 @@ mod tests {
 
     use super::*;
 
-    /// The same by functions of double precision.
+    /// Pair of draws by functions of double precision.
     fn exact(word: u64) -> [f64; 2] {
         let uniform = ((word >> 33) as f64 + 0.5) / 2_f64.powi(31);
         let radius = (-2.0 * libm::log(uniform)).sqrt();

@@ -89,7 +89,7 @@ impl Batches {
         }
     }
 
-    /// The same, but of these quantities alone, and without their quantiles unless `histograms` are kept: less memory.
+    /// Batches of these quantities alone, without their quantiles unless `histograms` are kept: less memory.
     #[must_use]
     pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
         Self {

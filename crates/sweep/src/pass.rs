@@ -82,7 +82,7 @@ impl WithSimd for FillErrors<'_> {
     }
 }
 
-/// What numbers add up to.
+/// Sums of numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Totals {
     pub(crate) min: f64,
@@ -188,7 +188,7 @@ fn lanes<S: Simd>(vectors: &[S::f64s; LANES]) -> [f64; LANES] {
     lanes
 }
 
-/// What standard deviations add up to beside the errors that they are of.
+/// Sums of standard deviations beside the errors that they are of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StdTotals {
     /// Lowest of them; 0 if none is negative.

@@ -57,7 +57,7 @@ pub struct Seeing {
     pressed: Vec<Option<Seen>>,
 }
 
-/// What is done with the pictures.
+/// Task with the pictures.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
     /// The sensor is told by its frame at rest.

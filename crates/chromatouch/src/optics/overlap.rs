@@ -74,7 +74,7 @@ impl HalfAngle {
     }
 }
 
-/// What the discs of a marker share; `near` are the half-angles of both segments of a pair that is likely near.
+/// Area that the discs of a marker share; `near` are the half-angles of both segments of a pair that is likely near.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;

@@ -11,11 +11,11 @@ pub(crate) type Process = DMatrix<f64>;
 
 /// Sums over contacts of products of patterns.
 pub(super) struct Products {
-    /// With each other.
+    /// Products with each other.
     pub(super) by_patterns: DMatrix<f64>,
-    /// With slopes by the coefficients of the series, a column for each pattern.
+    /// Products with slopes by the coefficients of the series, a column for each pattern.
     pub(super) by_slopes: DMatrix<f64>,
-    /// With the deviations from the quadric.
+    /// Products with the deviations from the quadric.
     pub(super) by_values: DVector<f64>,
 }
 

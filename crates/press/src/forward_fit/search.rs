@@ -55,7 +55,7 @@ enum Found<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// All that is not known is sought; every marker counts, and all with a standard deviation of 1.
+    /// Problem in which all that is not known is sought, and every marker counts, with a standard deviation of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let mut sought = [true; super::problem::UNKNOWNS];
         // A prior narrower than rounding counts as exact.

@@ -39,7 +39,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// How much less another is.
+    /// Amount by which another is less.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,

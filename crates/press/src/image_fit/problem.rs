@@ -40,7 +40,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Slopes of their pictures by their misalignments, whitened.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// How the pictures of the sensor at rest, as far as slopes tell, differ from those of `sensor`, whitened.
+    /// Difference of the pictures of the sensor at rest, as far as slopes tell, from those of `sensor`, whitened.
     from_rest: Vec<Vector4<f64>>,
     /// Effect of common departures, whitened: as many rows as equations, and a column for each departure.
     pub(super) common: DMatrix<f64>,

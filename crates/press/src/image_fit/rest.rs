@@ -25,7 +25,7 @@ pub struct Rest {
     pub freedom: usize,
     /// Information on the common departures that are free, after the frame at rest.
     pub(super) information: DMatrix<f64>,
-    /// How each marker's misalignment follows the free common departures, and its covariance beyond that.
+    /// Dependence of each marker's misalignment on the free common departures, and its covariance beyond that.
     pub(super) local: Vec<Option<Local>>,
     /// Pictures at rest with their slopes, about the sensor by which both are told.
     pub(super) slopes: Arc<PictureSlopes>,

@@ -71,7 +71,7 @@ impl Calibration {
         calibration_toml(&self.calibration, self.unit)
     }
 
-    /// The same as a dictionary.
+    /// Fields as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parsed: Result<serde_json::Value, toml::de::Error> = toml::from_str(&self.to_toml());
         let parsed = parsed.map_err(|error| error::RunError::new_err(error.to_string()))?;

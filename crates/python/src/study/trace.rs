@@ -21,7 +21,7 @@ pub(crate) struct Trace {
     /// Truth: contacts, or markers.
     #[pyo3(get)]
     contacts: Py<Table>,
-    /// What the sensor says of it, in the form that `palpate estimate` accepts.
+    /// Readings of the sensor, in the form that `palpate estimate` accepts.
     #[pyo3(get)]
     readings: Py<Table>,
     /// How a camera sees each marker; None without one.

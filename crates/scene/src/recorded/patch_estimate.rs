@@ -14,7 +14,7 @@ use crate::map::MapTable;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
-/// When curvatures count as zero.
+/// Thresholds below which curvatures count as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
     pub(super) gaussian: Value,

@@ -249,7 +249,7 @@ impl Sensed {
     /// The curvature of the object.
     ///
     /// # Errors
-    /// Those of [`estimate_press`].
+    /// Errors of [`estimate_press`].
     pub fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
         let markers = self.field.markers();
         let tangential = markers.iter().map(|marker| marker.tangential).collect();

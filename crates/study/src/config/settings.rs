@@ -166,13 +166,13 @@ impl fmt::Display for Range {
     }
 }
 
-/// What is known of a type of tables.
+/// Facts about a type of tables.
 struct Known {
     schema: Json,
     settings: Vec<Setting>,
 }
 
-/// What is known of the tables that were asked for: to find it out takes longer than many an estimate.
+/// Facts about the tables that were asked for: to find them out takes longer than many an estimate.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {
