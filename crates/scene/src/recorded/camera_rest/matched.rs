@@ -53,6 +53,9 @@ const ELSEWHERE: &str = "is it of another layout or camera, or does the camera s
 const MOST_FITS: usize = 12;
 const SETTLED: f64 = 1e-3;
 
+/// Markers of the layout among those found, by number, and their pictures.
+type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
+
 /// Markers of a frame, by those of the layout.
 pub(super) struct Matched {
     /// Number among those found of each marker of the layout.
@@ -119,13 +122,12 @@ impl Matched {
         Ok((matched, optics))
     }
 
-    /// Markers of the layout among those found, by number, and their pictures.
     fn seen(
         meant: &Meant<'_>,
         fit: &ImageFit<PictureLaw>,
         found: &Found,
         least: f64,
-    ) -> Result<(Vec<Option<usize>>, Vec<Option<Seen>>), String> {
+    ) -> Result<Matches, String> {
         let expected = law(fit, None)?;
         let markers = nearest(&centroids(&expected), found);
         let seen = |(at, marker): (usize, &Option<usize>)| {
