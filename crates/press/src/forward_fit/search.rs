@@ -177,11 +177,17 @@ impl<'a> Search<'a> {
             let shown = seen(&self.problem, &state);
             let only_marker = match shown {
                 Ok(None) => None,
-                Err(refusal @ PressError::OtherBody { .. }) => return Err(refusal),
+                Err(refusal @ PressError::OtherBody { .. }) if self.problem.knows_noise() => {
+                    return Err(refusal);
+                }
                 _ => match self.unseen(shown.unwrap_or_default()) {
                     Some(Found::Contact(found)) => {
                         (self, state, sums) = *found;
                         None
+                    }
+                    // Where most markers tell the noise, a press that is not explained may be one that fits missed.
+                    Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
+                        shown?
                     }
                     Some(Found::Left(estimate)) => return Ok(*estimate),
                     None => shown?,
