@@ -133,8 +133,12 @@ impl<'a> Meant<'a> {
                 let (Some(clear), Some(blemished)) = (clear, blemished) else {
                     continue;
                 };
-                for (number, change) in change.iter_mut().enumerate() {
-                    *change += (blemished[number] - clear[number]) / BLEMISHED as f64;
+                let mut off: [f64; 4] =
+                    std::array::from_fn(|number| blemished[number] - clear[number]);
+                // Hues are turns.
+                off[2] -= (off[2] + 0.5).floor();
+                for (change, off) in change.iter_mut().zip(off) {
+                    *change += off / BLEMISHED as f64;
                 }
             }
         }
