@@ -28,7 +28,7 @@ def _measured(table: dict[str, Any]) -> str | None:
         text += f" ± {number(table['std'], 2)}"
     if unit not in ("", "1", "unit"):
         text += f" {unit}"
-    if "interval95" in table:
+    if table.get("interval95") is not None:
         low, high = ("∞" if end is None else number(end) for end in table["interval95"])
         text += f", 95 %: {low if low != '∞' else '-∞'} to {high}"
     return text
