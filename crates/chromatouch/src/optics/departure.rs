@@ -17,7 +17,7 @@ pub struct Departure {
     pub turn_rad: [f64; 3],
     /// Shares of red, green and blue light that magenta discs let through beyond those that are known.
     pub magenta: [f64; 3],
-    /// Likewise of yellow discs.
+    /// Shares that yellow discs let through beyond those that are known.
     pub yellow: [f64; 3],
     /// How much larger the odd terms of a fisheye are, k3 and k5 of [`OddTerms`](super::OddTerms).
     pub odd_terms: [f64; 2],

@@ -1,7 +1,9 @@
 //! Goodness of fit and doubts against contacts of surfaces in closed form.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::{Agreement, Contact, Doubt, Method, Noise, Patch, Penalised, Quadric, TwoPass};
+
+use palpate_sensing::{Channel, Stream};
 
 use crate::samples::{QUADRIC_LIKE, Surface, Sweep};
 
@@ -253,6 +255,60 @@ fn a_finger_of_three_is_told_from_the_roughness_that_it_looks_like() {
     let named = |by| (0..100).filter(|trial| is_named(*trial, by)).count();
     let [none, far] = [0.0, 12.0].map(named);
     assert!(none < 5 && far > 90, "{none} {far}");
+}
+
+/// Numbers from 0 to 1 that no rule relates.
+fn scattered(number: u64) -> f64 {
+    let wide = 43_758.5 * libm::sin(12.9 * number as f64 + 0.7);
+    wide - wide.floor()
+}
+
+/// Contacts without normals tell the length of waves badly: fingers count by all lengths that may be.
+#[test]
+fn fingers_in_place_are_seldom_displaced_over_waves() {
+    const STD: f64 = 0.005;
+    let method = penalised(Noise {
+        position_std: Some(STD),
+        normal_std_rad: None,
+    });
+    let mut displaced = 0;
+    for trial in 0..150 {
+        let between =
+            |number: u64, low: f64, high: f64| low + (high - low) * scattered(20 * trial + number);
+        let [a, b, c] = [0, 1, 2].map(|number| between(number, -0.12, 0.12));
+        let waves = [4, 8].map(|first| {
+            let number = between(first, 0.4, 1.6);
+            let size = between(first + 1, 0.02, 0.25) / (number * number);
+            let (sine, cosine) = libm::sincos(between(first + 2, 0.0, std::f64::consts::TAU));
+            (
+                size,
+                number * cosine,
+                number * sine,
+                between(first + 3, 0.0, std::f64::consts::TAU),
+            )
+        });
+        let mut noise = Stream::new(1919, trial, Channel::Position);
+        let mut error = || STD * noise.standard_normal();
+        let contacts: Vec<Contact> = (0..50)
+            .map(|number| {
+                let x = f64::from(number % 10) / 3.0 - 1.5;
+                let y = f64::from(number / 10) - 2.0;
+                let wave = |(size, along_x, along_y, phase): (f64, f64, f64, f64)| {
+                    size * libm::sin(along_x * x + along_y * y + phase)
+                };
+                let z = a * x * x + b * x * y + c * y * y + waves.map(wave).iter().sum::<f64>();
+                let position = Point3::new(x + error(), y + error(), z + error());
+                Contact::new(number as usize / 10, position, None)
+            })
+            .collect();
+        let doubts = agreement(&method, &contacts).doubts;
+        displaced += usize::from(
+            doubts
+                .iter()
+                .any(|doubt| doubt.name() == "displaced-finger"),
+        );
+    }
+    assert!(displaced <= 5, "{displaced}");
 }
 
 #[test]

@@ -57,6 +57,20 @@ fn quantities_have_value_std_and_unit() {
 }
 
 #[test]
+fn intervals_reach_as_far_as_the_noise_is_known() {
+    let half_width = |options: &str| {
+        let quantity = &estimate(SCATTERED, options)["mean_curvature"];
+        let number = |value: &Value| value.as_f64().unwrap();
+        let [low, high] = [0, 1].map(|end| number(&quantity["interval95"][end]));
+        assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
+        (high - low) / (2.0 * number(&quantity["std"]))
+    };
+    // Student's t of five degrees of freedom, and the normal distribution's.
+    assert_close(half_width(""), 2.570_582, 1e-6);
+    assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
+}
+
+#[test]
 fn columns_in_any_order_spaces_and_quotes() {
     let readings = "shift_v_mm, shift_u_mm ,\"probe\",rotation_y_rad,rotation_x_rad
  0 , 4 ,7,\"-0.5\",0

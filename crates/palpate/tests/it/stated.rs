@@ -59,6 +59,20 @@ fn told(desk: &Desk, command: &str) -> String {
 }
 
 #[test]
+fn what_no_reading_tells_is_asked_for() {
+    let desk = desk(PRESS);
+    let surface = "they are taken to lie at the skin's surface";
+    let skin = "estimate press r.csv --sensor-radius 20";
+    assert!(told(&desk, skin).contains(surface));
+    for options in ["--depth 0", "--depth 2"] {
+        let said = told(&desk, &format!("{skin} {options}"));
+        assert!(!said.contains(surface), "{options}: {said}");
+    }
+    let said = told(&desk, &format!("{SENSOR} --method gaussian --c 1"));
+    assert!(said.contains("a Gaussian is no elastic body"), "{said}");
+}
+
+#[test]
 fn stated_quantities_that_the_readings_contradict() {
     let known = "--indentation-std 0.02";
     for (options, words) in [

@@ -220,20 +220,26 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     assert!(counts.1 >= 20 && counts.2 <= 4, "{counts:?}");
 }
 
-/// As many markers as unknowns leave nothing that noise could be found from.
-#[test]
-fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
+/// Five markers, and their readings of a press of 1 mm without error.
+fn five_markers() -> (Markers, Readings) {
     let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
     let skin = Skin::new(RADIUS).unwrap();
     let markers = Markers::new(skin, &places).unwrap();
     let body = half_space();
     let contact = skin.contact(&body, 1.0 / 30.0, 1.0).unwrap();
     let exact = Readings::of(&markers, &contact, [0.6, -0.3]);
+    (markers, exact)
+}
+
+/// Noise needs more markers that count than there are unknowns.
+#[test]
+fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
+    let (markers, exact) = five_markers();
     let fit = ForwardFit::new(half_space());
     let mut estimated = 0;
     for trial in 0..200 {
         let mut readings = exact.noisy(0.05, trial);
-        readings.normal[trial as usize % places.len()] += 1.0;
+        readings.normal[trial as usize % 5] += 1.0;
         let known = Some(Measured {
             value: 1.0,
             std: 0.02,
@@ -246,15 +252,11 @@ fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// What is known of the indentation is a reading too.
+/// An indentation that is known is a reading too.
 #[test]
 fn chi_squared_is_reduced_by_what_its_p_value_is_judged_by() {
-    let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
-    let skin = Skin::new(RADIUS).unwrap();
-    let markers = Markers::new(skin, &places).unwrap();
-    let body = half_space();
-    let contact = skin.contact(&body, 1.0 / 30.0, 1.0).unwrap();
-    let readings = Readings::of(&markers, &contact, [0.6, -0.3]).noisy(0.01, 3);
+    let (markers, exact) = five_markers();
+    let readings = exact.noisy(0.01, 3);
     let fit = ForwardFit {
         normal_std: Some(0.01),
         ..ForwardFit::new(half_space())

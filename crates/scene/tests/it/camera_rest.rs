@@ -255,6 +255,17 @@ fn uneven_light_that_the_study_states_is_no_other_camera() {
 }
 
 #[test]
+fn a_study_whose_blur_leaves_no_markers_is_named() {
+    let blurred = text(20.0, 0.25).replace("size_px", "blur_px = 16, size_px");
+    let study = parse("sensor.toml", &blurred).expect("a study");
+    let said = refused(Truth::default().frame(1), &study);
+    assert!(
+        said.contains("shows no markers by `light_at_rim` 1, `blur_px` 16"),
+        "{said}"
+    );
+}
+
+#[test]
 fn markers_that_the_rim_cuts_are_not_missing() {
     let truth = Truth {
         place: [0.4, -0.3, 0.5],

@@ -3,6 +3,7 @@
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
 };
+use palpate_number::Number;
 use palpate_press::{Body, ImageFit, Markers, Seen, Skin};
 use palpate_sensing::{Channel, Stream};
 use palpate_study::config::{CameraConfig, PixelNoise, PressConfig, SensorNoise};
@@ -165,8 +166,13 @@ impl<'a> Meant<'a> {
             let mut pixels = Stream::new(0, number, Channel::Pixel);
             let frame = optics.rendered(&still, Some(&mut pixels));
             let frame = frame.map_err(|error| of_optics(&error))?;
-            let found = finder.find(&frame);
-            let found = found.map_err(|error| PlanError::at("scene.sensor", error))?;
+            let found = finder.find(&frame).map_err(|_| {
+                let [light, blur] = [blemishes.light_at_rim, blemishes.blur_px].map(Number);
+                let message = format!(
+                    "the study's camera shows no markers by `light_at_rim` {light}, `blur_px` {blur} and its noise of pixels"
+                );
+                PlanError::at("scene.sensor", message)
+            })?;
             let seen = |marker: usize| seen_of(&found.markers[marker], &found.errors[marker]);
             let nearest = nearest(&expected, &found).into_iter();
             Ok(nearest.map(|marker| Some(seen(marker?).picture)).collect())
