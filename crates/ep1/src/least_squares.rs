@@ -25,6 +25,9 @@ use crate::{
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
 
+/// Standard deviation that rounding alone gives the entries of `K₁ B`: readings and sums err by some last places.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
 /// The least squares for a set of rotations: all of it that does not depend on the shifts.
 ///
 /// Many sets of shifts can be fitted for one set of rotations; see [`Moments`].
@@ -115,6 +118,22 @@ impl LeastSquares {
         }
         let relative_shift_std = noise.shift_std * probe_curvature;
         let through = |middle: &Matrix3<f64>| Symmetric3::of(&(inverse * middle * inverse));
+        let shift_variance = relative_shift_std * relative_shift_std;
+        let from_shifts = match noise.shared_errors(rotations) {
+            None => Symmetric3::of(&(inverse * shift_variance)),
+            Some(shared) => {
+                let mut gram = Symmetric::default();
+                for (sum, share) in shared {
+                    let square = Symmetric {
+                        uu: sum.x * sum.x,
+                        uv: sum.x * sum.y,
+                        vv: sum.y * sum.y,
+                    };
+                    gram.add(&square, share * shift_variance);
+                }
+                through(&normal_equations(&gram))
+            }
+        };
         let unit = |uu, vv, uv| through(&weighted_equations(&weighted, &Symmetric { uu, uv, vv }));
         Ok(Self {
             radius,
@@ -125,7 +144,7 @@ impl LeastSquares {
                 probe_curvature,
                 per_probe: 1.0 / rotations.len() as f64,
                 inverse: Symmetric3::of(&(inverse * probe_curvature)),
-                from_shifts: Symmetric3::of(&(inverse * (relative_shift_std * relative_shift_std))),
+                from_shifts,
                 from_rotations: [
                     unit(1.0, 0.0, 0.0),
                     unit(0.0, 1.0, 0.0),
@@ -407,7 +426,7 @@ impl Law {
         let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
         let mut stds = [0.0; 4];
         if IS_STATED {
-            let [u, v, of_gaussian, of_mean] = self.stds(&curvature, &travel);
+            let [u, v, of_gaussian, of_mean] = self.stds(&curvature, &travel, unit);
             stds = [unit * u, unit * v, unit * of_gaussian, unit * of_mean];
             all += stds[0] + stds[1] + stds[2] + stds[3];
         }
@@ -426,33 +445,43 @@ impl Law {
     fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
             .plus(&self.from_rotations, &travel.square())
+            .with_diagonal(ROUNDING * ROUNDING)
     }
 
-    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `K₁ / det²`
-    /// for the determinant of `travel`, `K₁ B`.
+    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit`, `K₁ / det²` for the determinant
+    /// of `travel`, `K₁ B`.
     ///
     /// A probe's residual is `e − B δg` for shift error `e` and rotation error `δg`. The covariance
     /// of B that follows is linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient
-    /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`.
+    /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`. The Gaussian curvature has the variance of second order
+    /// too, which is all that there is on a flat object.
     #[inline(always)]
-    fn stds(self, curvature: &Symmetric, travel: &Symmetric) -> [f64; 4] {
+    fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
         let covariance = self.of_mobility(travel);
         let [along_u, along_v, mixed] = gradients(travel);
-        let twice_uv = curvature.uv + curvature.uv;
         // No closure: one that is not inlined lacks the vector instructions of what calls it.
-        let gaussian = [
-            curvature.vv * along_u[0] + curvature.uu * along_v[0] - twice_uv * mixed[0],
-            curvature.vv * along_u[1] + curvature.uu * along_v[1] - twice_uv * mixed[1],
-            curvature.vv * along_u[2] + curvature.uu * along_v[2] - twice_uv * mixed[2],
-        ];
-        let (from_u, from_v) = (covariance.times(&along_u), covariance.times(&along_v));
-        let (u, v, both) = (
+        let (from_u, from_v, from_t) = (
+            covariance.times(&along_u),
+            covariance.times(&along_v),
+            covariance.times(&mixed),
+        );
+        let (u, v, t) = (
             from_u.dot(&along_u),
             from_v.dot(&along_v),
-            from_u.dot(&along_v),
+            from_t.dot(&mixed),
         );
-        let mean = (u + v + both + both) * 0.25;
-        let gaussian = covariance.times(&gaussian).dot(&gaussian);
+        let (uv, ut, vt) = (from_u.dot(&along_v), from_u.dot(&mixed), from_v.dot(&mixed));
+        let mean = (u + v + uv + uv) * 0.25;
+        let Symmetric {
+            uu: k_uu,
+            uv: k_uv,
+            vv: k_vv,
+        } = *curvature;
+        let twice_uv = k_uv + k_uv;
+        let aside = twice_uv * t - (k_vv * ut + k_uu * vt) * 2.0;
+        let first_order = k_vv * (k_vv * u + k_uu * (uv + uv)) + k_uu * k_uu * v + twice_uv * aside;
+        let second_order = u * v + uv * uv + (t * t - (ut + ut) * vt) * 2.0;
+        let gaussian = first_order + unit * unit * second_order;
         [root(u), root(v), root(gaussian), root(mean)]
     }
 }
@@ -477,7 +506,7 @@ fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
 /// Square root of what rounding may have made negative.
 #[inline(always)]
 fn root(variance: f64) -> f64 {
-    let variance = if variance > 0.0 { variance } else { 0.0 };
+    let variance = if variance < 0.0 { 0.0 } else { variance };
     variance.sqrt()
 }
 

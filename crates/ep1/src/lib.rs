@@ -28,7 +28,7 @@ pub use estimate::{Estimate, Measured};
 pub use least_squares::LeastSquares;
 pub use many::{MOST, ManyEstimates, ManyMoments};
 pub use moments::{Moments, ProbeRotation};
-pub use reading::{ProbeReading, ReadingNoise};
+pub use reading::{PadStart, ProbeReading, ReadingNoise};
 pub use sets::{SetRow, Sets};
 
 #[cfg(doctest)]

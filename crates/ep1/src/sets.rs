@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::least_squares::{Law, LeastSquares, Solution};
 use crate::symmetric::{Symmetric, Symmetric3};
-use crate::{Ep1Error, Moments, ProbeReading, ReadingNoise};
+use crate::{Ep1Error, Moments, PadStart, ProbeReading, ReadingNoise};
 
 /// Row of estimates from one set of readings: normal curvature along u and v, twist k_uv, Gaussian and mean curvature; the
 /// standard deviations of all but the twist, in the same order; mean length of the shifts; root mean square of the
@@ -51,7 +51,7 @@ type Abreast = [f64; ABREAST];
 
 impl Sets<'_> {
     /// Estimates of the sets from `first` on, to the last bit as [`LeastSquares`] finds them one by one: a row each. A set
-    /// that tells no curvature has a row of NaN; standard deviations are NaN where neither noise nor residuals tell them.
+    /// that tells no curvature has a row of NaN.
     ///
     /// Compiled for the vectors of whoever calls it.
     ///
@@ -101,7 +101,9 @@ impl Sets<'_> {
         }
         // Noise of rotations that differ from set to set has to be told set by set.
         let noise = self.noise;
-        let is_of_shifts = noise.relative_rotation_std == 0.0 && noise.rotation_std_rad == 0.0;
+        let is_of_shifts = noise.relative_rotation_std == 0.0
+            && noise.rotation_std_rad == 0.0
+            && noise.pad_start == PadStart::PerRoll;
         let is_sound = self.radius > 0.0 && self.radius.is_finite() && noise.shift_std.is_finite();
         (is_of_shifts && is_sound && self.probes > 0).then(|| {
             Law::of_shifts(
@@ -187,17 +189,16 @@ impl Sets<'_> {
         columns[10] = readings.residuals(&mobility, kept);
         if !IS_STATED {
             for place in 0..ABREAST {
-                // As noisy as the residuals; residuals of nothing tell nothing.
+                // As noisy as the residuals.
                 let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
                 let residual = columns[10][place];
-                let known = if residual > 0.0 { 1.0 } else { f64::NAN };
                 let law = Law::of_shifts(self.radius, residual, self.probes, &inverse);
                 let solution = law.solve::<true>(&sums.moments(place));
                 told[place] &= u64::from(spans & solution.in_range);
-                columns[5][place] = known * solution.stds[0];
-                columns[6][place] = known * solution.stds[1];
-                columns[7][place] = known * solution.stds[2];
-                columns[8][place] = known * solution.stds[3];
+                columns[5][place] = solution.stds[0];
+                columns[6][place] = solution.stds[1];
+                columns[7][place] = solution.stds[2];
+                columns[8][place] = solution.stds[3];
             }
         }
         for (place, row) in rows.iter_mut().enumerate() {
@@ -227,9 +228,9 @@ impl Sets<'_> {
             return Err(Ep1Error::OutOfRange);
         }
         let (residual, _) = estimate.residual(&readings);
-        if !self.noise.is_stated() && residual > 0.0 {
+        if !self.noise.is_stated() {
             let noise = ReadingNoise {
-                shift_std: residual,
+                shift_std: residual.max(f64::MIN_POSITIVE),
                 ..self.noise
             };
             estimate = LeastSquares::of(self.radius, noise, &readings)?;

@@ -132,6 +132,16 @@ impl Symmetric3 {
         }
     }
 
+    /// This matrix with a number added to its diagonal.
+    #[inline(always)]
+    pub(crate) fn with_diagonal(self, by: f64) -> Self {
+        let [d1, d2, d3] = self.diagonal;
+        Self {
+            diagonal: [d1 + by, d2 + by, d3 + by],
+            ..self
+        }
+    }
+
     /// This matrix times the vector `(uu, vv, uv)`.
     #[inline(always)]
     pub(crate) fn times(&self, v: &[f64; 3]) -> Symmetric {

@@ -4,6 +4,7 @@ mod ladder;
 mod linear;
 mod noise;
 mod plan;
+mod rotation_sensor;
 mod scene;
 mod sensor;
 mod trace;

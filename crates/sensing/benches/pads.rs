@@ -13,7 +13,7 @@ fn benches(criterion: &mut Criterion) {
     let displacement = Vector2::new(2.3, 1.1);
     for layout in [PadLayout::Square, PadLayout::Uniform] {
         let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5).unwrap();
-        let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+        let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
         criterion.bench_function(&format!("{layout:?} pads, one reading"), |bencher| {
             bencher.iter(|| pads.read(&placement, black_box(&displacement)).unwrap());
         });

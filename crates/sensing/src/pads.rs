@@ -27,31 +27,10 @@ pub enum PadLayout {
 pub enum PadOffset {
     /// A pad's centre.
     Centred,
-    /// Any place, drawn for each trial.
+    /// Any place, drawn for each roll.
     Random,
-}
-
-impl PadOffset {
-    /// Resolution of pads of a pitch, length: a shorter shift may report no change of pad.
-    pub fn resolution(self, pitch: f64) -> f64 {
-        match self {
-            Self::Centred => 0.5 * pitch,
-            Self::Random => pitch,
-        }
-    }
-
-    /// Standard deviation of a shift's error on pads of a pitch, length, as if quantisation were noise: uniform over a
-    /// pad, at the last contact and, where that is not centred, at the first.
-    ///
-    /// Real quantisation is not independent between probes: probes that roll alike read alike, and
-    /// on a square grid a shift by a whole number of pads is read exactly wherever it starts.
-    pub fn shift_std(self, pitch: f64) -> f64 {
-        let one_end = pitch / 12.0_f64.sqrt();
-        match self {
-            Self::Centred => one_end,
-            Self::Random => std::f64::consts::SQRT_2 * one_end,
-        }
-    }
+    /// Any place, drawn once for all rolls of a trial.
+    RandomPerTrial,
 }
 
 /// An array of pads on a spherical cap of a fingertip, around the first contact.
@@ -63,10 +42,9 @@ impl PadOffset {
 ///
 /// // Pads 1 apart on a fingertip of radius 10 round a shift to whole pads.
 /// let pads = Pads::new(10.0, 1.0, PadLayout::Square, PadOffset::Centred, FRAC_PI_2)?;
-/// let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+/// let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
 /// let shift = pads.read(&placement, &Vector2::new(2.3, -0.6))?;
 /// assert_eq!(shift, Vector2::new(2.0, -1.0));
-/// assert_eq!(pads.resolution(), 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -84,7 +62,7 @@ enum Tiling {
     Uniform(UniformLattice),
 }
 
-/// The placement of the pads in one trial.
+/// The placement of the pads under a first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadPlacement(Placement);
 
@@ -143,9 +121,14 @@ impl Pads {
         })
     }
 
-    /// Whether the placement differs from trial to trial.
-    pub fn is_random(&self) -> bool {
-        self.offset == PadOffset::Random
+    /// Distance between neighbouring pads, length.
+    pub const fn pitch(&self) -> f64 {
+        self.pitch
+    }
+
+    /// The place of the first contact on the pads.
+    pub const fn offset(&self) -> PadOffset {
+        self.offset
     }
 
     /// These pads, with the first contact on a pad's centre.
@@ -156,22 +139,11 @@ impl Pads {
         }
     }
 
-    /// Resolution, length: a shorter shift may report no change of pad.
-    pub fn resolution(&self) -> f64 {
-        self.offset.resolution(self.pitch)
-    }
-
-    /// Standard deviation of a shift's error, length, as [`PadOffset::shift_std`].
-    pub fn shift_std(&self) -> f64 {
-        self.offset.shift_std(self.pitch)
-    }
-
-    /// Places the pads for a trial; draws only if the offset is random.
-    pub fn place(&self, stream: impl FnOnce() -> Stream) -> PadPlacement {
+    /// Places the pads under a first contact; draws only if the offset is random.
+    pub fn place(&self, stream: &mut Stream) -> PadPlacement {
         PadPlacement(match (&self.tiling, self.offset) {
             (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),
-            (Tiling::Square, PadOffset::Random) => {
-                let mut stream = stream();
+            (Tiling::Square, PadOffset::Random | PadOffset::RandomPerTrial) => {
                 let mut half = || 0.5 * stream.symmetric_uniform();
                 Placement::Square(Vector2::new(half(), half()))
             }
@@ -182,8 +154,7 @@ impl Pads {
                     first_pad,
                 }
             }
-            (Tiling::Uniform(lattice), PadOffset::Random) => {
-                let mut stream = stream();
+            (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
                 // Uniform over a disc of a few pitches: the lattice is not periodic, but over
                 // several pads every place within a pad is as likely as any other.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
@@ -239,43 +210,6 @@ impl Pads {
                 Ok(displacement.zip_map(&placement.offset(), pads))
             }
         }
-    }
-
-    /// The direction (unit, from the fingertip's centre) of the centre of the pad that reports a
-    /// contact in `direction`, with the pads around `pole` where [`Pads::read`] has them around the
-    /// first contact. Both are unit vectors in the same frame; pads lie in the tangent basis at the
-    /// pole of [`displacement_between`].
-    ///
-    /// # Errors
-    /// [`BeyondPads`] where the contact is not on the cap.
-    pub fn sensed_direction(
-        &self,
-        placement: &PadPlacement,
-        pole: &Vector3<f64>,
-        direction: &Vector3<f64>,
-    ) -> Result<Vector3<f64>, BeyondPads> {
-        let displacement = displacement_between(pole, direction) * self.radius;
-        self.unless_beyond_cap(&displacement)?;
-        let local = match (&self.tiling, &placement.0) {
-            (
-                Tiling::Uniform(lattice),
-                Placement::Uniform {
-                    lattice_from_contact,
-                    ..
-                },
-            ) => {
-                let contact = lattice_from_contact * direction_at(&(displacement / self.radius));
-                let pad = lattice.direction(lattice.nearest(&contact));
-                lattice_from_contact.inverse() * pad
-            }
-            (_, placement) => {
-                let centre = displacement.zip_map(&placement.offset(), |length, offset| {
-                    self.pitch * ((length / self.pitch + offset).round() - offset)
-                });
-                direction_at(&(centre / self.radius))
-            }
-        };
-        Ok(turn_to(pole) * local)
     }
 
     fn unless_beyond_cap(&self, displacement: &Vector2<f64>) -> Result<(), BeyondPads> {

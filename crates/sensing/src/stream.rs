@@ -47,6 +47,10 @@ pub enum Channel {
     LostMarkers = 16,
     /// Departure of a sensor from what is known of it.
     Sensor = 17,
+    /// Place within an encoder's step at which a roll begins.
+    EncoderPhase = 18,
+    /// Error of a measured rotation.
+    Rotation = 19,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.

@@ -213,7 +213,7 @@ pub fn statistics_alone(trials: u64) -> Result<Hot> {
 /// None: the array is sound.
 pub fn pads(layout: PadLayout, readings: u32) -> Result<Hot> {
     let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5)?;
-    let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+    let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
     Ok(warm(move || {
         (0..readings).for_each(|reading| {
             let displacement = Vector2::new(2.3, 0.01 * f64::from(reading));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix2, Vector2};
-use palpate_ep1::{Agreement, Doubt, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{Agreement, Doubt, LeastSquares, PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
@@ -20,18 +20,21 @@ const OF_SHIFTS: ReadingNoise = ReadingNoise {
     rotation_std_rad: 0.0,
     shift_std: 1e-3,
     shift_resolution: 0.0,
+    pad_start: PadStart::PerRoll,
 };
 const OF_ALL: ReadingNoise = ReadingNoise {
     relative_rotation_std: 0.02,
     rotation_std_rad: 1e-3,
     shift_std: 5e-4,
     shift_resolution: 0.0,
+    pad_start: PadStart::PerRoll,
 };
 const UNKNOWN: ReadingNoise = ReadingNoise {
     relative_rotation_std: 0.0,
     rotation_std_rad: 0.0,
     shift_std: 0.0,
     shift_resolution: 0.0,
+    pad_start: PadStart::PerRoll,
 };
 
 /// Eight probes in directions an eighth of a turn apart.

@@ -1,7 +1,7 @@
 //! The stated uncertainty against a Monte Carlo of the readings.
 
 use approx::assert_relative_eq;
-use palpate_ep1::{Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
@@ -69,6 +69,7 @@ fn all_noise_and_probes_of_every_length_and_direction() {
         rotation_std_rad: 1e-4,
         shift_std: 1e-4,
         shift_resolution: 0.0,
+        pad_start: PadStart::PerRoll,
     };
     check(
         noise,
@@ -141,4 +142,73 @@ fn covariance_of_the_form_against_finite_differences() {
     }
     let (fit, estimate) = LeastSquares::fitted(1.0, ReadingNoise::default(), &exact).unwrap();
     assert_eq!(fit.covariance(&estimate), None);
+}
+
+/// Standard deviation of the mean curvature from rolls in these directions over pads, on a ball of five probe radii.
+fn std_over_pads(start: PadStart, directions_deg: &[f64]) -> f64 {
+    let rolls: Vec<(f64, f64)> = directions_deg
+        .iter()
+        .map(|direction| (direction.to_radians(), 0.3))
+        .collect();
+    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &rolls);
+    let noise = ReadingNoise::of_pads(0.02, start);
+    let estimate = LeastSquares::of(1.0, noise, &exact).unwrap();
+    estimate.mean_curvature.std.unwrap()
+}
+
+#[test]
+fn rolls_that_share_errors_count_once() {
+    let crossed = [0.0, 90.0];
+    let star = [0.0, 90.0, 180.0, 270.0];
+    let stars = [star; 8].concat();
+    let ratio =
+        |start, one: &[f64], other: &[f64]| std_over_pads(start, one) / std_over_pads(start, other);
+    assert_relative_eq!(
+        ratio(PadStart::PerRoll, &star, &stars),
+        8.0_f64.sqrt(),
+        max_relative = 1e-9
+    );
+    assert_relative_eq!(
+        ratio(PadStart::PerTrial, &star, &stars),
+        1.0,
+        max_relative = 1e-9
+    );
+    assert_relative_eq!(
+        ratio(PadStart::Centred, &crossed, &stars),
+        1.0,
+        max_relative = 1e-9
+    );
+    // In a star the error of a common start cancels, which leaves that of the ends.
+    assert_relative_eq!(
+        std_over_pads(PadStart::PerTrial, &star),
+        std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),
+        max_relative = 1e-9
+    );
+}
+
+#[test]
+fn intervals_of_flat_objects_hold_the_rounding() {
+    for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
+        let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
+        // Noise far below the last place.
+        let noise = ReadingNoise {
+            shift_std: 1e-30,
+            ..Default::default()
+        };
+        let estimate = LeastSquares::of(2.0, noise, &exact).unwrap();
+        let truth = 0.5 / flatter;
+        for (found, truth) in [
+            (estimate.normal_curvature_u, truth),
+            (estimate.normal_curvature_v, truth),
+            (estimate.mean_curvature, truth),
+            (estimate.gaussian_curvature, truth * truth),
+        ] {
+            let half_width = 1.96 * found.std.unwrap();
+            assert!(
+                (found.value - truth).abs() <= half_width,
+                "{flatter:e}: {found:?}"
+            );
+            assert!(half_width < 2e-15, "{flatter:e}: {found:?}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! error that is due.
 
 use nalgebra::Vector2;
-use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 use proptest::prelude::*;
 
@@ -78,6 +78,7 @@ proptest! {
             rotation_std_rad: noise[1],
             shift_std: noise[2] * radius,
             shift_resolution: noise[3] * radius,
+            pad_start: PadStart::PerRoll,
         };
         let estimate = LeastSquares::of(radius, noise, &readings(radius, &form.rotated(angle), &rolls));
         prop_assert!(is_finite(&estimate.unwrap()));
@@ -94,6 +95,7 @@ proptest! {
             rotation_std_rad: noise[1],
             shift_std: noise[2],
             shift_resolution: noise[3],
+            pad_start: PadStart::PerRoll,
         };
         for (radius, noise) in [(radius, noise), (1.0, noise), (1.0, ReadingNoise::default())] {
             let fitted = LeastSquares::fitted(radius, noise, &readings);

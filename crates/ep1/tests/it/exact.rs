@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
-use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{LeastSquares, PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_geometry::{CurvatureForm, Shape};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
@@ -15,6 +15,7 @@ const EXACT: ReadingNoise = ReadingNoise {
     rotation_std_rad: 0.0,
     shift_std: 0.0,
     shift_resolution: 0.0,
+    pad_start: PadStart::PerRoll,
 };
 
 proptest! {

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
-use palpate_ep1::{Ep1Error, LeastSquares, ProbeReading, ReadingNoise, SetRow, Sets};
+use palpate_ep1::{Ep1Error, LeastSquares, PadStart, ProbeReading, ReadingNoise, SetRow, Sets};
 use palpate_geometry::CurvatureForm;
 
 use crate::{eight, readings};
@@ -68,18 +68,21 @@ const NOISES: [ReadingNoise; 3] = [
         relative_rotation_std: 0.0,
         rotation_std_rad: 0.0,
         shift_resolution: 0.0,
+        pad_start: PadStart::PerRoll,
     },
     ReadingNoise {
         shift_std: 0.01,
         relative_rotation_std: 0.02,
         rotation_std_rad: 1e-3,
         shift_resolution: 0.0,
+        pad_start: PadStart::PerRoll,
     },
     ReadingNoise {
         shift_std: 0.0,
         relative_rotation_std: 0.0,
         rotation_std_rad: 0.0,
         shift_resolution: 0.0,
+        pad_start: PadStart::PerRoll,
     },
 ];
 

@@ -78,7 +78,10 @@ fn angle(motion: &RollMotionConfig, radius: f64, bent: Option<f64>) -> Result<f6
 
 /// Noise in the words of the families.
 fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'static str, String> {
-    unless(roll.noise.encoder.is_none(), "rounded rotations")?;
+    unless(
+        roll.noise.encoder.is_none() && roll.noise.rotation.is_none(),
+        "measured rotations",
+    )?;
     let (rotations, drawn, name) = match &roll.noise.angular_velocity {
         None => (0.0, ROTATION_STDS, ""),
         Some(AngularVelocityNoise::Gaussian {

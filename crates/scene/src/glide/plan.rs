@@ -178,7 +178,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanEr
             )
             .map_err(|error| PlanError::of_sensor("scene.sensor", error))?;
             // Centred pads are placed without a draw.
-            let placement = pads.place(|| Stream::new(0, 0, Channel::PadOffset));
+            let placement = pads.place(&mut Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
                 kind: SensorKind::Pads { pads, placement },
                 normals: *normals,

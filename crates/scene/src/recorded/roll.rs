@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 use nalgebra::Vector2;
-use palpate_ep1::{ProbeReading, ReadingNoise};
+use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
 use palpate_number::Number;
 use palpate_sensing::{InvalidSensor, PadLayout, PadOffset, Pads};
 
@@ -45,23 +45,19 @@ impl RollOptions {
         }
     }
 
-    /// Noise of pads that start anywhere under the first contact, on a probe of this radius.
+    /// Noise of pads on a probe of this radius, each roll starting anywhere on them.
     ///
     /// # Errors
     /// [`InvalidSensor`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
     pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, InvalidSensor> {
-        let pads = Pads::new(
+        Pads::new(
             probe_radius,
             pitch,
             PadLayout::Square,
             PadOffset::Random,
             FRAC_PI_2,
         )?;
-        Ok(ReadingNoise {
-            shift_std: pads.shift_std(),
-            shift_resolution: pads.resolution(),
-            ..ReadingNoise::default()
-        })
+        Ok(ReadingNoise::of_pads(pitch, PadStart::PerRoll))
     }
 
     /// Noise of a sensor without pads, with this standard deviation of each component of a shift.

@@ -78,7 +78,7 @@ impl RollAgreement {
             unit,
             residual,
             suspicion,
-            copies: copies(recorded, &options.noise),
+            copies: copies(recorded),
             note: recorded.note.clone(),
         };
         Self {
@@ -88,11 +88,8 @@ impl RollAgreement {
     }
 }
 
-/// Warning of rolls that are there twice: half of them or more, since pads may report the same again.
-fn copies(recorded: &RollReadings, noise: &ReadingNoise) -> Option<String> {
-    if noise.shift_resolution > 0.0 {
-        return None;
-    }
+/// Warning of rolls that are there twice: half of them or more, since coarse sensors may report the same again.
+fn copies(recorded: &RollReadings) -> Option<String> {
     let rolls = recorded.readings.iter().map(|reading| {
         let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
         [x, y, u, v]

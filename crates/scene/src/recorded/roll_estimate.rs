@@ -150,14 +150,14 @@ pub fn estimate_roll(
         _ => "the stated noise",
     };
     if !stated.is_stated() {
-        std_from = "none: the residuals are zero and no pitch is given";
-        if freedom > 0 && residual > 0.0 {
-            std_from = "the residuals";
-            (fitted, estimate) = fit(ReadingNoise {
-                shift_std: residual,
-                ..stated
-            })?;
-        }
+        std_from = match residual > 0.0 {
+            true => "the residuals",
+            false => "rounding: the residuals are zero and no pitch is given",
+        };
+        (fitted, estimate) = fit(ReadingNoise {
+            shift_std: residual.max(f64::MIN_POSITIVE),
+            ..stated
+        })?;
     }
 
     let half_width = match std_from {

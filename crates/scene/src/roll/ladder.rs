@@ -11,8 +11,9 @@ impl RollScene {
     /// Commanded motion of each probe without noise, in as many pieces as noise would change it.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.pieces();
-        let commands = self.commands.iter();
-        commands.map(|command| cut(command, pieces)).collect()
+        self.commands()
+            .map(|command| cut(command, pieces))
+            .collect()
     }
 
     /// The rungs of this scene.

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{MOST, ManyMoments, Moments, ProbeRotation};
-use palpate_rolling::{Motion, Roller, Shift};
+use palpate_rolling::{Roller, Shift};
 use palpate_sensing::{Channel, Distribution, Stream, Streams};
 
-use super::noise::MotionNoise;
+use super::noise::{MotionNoise, Roll};
 
 /// Steady rolls on a plane, sphere, dish or cylinder, whose reported rotations do not err.
 #[derive(Clone, Debug)]
@@ -33,8 +33,9 @@ impl LinearRoll {
         mobility: &Matrix2<f64>,
         radius: f64,
         error: f64,
-        command: &Motion,
-        reported: &Vector2<f64>,
+        Roll {
+            command, rotation, ..
+        }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
         // A contact is driven by (−Δθ_y, Δθ_x).
@@ -45,7 +46,7 @@ impl LinearRoll {
             commanded: path(command.rotation()),
             per_error_x: path(Vector2::new(size, 0.0)),
             per_error_y: path(Vector2::new(0.0, size)),
-            reported: ProbeRotation::new(radius, reported),
+            reported: ProbeRotation::new(radius, rotation),
         }
     }
 
@@ -62,14 +63,9 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that are told `commands` and report `rotations`; `None` where a roll is not linear: on other
-    /// objects, or where its motion changes on the way or is measured with errors.
-    pub(super) fn new(
-        roller: &Roller,
-        commands: &[Motion],
-        rotations: &[Vector2<f64>],
-        noise: &MotionNoise,
-    ) -> Option<Self> {
+    /// Rolls of probes that report the commanded rotations; `None` where a roll is not linear: on other objects, or where
+    /// its motion changes on the way or is measured with errors.
+    pub(super) fn new(roller: &Roller, rolls: &[Roll], noise: &MotionNoise) -> Option<Self> {
         let error = match noise {
             MotionNoise::None => None,
             MotionNoise::Motion { error, instants: 1 } => Some(error),
@@ -78,13 +74,11 @@ impl LinearRolls {
         let fraction = error.map_or(0.0, |error| error.fraction());
         let radius = roller.probe().radius();
         let mobility = roller.linear()?;
-        let probes = commands.iter().zip(rotations);
         Some(Self {
             radius,
-            probes: probes
-                .map(|(command, reported)| {
-                    LinearRoll::new(mobility, radius, fraction, command, reported)
-                })
+            probes: rolls
+                .iter()
+                .map(|roll| LinearRoll::new(mobility, radius, fraction, roll))
                 .collect(),
             error: error.map(|error| error.distribution()),
         })

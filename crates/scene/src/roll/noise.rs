@@ -1,7 +1,7 @@
 //! Error of the angular velocity, in the motion or in its measurement.
 
 use nalgebra::Vector2;
-use palpate_rolling::{Motion, RollError, Roller, Shift};
+use palpate_rolling::{Motion, RollError, Roller};
 use palpate_sensing::{AngularVelocityError, Channel, Stream};
 
 /// Error of the angular velocity: in the motion, or in its measurement.
@@ -19,6 +19,16 @@ pub(super) enum MotionNoise {
         error: AngularVelocityError,
         instants: u32,
     },
+}
+
+/// The roll of one probe as commanded, without noise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roll {
+    pub(super) command: Motion,
+    /// The rotation, summed in the contact frame.
+    pub(super) rotation: Vector2<f64>,
+    /// The contact's displacement on the probe.
+    pub(super) displacement: Vector2<f64>,
 }
 
 /// The noise of one trial.
@@ -102,25 +112,32 @@ impl MotionNoise {
 }
 
 impl NoiseTrial {
-    /// Shift of the contact of a probe that is told `command`, and the rotation that it reports.
+    /// The contact's displacement on a probe and the probe's rotation, of which the motion's error is part only if it is
+    /// one of its measurement.
     #[inline]
     pub(super) fn roll(
         &mut self,
         roller: &Roller,
-        command: &Motion,
-        rotation: &Vector2<f64>,
-    ) -> Result<(Shift, Vector2<f64>), RollError> {
+        Roll {
+            command,
+            rotation,
+            displacement,
+        }: &Roll,
+    ) -> Result<(Vector2<f64>, Vector2<f64>), RollError> {
         match self {
-            Self::None => Ok((roller.shift(&[*command])?, *rotation)),
+            Self::None => Ok((*displacement, *rotation)),
             Self::Motion {
                 error,
                 instants: 1,
                 stream,
             } => {
                 let motion = disturbed(command, error, stream);
-                Ok((roller.shift(&[motion])?, *rotation))
+                Ok((roller.shift(&[motion])?.displacement, *rotation))
             }
-            Self::Motion { .. } => Ok((roller.shift(&self.motions(command))?, *rotation)),
+            Self::Motion { .. } => Ok((
+                roller.shift(&self.motions(command))?.displacement,
+                *rotation,
+            )),
             Self::Measurement {
                 error,
                 instants,
@@ -129,7 +146,7 @@ impl NoiseTrial {
                 let rate = command.angular_velocity.norm();
                 let sum: Vector2<f64> = (0..*instants).map(|_| error.draw(stream, rate)).sum();
                 let measured = sum * (command.duration_s / f64::from(*instants));
-                Ok((roller.shift(&[*command])?, rotation + measured))
+                Ok((*displacement, rotation + measured))
             }
         }
     }

@@ -4,10 +4,11 @@ use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
 use palpate_number::Number;
 use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
-use palpate_sensing::{AngularVelocityError, Distribution, Encoder};
+use palpate_sensing::{AngularVelocityError, Distribution};
 
 use super::linear::LinearRolls;
-use super::noise::MotionNoise;
+use super::noise::{MotionNoise, Roll};
+use super::rotation_sensor::RotationSensor;
 use super::scene::{RollScene, Truth};
 use super::sensor::RollSensor;
 use crate::plan::{PlanError, shape};
@@ -47,43 +48,34 @@ impl RollScene {
         let object = shape(&config.object)?;
         let noise = motion_noise(config)?;
         let sensor = RollSensor::new(&config.sensor, radius)?;
-        let encoder = config
-            .noise
-            .encoder
-            .as_ref()
-            .map(|encoder| Encoder::new(encoder.step_rad))
-            .transpose()
-            .map_err(|error| PlanError::of_sensor("scene.noise.encoder", error))?;
+        let rotation_sensor = RotationSensor::new(&config.noise)?;
         let RollEstimatorConfig::LeastSquares {} = config.estimator;
 
         let (roller, commands) = roller(config, probe, object, noise.pieces())?;
-        let (shift_std, shift_resolution) = sensor.shift_noise();
         let reading_noise = ReadingNoise {
             // The error is a fraction of the whole rate, of which only the tangential part is summed.
             relative_rotation_std: noise.relative_rotation_std()
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
-            rotation_std_rad: encoder.map_or(0.0, |encoder| encoder.std_rad()),
-            shift_std,
-            shift_resolution,
+            rotation_std_rad: rotation_sensor.std_rad(),
+            ..sensor.shift_noise()
         };
-        let truth =
-            truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
-        let rotations: Vec<_> = commands.iter().map(Motion::rotation).collect();
-        // Rotations as the encoder reports them where their measurement does not err.
-        let reported: Vec<_> = rotations
-            .iter()
-            .map(|&rotation| encoder.map_or(rotation, |encoder| encoder.read(&rotation)))
-            .collect();
+        let (rolls, truth) =
+            noiseless(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
+        let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
+        let fit = LeastSquares::new(radius, reading_noise, &rotations);
+        let linear = match rotation_sensor.is_random() {
+            true => None,
+            false => LinearRolls::new(&roller, &rolls, &noise),
+        };
         Ok(Self {
             seed,
-            fit: LeastSquares::new(radius, reading_noise, &reported),
-            linear: LinearRolls::new(&roller, &commands, &reported, &noise),
+            fit,
+            linear,
             roller,
-            commands,
-            rotations,
+            rolls,
             noise,
             sensor,
-            encoder,
+            rotation_sensor,
             reading_noise,
             truth,
             tolerance: match config.model {
@@ -256,21 +248,32 @@ pub(super) fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
     ]
 }
 
-fn truth(roller: &Roller, commands: &[Motion]) -> Result<Truth, String> {
+/// The rolls as commanded, and what is true of them.
+fn noiseless(roller: &Roller, commands: &[Motion]) -> Result<(Vec<Roll>, Truth), String> {
     let first = roller.first_contact();
     let (_, curvature) = roller
         .object()
         .curvature_along(&first.on_object, &first.x_axis)
         .map_err(|error| error.to_string())?;
     let mut sum = 0.0;
-    for (probe, command) in commands.iter().enumerate() {
+    let mut rolls = Vec::with_capacity(commands.len());
+    for (probe, &command) in commands.iter().enumerate() {
         let shift = roller
-            .shift(&[*command])
+            .shift(&[command])
             .map_err(|error| format!("probe {probe} cannot roll: {error}"))?;
         sum += shift.arc_length;
+        rolls.push(Roll {
+            command,
+            rotation: command.rotation(),
+            displacement: shift.displacement,
+        });
     }
-    Ok(Truth {
-        curvature,
-        arc_length: sum / commands.len() as f64,
-    })
+    let arc_length = sum / commands.len() as f64;
+    Ok((
+        rolls,
+        Truth {
+            curvature,
+            arc_length,
+        },
+    ))
 }

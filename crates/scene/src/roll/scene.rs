@@ -8,12 +8,13 @@ use palpate_ep1::{
     ReadingNoise,
 };
 use palpate_geometry::CurvatureForm;
+use palpate_number::Number;
 use palpate_rolling::{Chart, Motion, Roller};
-use palpate_sensing::Encoder;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::linear::{LinearRolls, ManyRolls};
-use super::noise::MotionNoise;
+use super::noise::{MotionNoise, Roll};
+use super::rotation_sensor::RotationSensor;
 use super::sensor::RollSensor;
 use crate::ladder::Ladder;
 use crate::map::MapTable;
@@ -37,15 +38,13 @@ const QUANTITIES: [Quantity; 5] = [
 pub struct RollScene {
     pub(super) seed: u64,
     pub(super) roller: Roller,
-    /// Commanded motion of each probe.
-    pub(super) commands: Vec<Motion>,
-    /// The rotations that are commanded, summed in the contact frame.
-    pub(super) rotations: Vec<Vector2<f64>>,
+    /// The roll of each probe as commanded.
+    pub(super) rolls: Vec<Roll>,
     pub(super) noise: MotionNoise,
     pub(super) sensor: RollSensor,
-    pub(super) encoder: Option<Encoder>,
+    pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
-    /// The fit for what is reported of `rotations`, which may not tell the curvature; `trace` does not need it to.
+    /// The fit for the commanded rotations, which may not determine the curvature; `trace` does not need it to.
     pub(super) fit: Result<LeastSquares, Ep1Error>,
     /// Set where all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
@@ -129,8 +128,8 @@ impl RollScene {
     }
 
     /// Commanded motion of each probe.
-    pub fn commands(&self) -> &[Motion] {
-        &self.commands
+    pub fn commands(&self) -> impl Iterator<Item = &Motion> {
+        self.rolls.iter().map(|roll| &roll.command)
     }
 
     /// The true values, in the order of [`Trials::quantities`].
@@ -232,10 +231,12 @@ impl RollScene {
     /// A trial of any scene.
     #[inline(never)]
     fn sensed_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
-        match (&self.linear, &self.noise) {
-            (Some(linear), _) => self.linear_trial(linear, trial),
-            (None, MotionNoise::Measurement { .. }) => self.measured_trial(trial),
-            (None, MotionNoise::None | MotionNoise::Motion { .. }) => self.general_trial(trial),
+        let is_measured = matches!(self.noise, MotionNoise::Measurement { .. })
+            || self.rotation_sensor.is_random();
+        match &self.linear {
+            Some(linear) => self.linear_trial(linear, trial),
+            None if is_measured => self.measured_trial(trial),
+            None => self.general_trial(trial),
         }
     }
 
@@ -261,7 +262,7 @@ impl RollScene {
 
     /// The rotations that are reported err.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
-        let mut readings = Vec::with_capacity(self.commands.len());
+        let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
         LeastSquares::of(self.roller.probe().radius(), self.reading_noise, &readings)
             .map_err(|error| error.name())
@@ -275,16 +276,13 @@ impl RollScene {
     ) -> Result<(), &'static str> {
         let mut noise = self.noise.begin(self.seed, trial);
         let mut sensor = self.sensor.begin(self.seed, trial);
-        for (command, rotation) in self.commands.iter().zip(&self.rotations) {
-            let (shift, mut rotation) = noise
-                .roll(&self.roller, command, rotation)
+        let mut rotations = self.rotation_sensor.begin(self.seed, trial);
+        for roll in &self.rolls {
+            let (displacement, rotation) = noise
+                .roll(&self.roller, roll)
                 .map_err(|error| error.fault.name())?;
-            if let Some(encoder) = &self.encoder {
-                rotation = encoder.read(&rotation);
-            }
-            let shift = sensor
-                .read(&shift.displacement)
-                .map_err(|error| error.name())?;
+            let rotation = rotations.read(rotation);
+            let shift = sensor.read(&displacement).map_err(|error| error.name())?;
             report(ProbeReading { rotation, shift });
         }
         Ok(())
@@ -292,6 +290,20 @@ impl RollScene {
 }
 
 impl RollScene {
+    /// Warning of an object so flat that rounding of the readings is most of what they differ by from those of a plane.
+    fn rounding_warning(&self) -> Option<String> {
+        let probe_curvature = 1.0 / self.roller.probe().radius();
+        let curvature = self.truth.curvature.principal();
+        let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
+        let error = f64::EPSILON * probe_curvature / sharper;
+        (error > 1e-3 && error.is_finite()).then(|| {
+            format!(
+                "warning: the object is so flat that rounding of the readings errs by {} of its curvature",
+                Number::rounded(error)
+            )
+        })
+    }
+
     /// Quantities that every roll observes.
     pub(crate) const QUANTITIES: [Quantity; QUANTITIES.len()] = QUANTITIES;
 }
@@ -302,7 +314,7 @@ impl Trials for RollScene {
     }
 
     fn is_random(&self) -> bool {
-        self.noise.is_random() || self.sensor.is_random()
+        self.noise.is_random() || self.sensor.is_random() || self.rotation_sensor.is_random()
     }
 
     fn estimable(&self) -> Result<(), PlanError> {
@@ -334,10 +346,9 @@ impl Trials for RollScene {
         let mut lines = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
         lines.extend(self.noise.need());
         lines.push(self.sensor.need());
-        if self.encoder.is_some() {
-            lines.push("encoders: the rotation is reported in steps".to_owned());
-        }
-        lines.push(format!("least squares over {} probes", self.commands.len()));
+        lines.extend(self.rotation_sensor.need());
+        lines.push(format!("least squares over {} probes", self.rolls.len()));
+        lines.extend(self.rounding_warning());
         let half_turn = std::f64::consts::PI * self.roller.probe().radius();
         if self.truth.arc_length > half_turn {
             lines.push(

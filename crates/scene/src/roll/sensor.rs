@@ -1,6 +1,7 @@
 //! Sensors of the contact on the probe.
 
 use nalgebra::Vector2;
+use palpate_ep1::{PadStart, ReadingNoise};
 use palpate_sensing::{BeyondPads, Channel, PadOffset, PadPlacement, Pads, Stream, Wrist};
 use palpate_study::config::{self, RollSensorConfig};
 
@@ -17,6 +18,8 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
+    /// Pads on which each roll starts at a place of its own.
+    RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }
 
@@ -36,6 +39,7 @@ impl RollSensor {
                 let offset = match offset {
                     config::PadOffset::Centred => PadOffset::Centred,
                     config::PadOffset::Random => PadOffset::Random,
+                    config::PadOffset::RandomPerTrial => PadOffset::RandomPerTrial,
                 };
                 Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(Self::Pads)
             }
@@ -47,17 +51,26 @@ impl RollSensor {
         match self {
             Self::Ideal => false,
             Self::Wrist(wrist) => wrist.shift_std() > 0.0,
-            Self::Pads(pads) => pads.is_random(),
+            Self::Pads(pads) => pads.offset() != PadOffset::Centred,
         }
     }
 
-    /// Standard deviation of each component of a shift, and the longest shift that may read as
-    /// none.
-    pub(super) fn shift_noise(&self) -> (f64, f64) {
+    /// Noise of shifts.
+    pub(super) fn shift_noise(&self) -> ReadingNoise {
         match self {
-            Self::Ideal => (0.0, 0.0),
-            Self::Wrist(wrist) => (wrist.shift_std(), 0.0),
-            Self::Pads(pads) => (pads.shift_std(), pads.resolution()),
+            Self::Ideal => ReadingNoise::default(),
+            Self::Wrist(wrist) => ReadingNoise {
+                shift_std: wrist.shift_std(),
+                ..ReadingNoise::default()
+            },
+            Self::Pads(pads) => {
+                let start = match pads.offset() {
+                    PadOffset::Centred => PadStart::Centred,
+                    PadOffset::Random => PadStart::PerRoll,
+                    PadOffset::RandomPerTrial => PadStart::PerTrial,
+                };
+                ReadingNoise::of_pads(pads.pitch(), start)
+            }
         }
     }
 
@@ -69,8 +82,13 @@ impl RollSensor {
                 SensorTrial::Wrist(wrist, Stream::new(seed, trial, Channel::WristContact))
             }
             Self::Pads(pads) => {
-                let placement = pads.place(|| Stream::new(seed, trial, Channel::PadOffset));
-                SensorTrial::Pads(pads, placement)
+                let mut stream = Stream::new(seed, trial, Channel::PadOffset);
+                match pads.offset() {
+                    PadOffset::Random => SensorTrial::RandomPads(pads, stream),
+                    PadOffset::Centred | PadOffset::RandomPerTrial => {
+                        SensorTrial::Pads(pads, pads.place(&mut stream))
+                    }
+                }
             }
         }
     }
@@ -87,11 +105,13 @@ impl RollSensor {
         match self {
             Self::Ideal => "ideal sensor: draws nothing".to_owned(),
             Self::Wrist(_) => "wrist sensor: two contact points inferred per probe".to_owned(),
-            Self::Pads(pads) if pads.is_random() => {
-                "pads: the nearest one reports, at an offset drawn per trial".to_owned()
-            }
-            Self::Pads(_) => {
-                "pads: the nearest one reports, centred on the first contact".to_owned()
+            Self::Pads(pads) => {
+                let start = match pads.offset() {
+                    PadOffset::Centred => "centred on the first contact",
+                    PadOffset::Random => "at an offset drawn for each roll",
+                    PadOffset::RandomPerTrial => "at an offset drawn per trial",
+                };
+                format!("pads: the nearest one reports, {start}")
             }
         }
     }
@@ -103,6 +123,7 @@ impl SensorTrial<'_> {
         match self {
             Self::Ideal => Ok(*displacement),
             Self::Wrist(wrist, stream) => Ok(wrist.read(stream, displacement)),
+            Self::RandomPads(pads, stream) => pads.read(&pads.place(stream), displacement),
             Self::Pads(pads, placement) => pads.read(placement, displacement),
         }
     }

@@ -36,16 +36,18 @@ impl RollScene {
 
         let mut contacts = Table::new(header(unit));
         let mut readings = Vec::new();
-        for (probe, command) in self.commands.iter().enumerate() {
+        let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
+        for (probe, roll) in self.rolls.iter().enumerate() {
+            let command = &roll.command;
             let (motions, rotation) = match self.noise {
                 // The measurement's draws, without rolling.
                 MotionNoise::Measurement { .. } => {
                     let (_, rotation) = noise
-                        .roll(&self.roller, command, &self.rotations[probe])
+                        .roll(&self.roller, roll)
                         .map_err(|error| TraceError::Roll { probe, error })?;
                     (vec![*command], rotation)
                 }
-                _ => (noise.motions(command), self.rotations[probe]),
+                _ => (noise.motions(command), roll.rotation),
             };
             let mut last = *self.roller.first_contact();
             for sample in 0..=SAMPLES {
@@ -68,9 +70,10 @@ impl RollScene {
             let shift = sensor
                 .read(&shift.displacement)
                 .map_err(|error| TraceError::Sensor { probe, error })?;
-            let rotation = self
-                .encoder
-                .map_or(rotation, |encoder| encoder.read(&rotation));
+            let rotation = match &mut rotations {
+                Some(rotations) => rotations.read(rotation),
+                None => rotation,
+            };
             readings.push(ProbeReading { rotation, shift });
         }
         let of_probes = counted(readings.len(), "probe");

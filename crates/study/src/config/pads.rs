@@ -21,8 +21,10 @@ pub enum PadOffset {
     /// The centre of a pad.
     #[default]
     Centred,
-    /// Anywhere within a pad, drawn per trial.
+    /// Anywhere within a pad, drawn for each roll.
     Random,
+    /// Anywhere within a pad, drawn once for all rolls of a trial: they start from one place.
+    RandomPerTrial,
 }
 
 /// Pads cover the half of the fingertip, in degrees from its middle.

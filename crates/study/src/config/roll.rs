@@ -59,6 +59,21 @@ impl RollConfig {
                 return Err(("scene.motion.rate_rad_per_s", message));
             }
         }
+        if let Some(RotationNoise {
+            std_deg: None,
+            std_rad: None,
+            ..
+        }) = self.noise.rotation
+        {
+            return Err(("scene.noise.rotation", "needs `std_deg` or `std_rad`"));
+        }
+        if let Some(EncoderConfig {
+            step_deg: None,
+            step_rad: None,
+        }) = self.noise.encoder
+        {
+            return Err(("scene.noise.encoder", "needs `step_deg` or `step_rad`"));
+        }
         if motion.axis == RollAxis::Chart && self.model.chart() == Some(Chart::Free) {
             return Err((
                 "scene.motion.axis",
@@ -248,6 +263,9 @@ pub struct RollNoiseConfig {
     /// Error of the angular velocity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<AngularVelocityNoise>,
+    /// Gaussian error of the measured rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<RotationNoise>,
     /// Quantisation of the measured rotation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub encoder: Option<EncoderConfig>,
@@ -317,13 +335,63 @@ pub enum Side {
     Measurement,
 }
 
-/// An encoder that rounds rotations.
+/// Gaussian error of the measured rotation, drawn for each roll and component.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotationNoise {
+    /// Distribution of the error.
+    #[serde(default)]
+    pub kind: GaussianKind,
+    /// Its standard deviation. One of this and `std_rad` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_rad"]))]
+    pub std_deg: Option<f64>,
+    /// Its standard deviation. One of this and `std_deg` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_deg"]))]
+    pub std_rad: Option<f64>,
+}
+
+impl RotationNoise {
+    /// The standard deviation, rad.
+    pub fn std_rad(&self) -> f64 {
+        radians(self.std_deg, self.std_rad)
+    }
+}
+
+/// The distribution of an error that has no other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GaussianKind {
+    /// Gaussian with mean 0.
+    #[default]
+    Gaussian,
+}
+
+/// An encoder that counts rotations in steps; each roll starts anywhere within a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
-    /// Its step.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub step_rad: f64,
+    /// Its step. One of this and `step_rad` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_rad"]))]
+    pub step_deg: Option<f64>,
+    /// Its step. One of this and `step_deg` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_deg"]))]
+    pub step_rad: Option<f64>,
+}
+
+impl EncoderConfig {
+    /// The step, rad.
+    pub fn step_rad(&self) -> f64 {
+        radians(self.step_deg, self.step_rad)
+    }
+}
+
+/// An angle (rad) that is given in either unit.
+fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
+    deg.map(f64::to_radians).or(rad).unwrap_or_default()
 }
 
 /// How curvature follows from the readings.

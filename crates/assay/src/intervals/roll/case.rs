@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use anyhow::Result;
 use palpate_chance::{HALF_WIDTHS, student_half_width};
-use palpate_ep1::{ProbeReading, ReadingNoise};
+use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::surfaces::{Ellipsoid, Sphere};
 use palpate_geometry::{CurvatureForm, Shape, Surface};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
@@ -236,11 +236,7 @@ impl Case {
         let part = family.flaw.told();
         let told = match (&pads, family.is_noise_told) {
             (_, false) => ReadingNoise::default(),
-            (Some(pads), true) => ReadingNoise {
-                shift_std: pads.shift_std(),
-                shift_resolution: pads.resolution(),
-                ..noise
-            },
+            (Some(pads), true) => ReadingNoise::of_pads(pads.pitch(), PadStart::PerRoll),
             (None, true) => ReadingNoise {
                 relative_rotation_std: part * noise.relative_rotation_std,
                 shift_std: part * noise.shift_std,
@@ -269,10 +265,7 @@ impl Case {
     /// None that a family makes.
     pub(super) fn readings(&self, trial: u64) -> Result<Vec<ProbeReading>> {
         let mut stream = Stream::new(self.seed, trial, Channel::WristContact);
-        let placed = self.pads.as_ref().map(|pads| {
-            let placement = pads.place(|| Stream::new(self.seed, trial, Channel::PadOffset));
-            (pads, placement)
-        });
+        let mut starts = Stream::new(self.seed, trial, Channel::PadOffset);
         let mut readings = self.exact.clone();
         for reading in &mut readings {
             let rotation_std = self.noise.relative_rotation_std * reading.rotation.norm();
@@ -282,8 +275,8 @@ impl Case {
             for shift in reading.shift.iter_mut() {
                 *shift += self.noise.shift_std * stream.standard_normal();
             }
-            if let Some((pads, placement)) = &placed {
-                reading.shift = pads.read(placement, &reading.shift)?;
+            if let Some(pads) = &self.pads {
+                reading.shift = pads.read(&pads.place(&mut starts), &reading.shift)?;
             }
         }
         Ok(readings)

@@ -72,7 +72,7 @@ rows! {
         for noise in [1e-9, 1e-3, 0.1, 1.0, 10.0];
     TRIAL, "roll, pads of {pitch:e} probes: as in a unit of 2^20" => alike(|unit| on_pads(unit, pitch)),
         for pitch in [1e-6, 1e-3, 0.1];
-    TRIAL, "roll, pads of 1e0 probes, unit {unit}", "not-rolling" => trials(&on_pads(unit, 1.0)), for unit in BOTH;
+    TRIAL, "roll, pads of 1e0 probes, unit {unit}", "unresolved" => trials(&on_pads(unit, 1.0)), for unit in BOTH;
 }
 
 /// Units of length that change no digit.

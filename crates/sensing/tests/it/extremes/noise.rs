@@ -7,7 +7,7 @@ use palpate_sensing::{
     AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PositionAxes,
     PositionError, Stream, Wrist,
 };
-use palpate_verdict::{Answer, EXTREME, Precise, rows};
+use palpate_verdict::{Answer, EXTREME, rows};
 
 const READ: &str = "sensing::Encoder::read";
 const DRAWS: u64 = 2000;
@@ -82,22 +82,19 @@ fn root_mean_square<N: IntoIterator<Item = f64>>(
         .also(drawn)
 }
 
-/// A step finer than the angle's last place reads the angle itself.
+/// A step finer than the angle's last place reads the angle itself; a coarser one at most a step beside it.
 fn encoded(step: f64) -> Answer {
     let angle = FRAC_1_PI;
-    let read = Encoder::new(step)
-        .unwrap()
-        .read(&Vector2::new(angle, -angle));
-    let truth = if step < f64::EPSILON * angle {
-        angle
+    let read = count(step, angle, -angle);
+    let bound = if step < f64::EPSILON * angle {
+        1e-15
     } else {
-        (Precise::new((angle / step).round()) * step).to_f64()
+        step / angle
     };
-    let pairs = [(read.x, truth), (read.y, -truth)];
-    Answer::all_at_scale(pairs, angle).within(1e-15)
+    Answer::all_at_scale([(read.x, angle), (read.y, -angle)], angle).within(bound)
 }
 
-/// An encoder errs by half a step at most, and by the last place of what it reads.
+/// An encoder errs by a step at most, and by the last place of what it reads.
 fn all_encoded() -> Answer {
     let steps = EXTREME
         .into_iter()
@@ -105,14 +102,20 @@ fn all_encoded() -> Answer {
     let angles = EXTREME.into_iter().filter(|angle| angle.is_finite());
     let pairs = steps.flat_map(|step| angles.clone().map(move |angle| (step, angle)));
     let off = pairs.map(|(step, angle)| {
-        let read = Encoder::new(step)
-            .unwrap()
-            .read(&Vector2::new(angle, 0.0))
-            .x;
-        let allowed = (0.5 * step).max(f64::EPSILON * angle.abs());
-        ((read - angle) / allowed.max(f64::from_bits(1)), 0.0)
+        let allowed = step.max(f64::EPSILON * angle.abs());
+        (
+            (count(step, angle, 0.0).x - angle) / allowed.max(f64::from_bits(1)),
+            0.0,
+        )
     });
     Answer::all_at_scale(off, 1.0).within(1.0)
+}
+
+fn count(step: f64, x: f64, y: f64) -> Vector2<f64> {
+    let mut stream = Stream::new(7, 0, Channel::EncoderPhase);
+    Encoder::new(step)
+        .unwrap()
+        .read(&mut stream, &Vector2::new(x, y))
 }
 
 fn unit_normals(std_rad: f64) -> Answer {

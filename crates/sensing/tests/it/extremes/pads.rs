@@ -28,8 +28,6 @@ rows! {
         read(1.0, pitch, layout, offset, bound), for pitch in decades(-6, 0, 1), for (layout, offset, bound) in OFF;
     READ, "{layout:?}, displacement {bad:e}", "beyond-pads" => at(layout, bad, 0.1),
         for layout in LAYOUTS, for bad in NOT_FINITE;
-    "sensing::Pads::sensed_direction", "{layout:?}, x = {bad:e}", "beyond-pads" => sensed(layout, bad),
-        for layout in LAYOUTS, for bad in NOT_FINITE;
     READ, "{layout:?}, 1e-15 beyond a cap of 1 rad", "beyond-pads" => at(layout, 1.0 + 1e-15, 0.0),
         for layout in LAYOUTS;
     READ, "{layout:?}, 256 extreme displacements: finite" => extremely_far(layout), for layout in LAYOUTS;
@@ -44,7 +42,7 @@ rows! {
 /// Pads of that pitch around the middle of a sphere, and where they lie in some trial.
 fn placed(radius: f64, pitch: f64, layout: PadLayout, offset: PadOffset) -> (Pads, PadPlacement) {
     let pads = Pads::new(radius, pitch * radius, layout, offset, 1.0).unwrap();
-    let placement = pads.place(|| Stream::new(3, 5, Channel::PadOffset));
+    let placement = pads.place(&mut Stream::new(3, 5, Channel::PadOffset));
     (pads, placement)
 }
 
@@ -56,13 +54,6 @@ fn at(layout: PadLayout, x: f64, y: f64) -> Result<Vector2<f64>, BeyondPads> {
 fn extremely_far(layout: PadLayout) -> Result<Answer, String> {
     let reads = extreme_pairs().map(|(x, y)| at(layout, x, y).map(|read| [read.x, read.y]));
     Answer::counted(reads, 61, &["beyond-pads"])
-}
-
-/// Readings of pads of a direction with a bad coordinate.
-fn sensed(layout: PadLayout, bad: f64) -> Result<Vector3<f64>, BeyondPads> {
-    let (pads, placement) = placed(1.0, 0.01, layout, PadOffset::Random);
-    let direction = Vector3::new(bad, 0.0, 1.0);
-    pads.sensed_direction(&placement, &Vector3::z(), &direction)
 }
 
 /// Error of a reading in pitches, which must be at most `bound` and not 0. The contact is half a radian away, along
