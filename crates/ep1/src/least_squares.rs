@@ -46,7 +46,7 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// assert!(estimate.amplification(0.0).is_some_and(|growth| (growth - 4.0).abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LeastSquares {
     radius: f64,
     noise: ReadingNoise,
@@ -55,7 +55,7 @@ pub struct LeastSquares {
 }
 
 /// Linear map from shifts to estimates. A copy is at hand where many are made side by side.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     radius: f64,
     probe_curvature: f64,
@@ -66,6 +66,19 @@ pub(crate) struct Law {
     from_shifts: Symmetric3,
     /// Covariance of these entries from the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
     from_rotations: [Symmetric3; 3],
+}
+
+/// Standard deviation, 1/length, that rounding of the readings alone gives a normal curvature (1/length) that probes of
+/// `radius` find.
+///
+/// ```
+/// // Nothing is left of the curvature of an object 10¹⁷ times as flat as the probe.
+/// let curvature = 1e-17 / 10.0;
+/// assert!(palpate_ep1::rounding_std(10.0, curvature) > 10.0 * curvature);
+/// ```
+pub fn rounding_std(radius: f64, curvature: f64) -> f64 {
+    let relative = 1.0 + (radius * curvature).abs();
+    ROUNDING * relative * relative / radius
 }
 
 impl LeastSquares {

@@ -25,7 +25,7 @@ pub use agreement::Agreement;
 pub use doubt::Doubt;
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
-pub use least_squares::LeastSquares;
+pub use least_squares::{LeastSquares, rounding_std};
 pub use many::{MOST, ManyEstimates, ManyMoments};
 pub use moments::{Moments, ProbeRotation};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};

@@ -51,7 +51,7 @@ type Abreast = [f64; ABREAST];
 
 impl Sets<'_> {
     /// Estimates of the sets from `first` on, to the last bit as [`LeastSquares`] finds them one by one: a row each. A set
-    /// that tells no curvature has a row of NaN.
+    /// that tells no curvature has a row of NaN; standard deviations are NaN where neither noise nor residuals tell them.
     ///
     /// Compiled for the vectors of whoever calls it.
     ///
@@ -189,16 +189,17 @@ impl Sets<'_> {
         columns[10] = readings.residuals(&mobility, kept);
         if !IS_STATED {
             for place in 0..ABREAST {
-                // As noisy as the residuals.
+                // As noisy as the residuals; residuals of nothing tell nothing.
                 let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
                 let residual = columns[10][place];
+                let known = if residual > 0.0 { 1.0 } else { f64::NAN };
                 let law = Law::of_shifts(self.radius, residual, self.probes, &inverse);
                 let solution = law.solve::<true>(&sums.moments(place));
                 told[place] &= u64::from(spans & solution.in_range);
-                columns[5][place] = solution.stds[0];
-                columns[6][place] = solution.stds[1];
-                columns[7][place] = solution.stds[2];
-                columns[8][place] = solution.stds[3];
+                columns[5][place] = known * solution.stds[0];
+                columns[6][place] = known * solution.stds[1];
+                columns[7][place] = known * solution.stds[2];
+                columns[8][place] = known * solution.stds[3];
             }
         }
         for (place, row) in rows.iter_mut().enumerate() {
@@ -228,9 +229,9 @@ impl Sets<'_> {
             return Err(Ep1Error::OutOfRange);
         }
         let (residual, _) = estimate.residual(&readings);
-        if !self.noise.is_stated() {
+        if !self.noise.is_stated() && residual > 0.0 {
             let noise = ReadingNoise {
-                shift_std: residual.max(f64::MIN_POSITIVE),
+                shift_std: residual,
                 ..self.noise
             };
             estimate = LeastSquares::of(self.radius, noise, &readings)?;

@@ -58,7 +58,7 @@ impl Symmetric {
 }
 
 /// A symmetric 3×3 matrix: its diagonal, and the entries (1,2), (1,3), (2,3).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Symmetric3 {
     diagonal: [f64; 3],
     beside: [f64; 3],

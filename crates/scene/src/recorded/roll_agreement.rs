@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use palpate_chance::GoodnessOfFit;
-use palpate_ep1::{Agreement, Doubt, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{Agreement, Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use serde::{Serialize, Serializer};
@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 use super::doubted::ToldDoubt;
 use super::repeated::repeated;
 use super::roll::{RollOptions, RollReadings};
-use super::suspicion::{of_pitch, of_rotation_noise, of_small_residuals};
+use super::suspicion::{of_flatness, of_pitch, of_rotation_noise, of_small_residuals};
 
 /// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
 #[derive(Clone, Debug)]
@@ -28,6 +28,9 @@ struct Estimated {
     readings: Vec<ProbeReading>,
     probe_radius: f64,
     noise: ReadingNoise,
+    /// The fit with that noise, and its estimate.
+    fit: LeastSquares,
+    estimate: Estimate,
     unit: LengthUnit,
     /// Root mean square of the residuals, length.
     residual: f64,
@@ -67,14 +70,17 @@ impl RollAgreement {
         recorded: &RollReadings,
         options: &RollOptions,
         unit: LengthUnit,
-        residual: f64,
+        (fit, estimate): (LeastSquares, Estimate),
         suspicion: Option<String>,
     ) -> Self {
+        let (residual, _) = estimate.residual(&recorded.readings);
         let estimated = Estimated {
             probes: recorded.probes.clone(),
             readings: recorded.readings.clone(),
             probe_radius: options.probe_radius,
             noise: options.noise,
+            fit,
+            estimate,
             unit,
             residual,
             suspicion,
@@ -106,6 +112,10 @@ impl Estimated {
             ..
         } = self;
         let fitted = LeastSquares::fitted(self.probe_radius, *noise, readings);
+        let flat = fitted
+            .as_ref()
+            .ok()
+            .and_then(|(_, estimate)| of_flatness(estimate, self.probe_radius, *unit));
         let agreement = fitted.map(|(fit, estimate)| fit.agreement(&estimate, readings));
         let Agreement { goodness, doubts } = agreement.unwrap_or_default();
         let small =
@@ -115,6 +125,7 @@ impl Estimated {
         let warnings = suspicion
             .chain(in_words)
             .chain(small)
+            .chain(flat)
             .chain(of_pitch(readings, noise.shift_resolution, *unit))
             .chain(of_rotation_noise(readings, noise))
             .chain(self.copies.clone())

@@ -139,6 +139,7 @@ pub fn estimate_roll(
     let stated = options.noise;
     let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
     let (mut fitted, mut estimate) = fit(stated)?;
+    let by_stated_noise = (fitted.clone(), estimate);
     let (residual, freedom) = estimate.residual(readings);
     let mut std_from = match stated {
         ReadingNoise {
@@ -150,14 +151,14 @@ pub fn estimate_roll(
         _ => "the stated noise",
     };
     if !stated.is_stated() {
-        std_from = match residual > 0.0 {
-            true => "the residuals",
-            false => "rounding: the residuals are zero and no pitch is given",
-        };
-        (fitted, estimate) = fit(ReadingNoise {
-            shift_std: residual.max(f64::MIN_POSITIVE),
-            ..stated
-        })?;
+        std_from = "none: the residuals are zero and no pitch is given";
+        if freedom > 0 && residual > 0.0 {
+            std_from = "the residuals";
+            (fitted, estimate) = fit(ReadingNoise {
+                shift_std: residual,
+                ..stated
+            })?;
+        }
     }
 
     let half_width = match std_from {
@@ -190,7 +191,7 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
-        agreement: RollAgreement::new(recorded, options, unit, residual, suspicion),
+        agreement: RollAgreement::new(recorded, options, unit, by_stated_noise, suspicion),
         covariance: fitted.covariance(&estimate),
     })
 }

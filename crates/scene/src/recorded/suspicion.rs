@@ -7,7 +7,7 @@ pub(super) use normals::{of_directions, of_normals};
 use std::f64::consts::TAU;
 
 use palpate_chance::GoodnessOfFit;
-use palpate_ep1::{ProbeReading, ReadingNoise};
+use palpate_ep1::{Estimate, ProbeReading, ReadingNoise, rounding_std};
 use palpate_number::Number;
 use palpate_press::{ForwardFit, PressEstimate, Reading};
 use palpate_study::config::LengthUnit;
@@ -247,6 +247,24 @@ pub(super) fn of_small_residuals(
 /// below the second share is rounding of none.
 const NEAREST: f64 = 0.5;
 const ROUNDING: f64 = 1e-9;
+
+/// The warning of an object so flat that rounding of the readings is a part of its curvature.
+pub(super) fn of_flatness(
+    estimate: &Estimate,
+    probe_radius: f64,
+    unit: LengthUnit,
+) -> Option<String> {
+    let principal = estimate.curvature.principal();
+    let sharper = principal.k_min.abs().max(principal.k_max.abs());
+    let std = rounding_std(probe_radius, sharper);
+    // A thousandth counts.
+    (sharper < 1e3 * std).then(|| {
+        format!(
+            "the object is too flat for readings of double precision: rounding alone errs by {} 1/{}, and the normal curvatures found are at most {}",
+            Number::rounded(std), unit.as_str(), Number::rounded(sharper)
+        )
+    })
+}
 
 /// The warning of shifts that are shorter than pads of this resolution report any.
 pub(super) fn of_pitch(

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector2;
 use palpate_ep1::{
     Ep1Error, Estimate, LeastSquares, MOST, ManyEstimates, Measured, Moments, ProbeReading,
-    ReadingNoise,
+    ReadingNoise, rounding_std,
 };
 use palpate_geometry::CurvatureForm;
 use palpate_number::Number;
@@ -292,10 +292,9 @@ impl RollScene {
 impl RollScene {
     /// Warning of an object so flat that rounding of the readings is most of what they differ by from those of a plane.
     fn rounding_warning(&self) -> Option<String> {
-        let probe_curvature = 1.0 / self.roller.probe().radius();
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
-        let error = f64::EPSILON * probe_curvature / sharper;
+        let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
         (error > 1e-3 && error.is_finite()).then(|| {
             format!(
                 "warning: the object is so flat that rounding of the readings errs by {} of its curvature",
