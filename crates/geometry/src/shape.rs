@@ -1,6 +1,6 @@
 //! Any of the surfaces, chosen at run time.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 use crate::surfaces::{
     Cylinder, Dish, Ellipsoid, Graph, HeightField, Paraboloid, Plane, Saddle, Sphere, Torus,
@@ -107,6 +107,18 @@ impl Surface for Shape {
 
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         delegate!(self, surface => surface.closest_point(point))
+    }
+
+    fn closest_point_from(
+        &self,
+        point: &Point3<f64>,
+        start: Vector2<f64>,
+    ) -> Result<Point3<f64>, SurfaceError> {
+        delegate!(self, surface => surface.closest_point_from(point, start))
+    }
+
+    fn may_touch_twice(&self, radius: f64) -> bool {
+        delegate!(self, surface => surface.may_touch_twice(radius))
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {

@@ -1,6 +1,6 @@
 //! The interface of all surfaces.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 use crate::{
     ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, SurfaceError,
@@ -102,6 +102,25 @@ pub trait Surface {
     /// [`SurfaceError::NoClosestPoint`] where there is no single one, or `point` is not finite;
     /// [`SurfaceError::OffDomain`] where a graph's descent cannot start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
+
+    /// The closest point that descent reaches from `(x, y)` of a graph, where it may be another one than
+    /// [`Surface::closest_point`]; of other surfaces the same one.
+    ///
+    /// # Errors
+    /// Errors of [`Surface::closest_point`].
+    fn closest_point_from(
+        &self,
+        point: &Point3<f64>,
+        _start: Vector2<f64>,
+    ) -> Result<Point3<f64>, SurfaceError> {
+        self.closest_point(point)
+    }
+
+    /// Whether a ball of `radius` that touches from outside may reach into the solid elsewhere, though the solid is nowhere
+    /// as hollow at the contact as the ball is round.
+    fn may_touch_twice(&self, _radius: f64) -> bool {
+        false
+    }
 
     /// The point that a probe from the solid's outside touches at `(x, y)`: on the graph, on the
     /// upper half of a closed surface, on the lower half of a dish.

@@ -70,14 +70,18 @@ pub enum PressError {
         /// Name of that limit, such as "the layer's thickness".
         what: &'static str,
     },
-    /// The contact would be wider than the sensor.
-    #[error("the contact would have a radius of {radius:.4}; it must stay below that of the sensor, \
-         {limit}", radius = Number(*radius), limit = Number(*limit))]
+    /// The contact would be wider than the sensor, or than an object that it presses on leaves room for.
+    #[error(
+        "the contact would have a radius of {radius:.4}; it must stay below {limit:.4}, {what}",
+        radius = Number(*radius), limit = Number(*limit)
+    )]
     TooWide {
         /// Radius of the contact, length.
         radius: f64,
-        /// Radius of the sensor, length.
+        /// Limit that the radius must stay below, length.
         limit: f64,
+        /// Name of that limit, such as "the sensor's radius".
+        what: &'static str,
     },
     /// The contact is so much wider than the layer is thick that the equations cannot be solved.
     #[error(

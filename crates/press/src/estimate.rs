@@ -2,7 +2,8 @@
 
 use strum::IntoStaticStr;
 
-use crate::GoodnessOfFit;
+use crate::skin::within_object;
+use crate::{GoodnessOfFit, PressError};
 
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,6 +169,17 @@ impl PressEstimate {
                 high: inverse(interval.low),
             },
         }
+    }
+
+    /// Nothing where the contact is narrow enough for the object that fits best.
+    ///
+    /// # Errors
+    /// [`PressError::TooWide`] beyond [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of its radius.
+    pub fn within_object(&self) -> Result<(), PressError> {
+        within_object(
+            self.most_likely_object_curvature(),
+            self.contact_radius.value,
+        )
     }
 
     /// 1/R_o of the best fit, 1/length; its inverse is the object's radius.

@@ -2,8 +2,11 @@
 
 use crate::PressError;
 
-/// Ratio of the contact's radius to the sensor's past which small-strain theory errs noticeably.
+/// Ratio of the contact's radius to that of the sensor or the object from which on small-strain theory errs noticeably.
 pub const LARGE_CONTACT: f64 = 0.3;
+
+/// Largest ratio of the contact's radius to a bulging object's for which a press is computed at all.
+pub const MAX_CONTACT: f64 = 0.9;
 
 /// The 2020 paper's equation 2, δ (1 − r²/a²) within the contact and 0 outside. It falls to 0 at the contact's edge,
 /// where Hertz theory has δ/2: its r² lacks a factor ½. Also 0 where the formula gives no finite number.

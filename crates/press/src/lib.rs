@@ -38,7 +38,7 @@ pub use image_fit::{
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_chance::GoodnessOfFit;
 pub use regime::ContactRegime;
-pub use skin::{Place, Skin};
+pub use skin::{Place, Skin, within_object};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

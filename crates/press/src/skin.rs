@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
+use crate::hertz::MAX_CONTACT;
 use crate::{Body, Contact, ContactRegime, PressError};
 
 /// Lengths that can be multiplied a few times without leaving the range of doubles.
@@ -131,6 +132,23 @@ impl Skin {
     }
 }
 
+/// Nothing where a contact of a radius (length) is narrow enough for an object of a curvature (1/length).
+///
+/// # Errors
+/// [`PressError::TooWide`] beyond [`MAX_CONTACT`] of the radius of an object that bulges.
+pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
+    let limit = MAX_CONTACT / object_curvature;
+    if object_curvature > 0.0 && contact_radius > limit {
+        let what = "0.9 of the object's radius";
+        return Err(PressError::TooWide {
+            radius: contact_radius,
+            limit,
+            what,
+        });
+    }
+    Ok(())
+}
+
 impl Skin {
     /// The contact at this relative curvature.
     pub(crate) fn press<'b>(
@@ -151,6 +169,7 @@ impl Skin {
             return Err(PressError::TooWide {
                 radius: contact.radius,
                 limit: self.radius,
+                what: "the sensor's radius",
             });
         }
         Ok(contact)

@@ -20,6 +20,16 @@ pub enum RollFault {
         /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
     },
+    /// A part of the object beside the contact reaches into the probe.
+    #[error(
+        "the probe overlaps the object by {depth}{}", place(at), depth = Number::rounded(*depth)
+    )]
+    Overlapping {
+        /// Depth of the overlap, length.
+        depth: f64,
+        /// The deepest point of the object in the probe, in the object's frame.
+        at: Point3<f64>,
+    },
     /// The contact left the object's domain.
     #[error("the contact left the object: {0}")]
     #[strum(transparent)]

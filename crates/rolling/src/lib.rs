@@ -28,6 +28,7 @@
 mod bodies;
 mod chart;
 mod chart_free;
+mod clearance;
 mod closed_form;
 mod contact;
 mod error;
@@ -44,6 +45,7 @@ mod roller;
 mod rung;
 
 pub use bodies::Probe;
+pub use clearance::Terrain;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
 pub use form::{Chart, HeldAxis};

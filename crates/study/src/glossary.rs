@@ -143,6 +143,7 @@ subjects! {
         "unresolvable-set": "All rolls go nearly the same way, so that the curvature across it is not told. Roll in another direction too.";
         "unresolved": "The contact did not move in some direction, though the probe rolled: the object is too sharp for the pads, and only a bound on its radius is known. Finer pads or longer rolls help.";
         "not-rolling": "The contact moved against the roll in some direction, as no rolling contact does: noise is larger than the movement, or a sign of the readings is wrong. Longer rolls or less noise help; of recorded readings, a contact that moves to +u belongs to rotation_y < 0.";
+        "overlapping": "A part of the object beside the contact reaches into the rolling probe: no real probe gets there.";
         "conforming": "The object is as hollow as the probe or sensor is round, or nearly: they touch over an area at once, and there is no point of contact, nor a finite radius. In `press`, also the regime of such a pair.";
         "too-many-steps": "The integrator of the roll took the largest number of steps without coming to the end.";
         "singular": "The step of the integrator shrank to nothing, because the motion is singular at that place.";

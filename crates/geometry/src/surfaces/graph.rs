@@ -41,6 +41,9 @@ pub trait Height {
     fn meridian_at(&self, _x: f64, _y: f64) -> Option<Meridian> {
         None
     }
+
+    /// Whether the graph may be touched twice, as in [`Surface::may_touch_twice`].
+    fn may_touch_twice(&self, radius: f64) -> bool;
 }
 
 /// The graph of a height, solid below, in the Monge chart `(x, y, f(x, y))`.
@@ -129,6 +132,11 @@ impl Height for Paraboloid {
     fn meridian_at(&self, x: f64, y: f64) -> Option<Meridian> {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
+
+    // Around a bowl the ball meets the other side where its centre reaches the axis, and there the bowl is as hollow as it.
+    fn may_touch_twice(&self, _radius: f64) -> bool {
+        false
+    }
 }
 
 impl Height for Saddle {
@@ -140,6 +148,11 @@ impl Height for Saddle {
             gradient: [twice * x, -twice * y],
             hessian: [twice, 0.0, -twice],
         }
+    }
+
+    // The centre of a ball reaches a valley's plane of symmetry only if it is as hollow there as the ball or hollower.
+    fn may_touch_twice(&self, radius: f64) -> bool {
+        2.0 * self.a.abs() * radius > 1.0
     }
 }
 
@@ -156,6 +169,10 @@ impl Height for HeightField {
             gradient: jet.gradient,
             hessian: jet.hessian.map(|second| second + nothing),
         }
+    }
+
+    fn may_touch_twice(&self, _radius: f64) -> bool {
+        true
     }
 }
 
@@ -311,11 +328,19 @@ impl<H: Height> Surface for Graph<H> {
         Parameters::new(point.x, point.y)
     }
 
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        self.closest_point_from(point, point.xy().coords)
+    }
+
     /// Newton's method on the squared distance, damped to descend, Gauss–Newton where the Hessian
     /// is not positive definite.
-    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+    fn closest_point_from(
+        &self,
+        point: &Point3<f64>,
+        start: Vector2<f64>,
+    ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
-        let mut foot = Foot::new(self, point, point.xy().coords)?;
+        let mut foot = Foot::new(self, point, start)?;
         // NaN in z or a square that overflows.
         if !foot.half_square.is_finite() {
             return Err(none);
@@ -344,5 +369,9 @@ impl<H: Height> Surface for Graph<H> {
 
     fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
         self.height.meridian_at(apex.x, apex.y)
+    }
+
+    fn may_touch_twice(&self, radius: f64) -> bool {
+        self.height.may_touch_twice(radius)
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod auto;
+mod clearance;
 mod endings;
 mod every_number;
 mod extremes;

@@ -1,7 +1,7 @@
 //! The soft body of a sensor: what a press does to points at a depth under its skin.
 
 use palpate_number::{BadSetting, Number};
-use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError};
+use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError, within_object};
 use palpate_study::config::PressModelConfig;
 
 use super::method::body_of;
@@ -43,9 +43,11 @@ impl SoftBody {
         pressed: &Pressed,
     ) -> Result<Contact<'_>, PressError> {
         let object = pressed.object.curvature;
-        markers
+        let contact = markers
             .skin()
-            .contact(&self.body, object, pressed.indentation)
+            .contact(&self.body, object, pressed.indentation)?;
+        within_object(object, contact.radius)?;
+        Ok(contact)
     }
 
     /// Displacements of the markers by a press with this contact, whose object then sticks to the skin and moves sideways.

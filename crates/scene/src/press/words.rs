@@ -71,27 +71,32 @@ pub(super) fn of_model(
     needs
 }
 
-/// A warning where the contact is so wide that small-strain theory errs.
+/// A warning where the contact is so wide, for the sensor or for the object, that small-strain theory errs.
 pub(crate) fn large_contact(
     relative_curvature: f64,
     contact_radius: f64,
     sensor_radius: f64,
     is_layer: bool,
 ) -> Option<String> {
-    let share = contact_radius / sensor_radius;
-    if share <= LARGE_CONTACT {
+    let of_sensor = contact_radius / sensor_radius;
+    let of_object = contact_radius * (relative_curvature - sensor_radius.recip());
+    let (share, whose) = match of_object > of_sensor {
+        true => (of_object, "object"),
+        false => (of_sensor, "sensor"),
+    };
+    if share < LARGE_CONTACT {
         return None;
     }
-    let doubt = match sneddon_indentation(relative_curvature.recip(), contact_radius) {
+    let reason = match sneddon_indentation(1.0, share) {
         _ if is_layer => "strains are not small".to_owned(),
         Ok(sneddon) => format!(
             "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
-            100.0 * (sneddon / (contact_radius * contact_radius * relative_curvature) - 1.0)
+            100.0 * (sneddon / (share * share) - 1.0)
         ),
-        Err(_) => "it is wider than a sphere of the effective radius".to_owned(),
+        Err(_) => format!("it is wider than the {whose}"),
     };
     Some(format!(
-        "the contact's radius is {share:.2} of the sensor's, past {LARGE_CONTACT}: {doubt}"
+        "the contact's radius is {share:.2} of the {whose}'s, past {LARGE_CONTACT}: {reason}"
     ))
 }
 

@@ -106,6 +106,9 @@ pub fn estimate_press(
     });
     let estimate =
         estimate.map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
+    estimate
+        .within_object()
+        .map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
     let is_contradicted = contradiction.as_ref().is_some_and(Contradiction::is_told);
     let told = Reading {
         indentation,

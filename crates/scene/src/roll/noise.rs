@@ -1,8 +1,8 @@
 //! Error of the angular velocity, in the motion or in its measurement.
 
 use nalgebra::Vector2;
-use palpate_rolling::{Motion, RollError, Roller};
-use palpate_sensing::{AngularVelocityError, Channel, Stream};
+use palpate_rolling::{Motion, RollError, Roller, Terrain};
+use palpate_sensing::{AngularVelocityError, Channel, Distribution, Stream};
 
 /// Error of the angular velocity: in the motion, or in its measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,13 +22,15 @@ pub(super) enum MotionNoise {
 }
 
 /// The roll of one probe as commanded, without noise.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Roll {
     pub(super) command: Motion,
     /// The rotation, summed in the contact frame.
     pub(super) rotation: Vector2<f64>,
     /// The contact's displacement on the probe.
     pub(super) displacement: Vector2<f64>,
+    /// The relief along the roll, where noise may carry the probe into the object.
+    pub(super) terrain: Option<Terrain>,
 }
 
 /// The noise of one trial.
@@ -57,6 +59,22 @@ impl MotionNoise {
             Self::Motion { instants, .. } => *instants,
             Self::None | Self::Measurement { .. } => 1,
         }
+    }
+
+    /// Distance, length, by which noise makes the centre of a probe of `radius` stray from a commanded roll by `rotation`
+    /// (rad): a bound for uniform noise, six standard deviations for Gaussian noise.
+    pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
+        let Self::Motion { error, .. } = self else {
+            return 0.0;
+        };
+        let bound = match error.distribution() {
+            Distribution::Uniform => error.fraction(),
+            Distribution::Gaussian => f64::INFINITY,
+        };
+        // The centre moves by the radius times the rotation. Both components of the noise turn it, and the object bends its
+        // path.
+        let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
+        share * radius * rotation.norm()
     }
 
     /// Standard deviation of each component of a summed rotation, as a fraction of its magnitude.
@@ -122,6 +140,7 @@ impl NoiseTrial {
             command,
             rotation,
             displacement,
+            terrain,
         }: &Roll,
     ) -> Result<(Vector2<f64>, Vector2<f64>), RollError> {
         match self {
@@ -131,11 +150,11 @@ impl NoiseTrial {
                 instants: 1,
                 stream,
             } => {
-                let motion = disturbed(command, error, stream);
-                Ok((roller.shift(&[motion])?.displacement, *rotation))
+                let motion = [disturbed(command, error, stream)];
+                Ok((cleared_shift(roller, &motion, terrain)?, *rotation))
             }
             Self::Motion { .. } => Ok((
-                roller.shift(&self.motions(command))?.displacement,
+                cleared_shift(roller, &self.motions(command), terrain)?,
                 *rotation,
             )),
             Self::Measurement {
@@ -171,6 +190,19 @@ impl NoiseTrial {
             }
         }
     }
+}
+
+/// Displacement of the contact on a probe that must not overlap the terrain, if there is one.
+#[inline]
+fn cleared_shift(
+    roller: &Roller,
+    motions: &[Motion],
+    terrain: &Option<Terrain>,
+) -> Result<Vector2<f64>, RollError> {
+    if let Some(terrain) = terrain {
+        roller.clearance(motions, terrain, 0.0)?;
+    }
+    Ok(roller.shift(motions)?.displacement)
 }
 
 #[inline]

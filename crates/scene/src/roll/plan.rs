@@ -3,7 +3,9 @@
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
 use palpate_number::Number;
-use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
+use palpate_rolling::{
+    Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, Roller, Rolls, Terrain,
+};
 use palpate_sensing::{AngularVelocityError, Distribution};
 
 use super::linear::LinearRolls;
@@ -59,8 +61,8 @@ impl RollScene {
             rotation_std_rad: rotation_sensor.std_rad(),
             ..sensor.shift_noise()
         };
-        let (rolls, truth) =
-            noiseless(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
+        let (rolls, truth) = noiseless(&roller, &commands, &noise)
+            .map_err(|error| PlanError::at("scene.motion", error))?;
         let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
         let fit = LeastSquares::new(radius, reading_noise, &rotations);
         let linear = match rotation_sensor.is_random() {
@@ -249,7 +251,11 @@ pub(super) fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
 }
 
 /// The rolls as commanded, and what is true of them.
-fn noiseless(roller: &Roller, commands: &[Motion]) -> Result<(Vec<Roll>, Truth), String> {
+fn noiseless(
+    roller: &Roller,
+    commands: &[Motion],
+    noise: &MotionNoise,
+) -> Result<(Vec<Roll>, Truth), String> {
     let first = roller.first_contact();
     let (_, curvature) = roller
         .object()
@@ -258,14 +264,29 @@ fn noiseless(roller: &Roller, commands: &[Motion]) -> Result<(Vec<Roll>, Truth),
     let mut sum = 0.0;
     let mut rolls = Vec::with_capacity(commands.len());
     for (probe, &command) in commands.iter().enumerate() {
-        let shift = roller
-            .shift(&[command])
-            .map_err(|error| format!("probe {probe} cannot roll: {error}"))?;
+        let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
+        let shift = roller.shift(&[command]);
+        if shift.is_err() {
+            // A probe that overlaps the object from the start is refused for that.
+            let start = Motion {
+                duration_s: 0.0,
+                ..command
+            };
+            terrain(roller, &start, 0.0).map_err(fail)?;
+        }
+        let shift = shift.map_err(fail)?;
         sum += shift.arc_length;
+        let rotation = command.rotation();
         rolls.push(Roll {
             command,
-            rotation: command.rotation(),
+            rotation,
             displacement: shift.displacement,
+            terrain: terrain(
+                roller,
+                &command,
+                noise.stray(roller.probe().radius(), &rotation),
+            )
+            .map_err(fail)?,
         });
     }
     let arc_length = sum / commands.len() as f64;
@@ -276,4 +297,15 @@ fn noiseless(roller: &Roller, commands: &[Motion]) -> Result<(Vec<Roll>, Truth),
             arc_length,
         },
     ))
+}
+
+/// The terrain that noisy rolls have to clear, where noise strays further than the commanded roll clears it.
+fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
+    if !roller.may_touch_twice() {
+        return Ok(None);
+    }
+    let motions = [*command];
+    let terrain = roller.terrain(&motions, stray)?;
+    let clearance = roller.clearance(&motions, &terrain, stray)?;
+    Ok((clearance < stray).then_some(terrain))
 }

@@ -345,6 +345,12 @@ impl Trials for RollScene {
         let mut lines = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
         lines.extend(self.noise.need());
         lines.push(self.sensor.need());
+        if self.rolls.iter().any(|roll| roll.terrain.is_some()) {
+            lines.push(
+                "clearance of every trial: the probe passes close to other parts of the object"
+                    .to_owned(),
+            );
+        }
         lines.extend(self.rotation_sensor.need());
         lines.push(format!("least squares over {} probes", self.rolls.len()));
         lines.extend(self.rounding_warning());

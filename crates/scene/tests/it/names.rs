@@ -111,7 +111,7 @@ fn names_in_tables_do_not_change() {
     // In place of `surface` stands the name of the surface's error.
     let expected = "too-few-probes unresolvable-set unresolved not-rolling not-finite out-of-range\n\
         off-domain chart-singular no-closest-point\n\
-        conforming surface too-many-steps singular not-finite\n\
+        conforming overlapping surface too-many-steps singular not-finite\n\
         surface contact-lost two-contacts no-convergence\n\
         too-few-contacts not-finite bad-weight bad-normal missing-normal coincident collinear folded no-plane no-side tip-too-large \
         undetermined bad-setting out-of-range\n\

@@ -303,6 +303,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         (r#"{ kind = "dish", radius = 10 }"#, "1.0", "edge-contact"),
         (PLANE, "20.0", "too-deep"),
         (r#"{ kind = "dish", radius = 20.5 }"#, "5.0", "too-wide"),
+        (r#"{ kind = "sphere", radius = 2 }"#, "3.0", "too-wide"),
         (PLANE, "1e-300", "out-of-range"),
     ] {
         let text = text(object, NOISE)
@@ -387,6 +388,12 @@ fn what_a_scene_needs_is_told() {
     assert!(
         wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
         "{wide}"
+    );
+    // a = 1.35 mm on a ball of 2 mm: δ of Sneddon is (a/2) ln((R + a)/(R − a)).
+    let sharp = needs(r#"{ kind = "sphere", radius = 2 }"#, "1.0", "");
+    assert!(
+        sharp.contains("warning: the contact's radius is 0.67 of the object's, past 0.3: by Sneddon's relation it takes an indentation 21.4 % larger than by Hertz's"),
+        "{sharp}"
     );
     let surface = needs(PLANE, "1.0", "model = { kind = \"hertz\" }\n");
     assert!(

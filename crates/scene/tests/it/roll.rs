@@ -321,3 +321,44 @@ fn rotations_err_as_they_state() {
         assert!(mean.abs() < 0.3 * stated, "{noise}: {mean} {stated}");
     }
 }
+
+#[test]
+fn a_probe_inside_the_object_is_refused_before_the_run() {
+    let roll = |radius: f64, formula: &str, noise: &str| {
+        let text = format!(
+            "name = \"a-study\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = {radius} }}\n\
+             object = {{ kind = \"height-field\", formula = \"{formula}\" }}\nmotion = {{ angle_deg = 20 }}\n\
+             noise = {{ {noise} }}\n"
+        );
+        parse("study.toml", &text).unwrap().estimable_scene(0)
+    };
+    for (radius, formula) in [
+        (1.0, "1.5*(1+tanh(20*(x-0.8)))"),
+        (10.0, "8*exp(-((x-6)^2+y^2)/2)"),
+    ] {
+        let error = roll(radius, formula, "").unwrap_err().to_string();
+        assert!(error.contains("scene.motion"), "{error}");
+        assert!(
+            error.contains("the probe overlaps the object by ") && error.contains(" at ("),
+            "{error}"
+        );
+    }
+    // The step is as far away as the probe reaches without noise, and trials with noise meet it.
+    let step = "1.5*(1+tanh(20*(x-1.5)))";
+    assert!(roll(1.0, step, "").is_ok());
+    let noisy = roll(
+        1.0,
+        step,
+        r#"angular_velocity = { kind = "gaussian", fraction = 0.5 }"#,
+    )
+    .unwrap();
+    assert!(
+        noisy
+            .needs()
+            .iter()
+            .any(|line| line.starts_with("clearance of every trial"))
+    );
+    let failures = (0..40).filter_map(|trial| noisy.trial(trial, &mut |_, _| ()).err());
+    let failures: Vec<_> = failures.filter(|name| *name == "overlapping").collect();
+    assert!((1..40).contains(&failures.len()), "{}", failures.len());
+}

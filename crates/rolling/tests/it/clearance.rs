@@ -1,0 +1,199 @@
+//! Probes that meet the object beside their contact, against a search of all places.
+
+use nalgebra::{Point3, Vector2};
+use palpate_geometry::formula::Formula;
+use palpate_geometry::surfaces::Graph;
+use palpate_geometry::{Shape, Surface};
+use palpate_rolling::{Model, Motion, Probe, RollFault, Roller, Rolls};
+
+/// Random scenes that are tried.
+const SCENES: u64 = 40;
+
+/// Numbers from 0 to 1, a stream for each scene (SplitMix64).
+struct Draws(u64);
+
+impl Draws {
+    fn between(&mut self, least: f64, most: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut word = self.0;
+        word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let share = ((word ^ (word >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
+        least + share * (most - least)
+    }
+}
+
+fn height_field(formula: &str) -> Shape {
+    Shape::HeightField(Graph::of_formula(
+        Formula::parse(formula, &Default::default()).unwrap(),
+    ))
+}
+
+/// A height field of one of five kinds, and the radius of a probe that may or may not fit.
+fn scene(number: u64) -> (Shape, f64) {
+    let mut draws = Draws(number.wrapping_mul(77));
+    let mut draw = |least, most| draws.between(least, most);
+    match number % 5 {
+        0 => {
+            let (height, far, width) = (draw(0.5, 8.0), draw(3.0, 9.0), draw(0.5, 2.0));
+            let formula = format!("{height}*exp(-((x-{far})^2+y^2)/(2*{width}^2))");
+            (height_field(&formula), draw(0.5, 10.0))
+        }
+        1 => {
+            let (height, steep, far) = (draw(0.1, 1.5), draw(3.0, 20.0), draw(0.4, 1.6));
+            let formula = format!("{height}*(1+tanh({steep}*(x-{far})))");
+            (height_field(&formula), draw(0.2, 1.5))
+        }
+        2 => {
+            let (height, along, aside) = (draw(0.02, 0.3), draw(0.5, 3.0), draw(0.5, 3.0));
+            let formula = format!("{height}*sin({along}*x+{})*cos({aside}*y)", draw(0.0, 6.0));
+            (height_field(&formula), draw(0.3, 3.0))
+        }
+        3 => {
+            let hill = |height: f64, x: f64, y: f64, width: f64| {
+                format!("{height}*exp(-((x-{x})^2+(y-{y})^2)/{width})")
+            };
+            let mut hills = String::from("-0.02*x^2");
+            for _ in 0..3 {
+                let place = [draw(-2.0, 2.0), draw(-2.0, 2.0)];
+                hills += &format!(
+                    "+{}",
+                    hill(draw(-0.5, 1.0), place[0], place[1], draw(0.1, 2.0))
+                );
+            }
+            (height_field(&hills), draw(0.2, 2.0))
+        }
+        _ => {
+            let (a, radius) = (draw(0.1, 1.0), draw(0.5, 3.0));
+            (Shape::Saddle(Graph::saddle(a).unwrap()), radius)
+        }
+    }
+}
+
+/// Deepest overlap along a roll, found place by place.
+fn overlap(roller: &Roller, motion: &Motion) -> f64 {
+    let radius = roller.probe().radius();
+    let mut deepest: f64 = 0.0;
+    for step in 0..=40 {
+        let share = f64::from(step) / 40.0;
+        let until = Motion {
+            duration_s: share * motion.duration_s,
+            ..*motion
+        };
+        let contact = roller.roll(&[until]).unwrap();
+        let centre = contact.on_object + contact.normal * radius;
+        let depth = |at: Vector2<f64>| {
+            let place = roller.object().contact_at(at.x, at.y);
+            place.map_or(f64::NEG_INFINITY, |place: Point3<f64>| {
+                radius - (place - centre).norm()
+            })
+        };
+        let (mut middle, mut half) = (centre.xy().coords, radius);
+        let mut best = f64::NEG_INFINITY;
+        // Ever finer around the deepest place.
+        for lines in [90, 12, 12, 12, 12, 12] {
+            let spacing = 2.0 * half / f64::from(lines);
+            let from = middle;
+            for row in 0..=lines {
+                for column in 0..=lines {
+                    let aside = Vector2::new(f64::from(column), f64::from(row)) * spacing;
+                    let at = from - Vector2::repeat(half) + aside;
+                    let here = depth(at);
+                    if here > best {
+                        (best, middle) = (here, at);
+                    }
+                }
+            }
+            half = 2.0 * spacing;
+        }
+        deepest = deepest.max(best);
+    }
+    deepest / radius
+}
+
+#[test]
+fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
+    let (mut refused, mut accepted) = (0, 0);
+    for number in 0..SCENES {
+        let (object, radius) = scene(number);
+        let mut draws = Draws(number.wrapping_mul(131) + 5);
+        let motion = Motion::rolling(draws.between(0.0, 6.3), 1.0, draws.between(0.1, 0.6));
+        let place = (draws.between(-0.5, 0.5), draws.between(-0.5, 0.5));
+        let model = Model::Auto {
+            tolerance: 1e-9,
+            chart: Default::default(),
+        };
+        let rolls = [vec![motion]];
+        // An object that is as hollow as the probe is round is refused for that.
+        let Ok(roller) = Roller::new(
+            Probe::new(radius).unwrap(),
+            object,
+            place,
+            model,
+            Rolls { rolls: &rolls },
+        ) else {
+            continue;
+        };
+        if roller.roll(&[motion]).is_err() {
+            continue;
+        }
+        let deepest = overlap(&roller, &motion);
+        if !roller.may_touch_twice() {
+            assert!(deepest < 1e-6, "{number}: {deepest:e}");
+            continue;
+        }
+        let terrain = roller.terrain(&[motion], 0.0).unwrap();
+        match roller.clearance(&[motion], &terrain, 0.0) {
+            Ok(_) => {
+                accepted += 1;
+                assert!(
+                    deepest < 1e-6,
+                    "{number} is accepted and overlaps by {deepest:e}"
+                );
+            }
+            Err(error) => {
+                refused += 1;
+                let RollFault::Overlapping { depth, at } = error.fault else {
+                    panic!("{number}: {error}");
+                };
+                assert!(depth > 0.0 && at.iter().all(|one| one.is_finite()));
+                assert!(
+                    deepest > 4e-7,
+                    "{number} is refused and overlaps by {deepest:e}: {error}"
+                );
+            }
+        }
+    }
+    assert!(refused > 4 && accepted > 4, "{refused} {accepted}");
+}
+
+#[test]
+fn the_error_names_place_and_depth() {
+    let hill = height_field("8*exp(-((x-6)^2+y^2)/2)");
+    let motion = Motion::rolling(0.0, 0.1, 1.0);
+    let rolls = [vec![motion]];
+    let model = Model::Auto {
+        tolerance: 1e-9,
+        chart: Default::default(),
+    };
+    let roller = Roller::new(
+        Probe::new(10.0).unwrap(),
+        hill,
+        (0.0, 0.0),
+        model,
+        Rolls { rolls: &rolls },
+    )
+    .unwrap();
+    let terrain = roller.terrain(&[motion], 0.0).unwrap();
+    let error = roller.clearance(&[motion], &terrain, 0.0).unwrap_err();
+    assert_eq!(error.fault.name(), "overlapping");
+    let text = error.to_string();
+    assert!(
+        text.starts_with("the probe overlaps the object by "),
+        "{text}"
+    );
+    assert!(
+        text.contains(" at (5.") || text.contains(" at (6."),
+        "{text}"
+    );
+}
