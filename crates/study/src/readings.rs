@@ -149,6 +149,9 @@ impl Column {
     /// Whether a name is that of the column, with a unit or without, and the unit: `x`, `x_mm`, `rotation_x_deg`. Names are
     /// [`spelt`] alike.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
+        if QUATERNION.contains(self) {
+            return (quaternion_part(name)? == *self).then_some(None);
+        }
         let rest = name.strip_prefix(self.stem())?;
         if rest.is_empty() {
             return Some(None);
@@ -174,6 +177,27 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_u", Measure::Length),
     Column::of("shift_v", Measure::Length),
 ];
+
+/// Columns of a rotation as a unit quaternion, whose scalar part is `qw`; they replace those of a rotation vector.
+pub const QUATERNION: [Column; 4] = [
+    Column::of("qx", Measure::Plain),
+    Column::of("qy", Measure::Plain),
+    Column::of("qz", Measure::Plain),
+    Column::of("qw", Measure::Plain),
+];
+
+/// The column of a quaternion that a name stands for, [`spelt`]: `qx`, `quat_x`, `pose_orientation_x`.
+pub fn quaternion_part(name: &str) -> Option<Column> {
+    let is_quaternion = |prefix: &str| {
+        let word = prefix.trim_end_matches('_').rsplit('_').next();
+        let is_word = prefix.ends_with('_') || prefix.is_empty() || prefix.ends_with('q');
+        is_word && matches!(word, Some("q" | "quat" | "quaternion" | "orientation"))
+    };
+    QUATERNION.into_iter().find(|column| {
+        let prefix = name.strip_suffix(&column.name[1..]);
+        prefix.is_some_and(is_quaternion)
+    })
+}
 
 /// Columns of rolls as a time series per probe.
 pub const ROLL_SERIES: [Column; 6] = [
@@ -225,7 +249,7 @@ pub const CALIBRATIONS: [Column; 7] = [
 /// Columns of the readings of a kind of scene, each once; none of a kind that has no tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
-        "roll" => &[&ROLLS, &ROLL_SERIES],
+        "roll" => &[&ROLLS, &ROLL_SERIES, &QUATERNION],
         "glide" => &[&GLIDES],
         "press" => &[&PRESSES, &PRESS_ROW],
         _ => &[],
@@ -337,6 +361,13 @@ mod tests {
         assert_eq!(angle.is_named("rotation_x"), Some(None));
         assert!(angle.is_named("rotation_x_deg").is_some());
         assert_eq!(probe.is_named("probe_1"), None);
+        let part = |name: &str| quaternion_part(name).map(|column| column.name);
+        assert_eq!(part("qx"), Some("qx"));
+        assert_eq!(part("field_pose_orientation_w"), Some("qw"));
+        assert_eq!(
+            [part("x"), part("q0"), part("rotation_x"), part("liq_x")],
+            [None; 4]
+        );
         assert_eq!(spelt(" Finger  X-[mm] "), "finger_x_mm");
         assert_eq!(spelt("\u{b5}m"), "\u{b5}m");
     }
@@ -356,7 +387,7 @@ mod tests {
         assert_eq!(
             said(&[("x", "U")]),
             "`x` is no column of these readings; known: probe, rotation_x_rad, rotation_y_rad, shift_u, shift_v, t_s, \
-             pad_u, pad_v"
+             pad_u, pad_v, qx, qy, qz, qw"
         );
         assert_eq!(
             said(&[("shift_u", "U"), ("shift_u_mm", "V")]),

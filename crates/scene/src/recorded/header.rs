@@ -1,6 +1,6 @@
 //! The columns of a table that palpate asks for, found by their names.
 
-use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, spelt};
+use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, quaternion_part, spelt};
 
 use super::form::pair;
 
@@ -71,6 +71,18 @@ impl<'a> Header<'a> {
     /// Whether the file has the column, by its own name or a told one; one with an unknown unit counts.
     pub(super) fn has(&self, column: &Column) -> bool {
         !matches!(self.place(column), Ok(None))
+    }
+
+    /// Name of a column of times, if there is one.
+    pub(super) fn time(&self) -> Option<&'a str> {
+        let is_time = |heading: &&Heading<'_>| {
+            let first = heading.base.split('_').next();
+            matches!(first, Some("t" | "time" | "timestamp" | "stamp" | "secs"))
+        };
+        self.headings
+            .iter()
+            .find(is_time)
+            .map(|heading| heading.name)
     }
 
     /// Whether a column is told to have some name in the file.
@@ -356,6 +368,10 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
 
 /// Similarity of a column's name to one in the file, from 0 to 1.
 fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
+    // A part of a quaternion is no angle and no length.
+    if quaternion_part(&heading.base).is_some() {
+        return 0.0;
+    }
     if heading
         .bracket
         .is_some_and(|unit| column.measure.unit(unit).is_none())

@@ -18,7 +18,7 @@ use super::sheet::{Sheet, header};
 use super::written::Written;
 use palpate_study::Table;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
-use palpate_study::readings::{Column, Measure, ROLL_SERIES, ROLLS, columns_of};
+use palpate_study::readings::{Column, Measure, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
 
 /// Settings of an estimate that the readings do not state.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +147,8 @@ impl RollReadings {
     }
 }
 
-/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. Without a column `probe`,
+/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. The rotation of one row per
+/// probe may be a unit quaternion, `qx,qy,qz,qw`, from the start of the roll to its end. Without a column `probe`,
 /// each row is one, or each series, which a blank line or a time that does not rise ends.
 ///
 /// # Errors
@@ -164,16 +165,24 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     let text = file.table()?;
     let table = Written::of(&file, &text)?;
     let is_series = is_series(&table)?;
-    let all = if is_series {
-        &ROLL_SERIES[..]
-    } else {
-        &ROLLS[..]
-    };
     let header = header(&table, &columns_of("roll"))?;
-    let [probe, others @ ..] = all else {
-        return Err(file.error("has no columns"));
-    };
+    let has = |column: &Column| header.has(column);
+    let [probe, vector @ .., _, _] = &ROLLS;
+    let is_quaternion = !vector.iter().all(has) && QUATERNION.iter().any(has);
     let names_probes = header.has(probe);
+    if is_quaternion && let Some(time) = header.time().filter(|_| is_series || !names_probes) {
+        let message = format!(
+            "column `{time}`: a time series of a roll is not read with quaternions; give one row per roll, with its rotation from start to end"
+        );
+        return Err(file.fail(table.header_line, message));
+    }
+    let of_quaternion = [&[*probe][..], &QUATERNION, &ROLLS[3..]].concat();
+    let all = match (is_quaternion, is_series) {
+        (true, _) => &of_quaternion[..],
+        (false, true) => &ROLL_SERIES[..],
+        (false, false) => &ROLLS[..],
+    };
+    let others = &all[1..];
     let sheet = Sheet::read(&table, if names_probes { all } else { others }, &[])?;
     let (probes, note) = match names_probes {
         true => {
@@ -197,7 +206,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
             probe,
             numbers: if names_probes { &numbers[1..] } else { numbers },
         });
-    let rows = if is_series {
+    let rows = if is_series && !is_quaternion {
         last_of_each(&sheet, rows)?
     } else {
         one_of_each(&sheet, rows)?
@@ -283,6 +292,24 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     }
 }
 
+/// Largest difference of a quaternion's length from 1 that rounding in a file makes.
+const MAX_LENGTH_ERROR: f64 = 1e-3;
+
+/// The rotation about x and y, rad, of a unit quaternion `(x, y, z, w)` with the scalar part w: the shorter way round.
+fn rotation_vector([x, y, z, w]: [f64; 4]) -> Result<[f64; 2], String> {
+    let vector = libm::hypot(libm::hypot(x, y), z);
+    let length = libm::hypot(vector, w);
+    if !((length - 1.0).abs() <= MAX_LENGTH_ERROR) {
+        let length = Number::rounded(length);
+        return Err(format!(
+            "columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has {length}"
+        ));
+    }
+    let angle = 2.0 * libm::atan2(vector, w.abs()).copysign(w);
+    let scale = if vector > 0.0 { angle / vector } else { 0.0 };
+    Ok([x * scale, y * scale])
+}
+
 fn one_of_each<'a>(
     sheet: &Sheet,
     rows: impl Iterator<Item = Row<'a>>,
@@ -296,13 +323,23 @@ fn one_of_each<'a>(
         numbers,
     } in rows
     {
-        let &[x, y, u, v] = numbers else {
-            continue;
+        let one = match *numbers {
+            [x, y, u, v] => reading(x, y, u, v),
+            [x, y, z, w, u, v] => {
+                let [x, y] =
+                    rotation_vector([x, y, z, w]).map_err(|message| sheet.fail(line, message))?;
+                reading(x, y, u, v)
+            }
+            _ => continue,
         };
         if !known.insert(probe) {
-            return Err(sheet.fail(line, format!("probe {probe} stands twice")));
+            let more = match numbers.len() {
+                6 => ": a time series of a roll is not read with quaternions",
+                _ => "",
+            };
+            return Err(sheet.fail(line, format!("probe {probe} stands twice{more}")));
         }
-        taken.push((row, probe, reading(x, y, u, v)));
+        taken.push((row, probe, one));
     }
     Ok(taken)
 }

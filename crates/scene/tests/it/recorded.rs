@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_scene::recorded::{RecordedError, RollEstimate, RollOptions, estimate_roll, read_roll};
+use palpate_scene::recorded::{
+    RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll, read_roll,
+};
 use palpate_study::config::LengthUnit;
 use tempfile::TempDir;
 
@@ -249,4 +251,76 @@ fn garbage() {
             assert!(error.to_string().contains("readings.csv"), "{error}");
         }
     }
+}
+
+/// A table of two rolls of a probe of radius 10 on a ball of radius 40, with rotations as the quaternions that `write` makes.
+fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
+    let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
+    let (sine, cosine) = (half.sin(), half.cos());
+    let mut table = format!("{header}\n");
+    for (probe, ([x, y], [u, v])) in [([0.0, -sine], [shift, 0.0]), ([sine, 0.0], [0.0, shift])]
+        .into_iter()
+        .enumerate()
+    {
+        let [a, b, c, d] = write([x, y, 0.0, cosine]);
+        table += &format!("{probe},{a},{b},{c},{d},{u},{v}\n");
+    }
+    table
+}
+
+fn roll_of(table: String) -> Result<serde_json::Value, String> {
+    let readings = parse_roll(RecordedFile::new("q.csv", table.into_bytes()))
+        .map_err(|error| error.to_string())?;
+    let estimate =
+        estimate_roll(&readings, &RollOptions::new(10.0)).map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+#[test]
+fn quaternions_are_rotations() {
+    let last = quaternions("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q);
+    let first = quaternions(
+        "probe,quat_w,quat_x,quat_y,quat_z,shift_u_mm,shift_v_mm",
+        |[x, y, z, w]| [w, x, y, z],
+    );
+    let ros = quaternions(
+        "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
+        |q| q.map(|part| -part),
+    );
+    for table in [last, first, ros] {
+        let estimate = roll_of(table).unwrap();
+        let curvature = estimate["mean_curvature"]["value"].as_f64().unwrap();
+        assert!((curvature - 0.025).abs() < 1e-12, "{curvature}");
+    }
+}
+
+#[test]
+fn quaternions_that_are_no_rotations_of_rolls_are_refused() {
+    let refused = |table: String, words: &str| {
+        let error = roll_of(table).unwrap_err();
+        assert!(error.contains(words), "{error}");
+    };
+    let header = "probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
+    refused(
+        quaternions(header, |q| q.map(|part| 1.1 * part)),
+        "q.csv:2: columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has 1.1",
+    );
+    refused(
+        quaternions("time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
+        "column `time_s`: a time series of a roll",
+    );
+    refused(
+        quaternions(header, |q| q).replace("\n1,", "\n0,"),
+        "probe 0 stands twice: a time series of a roll",
+    );
+    // Their parts are never proposed for a rotation vector.
+    let hint = roll_of(quaternions(
+        "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
+        |q| q,
+    ))
+    .unwrap_err();
+    assert!(
+        hint.contains("no column `qw`") && !hint.contains("rotation_x_rad=q"),
+        "{hint}"
+    );
 }

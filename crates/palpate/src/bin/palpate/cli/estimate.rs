@@ -27,6 +27,8 @@ pub(crate) enum Estimator {
     /// Curvature at a point from small rolls (EP1).
     #[command(after_help = concat!("The readings have one row per probe,
   probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
+or, with the rotation from start to end as a unit quaternion,
+  probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm
 or a time series per probe, whose last row counts,
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
