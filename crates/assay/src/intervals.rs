@@ -57,7 +57,7 @@ pub fn summary(scores: &[Score]) -> String {
     format!("{within} of {all} cases within the limits")
 }
 
-/// Table of the scores.
+/// Table of the scores; what cannot be told is an empty field.
 ///
 /// # Errors
 /// It cannot be written.
@@ -66,5 +66,6 @@ pub fn table<S: Serialize>(scores: &[S]) -> Result<String> {
     for score in scores {
         writer.serialize(score)?;
     }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+    // No name begins with this.
+    Ok(String::from_utf8(writer.into_inner()?)?.replace(",NaN", ","))
 }

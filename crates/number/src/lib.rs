@@ -101,6 +101,32 @@ impl<Words> BadSetting<Words> {
 #[doc = include_str!("../README.md")]
 struct ReadMe;
 
+/// The hue of a colour, turns from 0 up to 1, as HSV has it: hexagonal, not an angle. 0 for a grey.
+///
+/// ```
+/// use palpate_number::hue_turns;
+///
+/// assert_eq!(hue_turns([1.0, 1.0, 0.0]), 1.0 / 6.0);
+/// // Just below red, where a whole turn begins again.
+/// assert_eq!(hue_turns([1.0, 0.0, 1e-30]), 0.0);
+/// ```
+pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    let sixths = if chroma == 0.0 {
+        0.0
+    } else if most == red {
+        (green - blue) / chroma
+    } else if most == green {
+        2.0 + (blue - red) / chroma
+    } else {
+        4.0 + (red - green) / chroma
+    };
+    let turns = (sixths / 6.0).rem_euclid(1.0);
+    // A tiny negative number rounds up to a whole turn.
+    if turns < 1.0 { turns } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

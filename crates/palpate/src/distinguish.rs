@@ -9,7 +9,7 @@ mod words;
 
 use palpate_scene::{Scenes, quantities_of};
 use palpate_study::Quantity;
-use palpate_study::config::Study;
+use palpate_study::config::{SceneConfig, Study};
 use palpate_sweep::{Runner, Told, both_above, in_order, repeats};
 
 use crate::trial::SceneTrial;
@@ -145,11 +145,21 @@ pub fn distinguish(
         unit: quantity.unit.of(study.config.length_unit),
         quantity,
         confidence,
-        kind: study.config.scene.kind(),
+        trials: trials(&study.config.scene),
         object_columns: layout.objects,
         columns: layout.others,
         groups,
     })
+}
+
+/// What is repeated, in words. A trial of a roll has several rolls.
+fn trials(scene: &SceneConfig) -> String {
+    match scene {
+        SceneConfig::Press(_) => "presses".to_owned(),
+        SceneConfig::Glide(_) => "glides".to_owned(),
+        SceneConfig::Roll(roll) => format!("trials of {} rolls", roll.motion.directions_deg.len()),
+        _ => "trials".to_owned(),
+    }
 }
 
 /// Place and name of the quantity by which objects are told apart.

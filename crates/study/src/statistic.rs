@@ -170,6 +170,11 @@ impl Statistic {
         matches!(self, Self::Coverage50 | Self::Coverage80 | Self::Coverage95)
     }
 
+    /// Whether it is a share of the true value.
+    pub const fn is_relative(self) -> bool {
+        matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
+    }
+
     /// Short name, for a legend that already says of what.
     pub const fn short(self) -> &'static str {
         match self {

@@ -6,13 +6,13 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::number;
-use crate::quantity::Quantity;
+use crate::quantity::{Quantity, QuantityKind};
 use crate::statistic::Statistic;
 
 /// Statistic of a quantity over trials that is to keep a limit: `relative_rms_error(mean_curvature) <= 0.05`.
 ///
-/// Names are those of the columns and quantities of `cells.csv`. Without a quantity the first of the scene is meant. A limit
-/// may be in percent.
+/// Names are those of the columns and quantities of `cells.csv`. Without a quantity the first of the scene is meant. The
+/// limit of a share may be in percent; above 1 it must be, since a plain 5 may mean 5 % or 500 %.
 ///
 /// ```
 /// use palpate_study::{Bound, Quantity, Statistic, Target};
@@ -76,6 +76,18 @@ pub enum TargetError {
     /// The limit is no finite number.
     #[error("the limit {0:?} is no finite number")]
     NoLimit(String),
+    /// A share with a plain number above 1.
+    #[error(
+        "{statistic} is a share, and {} may mean {} % or {} %; write {} % or {}",
+        number::exact(*limit), number::exact(*limit), number::exact(100.0 * limit), number::exact(*limit),
+        number::exact(0.01 * limit)
+    )]
+    PlainShare {
+        /// Name of the statistic, with its quantity.
+        statistic: String,
+        /// The limit.
+        limit: f64,
+    },
     /// The statistic cannot have this value.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
     OutOfRange {
@@ -138,6 +150,12 @@ impl FromStr for Target {
         let limit = number
             .filter(|number| number.is_finite())
             .ok_or_else(|| TargetError::NoLimit(limit.to_owned()))?;
+        let is_share = statistic.is_relative()
+            || quantity.is_some_and(|quantity| quantity.kind == QuantityKind::Share);
+        if unit == 1.0 && limit.abs() > 1.0 && (is_share || statistic.is_coverage()) {
+            let statistic = what.to_owned();
+            return Err(TargetError::PlainShare { statistic, limit });
+        }
         let out_of_range = |range| {
             Err(TargetError::OutOfRange {
                 statistic: statistic.name(),
@@ -247,6 +265,8 @@ mod tests {
         let short: Target = " rms_error ( gaussian_curvature )≤1e-3 ".parse().unwrap();
         assert_eq!(short.to_string(), "rms_error(gaussian_curvature) <= 0.001");
         assert!(short.holds(0.001) && !short.holds(0.0011));
+        let far: Target = "relative_rms_error <= 500 %".parse().unwrap();
+        assert_eq!(far.limit, 5.0);
     }
 
     #[test]
@@ -288,7 +308,16 @@ mod tests {
             ("relative_rms_error <= -0.05", "and the limit is -0.05"),
             (
                 "coverage95 >= 95",
-                "a share, above 0 and at most 1, and the limit is 95",
+                "coverage95 is a share, and 95 may mean 95 % or 9500 %; write 95 % or 0.95",
+            ),
+            (
+                "relative_rms_error(mean_curvature) <= 5",
+                "relative_rms_error(mean_curvature) is a share, and 5 may mean 5 % or 500 %; write 5 % or 0.05",
+            ),
+            ("mean(class) >= 90", "write 90 % or 0.9"),
+            (
+                "coverage95 >= 200 %",
+                "a share, above 0 and at most 1, and the limit is 2",
             ),
         ] {
             let error = text.parse::<Target>().expect_err(text).to_string();

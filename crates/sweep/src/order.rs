@@ -109,8 +109,8 @@ fn mean(column: &Column) -> Told {
 }
 
 /// Probability that an estimate of one experiment is below one of another, drawn by themselves: over all pairs of their
-/// trials, which must have drawn their own random numbers. A trial that failed, and estimates that are alike, tell nothing,
-/// and count as not in order.
+/// trials, which must have drawn their own random numbers. Estimates that are alike count half, so that experiments that
+/// cannot be told apart give one half. A trial that failed counts as not in order.
 ///
 /// It is Mann and Whitney's statistic; its variance is that of Sen (1960), which goes into Wilson's interval as the number
 /// of independent trials that would tell as much.
@@ -277,15 +277,22 @@ fn sorted(told: &[Option<f64>]) -> Vec<f64> {
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
     // Share of the others' trials that each is in order with.
+    let half_and_above = |sorted: &[f64], value: f64| {
+        let [below, up_to] = [
+            sorted.partition_point(|other| *other < value),
+            sorted.partition_point(|other| *other <= value),
+        ];
+        (0.5 * (below + up_to) as f64, sorted.len() as f64)
+    };
     let of_low = low.iter().map(|told| {
         told.map_or(0.0, |value| {
-            let above = sorted_high.len() - sorted_high.partition_point(|other| *other <= value);
-            above as f64 / high.len() as f64
+            let (below, all) = half_and_above(&sorted_high, value);
+            (all - below) / high.len() as f64
         })
     });
     let of_high = high.iter().map(|told| {
         told.map_or(0.0, |value| {
-            sorted_low.partition_point(|other| *other < value) as f64 / low.len() as f64
+            half_and_above(&sorted_low, value).0 / low.len() as f64
         })
     });
     let all = || of_low.clone().chain(of_high.clone());

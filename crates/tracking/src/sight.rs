@@ -2,6 +2,7 @@
 
 use crate::measure::Sums;
 use crate::{Ground, Marker};
+use palpate_number::hue_turns;
 
 /// Which hues markers have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -73,21 +74,8 @@ pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     };
     let [red, green, blue] = light.map(|light| sign * light);
     let (along, across) = (red - 0.5 * (green + blue), green - blue);
-    let most = red.max(green).max(blue);
-    let chroma = most - red.min(green).min(blue);
-    let sixths = if chroma == 0.0 {
-        0.0
-    } else if most == red {
-        (green - blue) / chroma
-    } else if most == green {
-        2.0 + (blue - red) / chroma
-    } else {
-        4.0 + (red - green) / chroma
-    };
-    let turns = (sixths / 6.0).rem_euclid(1.0);
     let length = libm::hypot(along, 0.75_f64.sqrt() * across);
-    // A tiny negative angle rounds up to a whole turn.
-    (if turns < 1.0 { turns } else { 0.0 }, length)
+    (hue_turns([red, green, blue]), length)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

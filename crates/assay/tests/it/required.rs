@@ -96,7 +96,17 @@ fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [planning, trial] = tallies(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
     assert_eq!(planning, Tally::default());
-    assert!((1..=4).contains(&trial.draws), "{trial:?}");
+    // Two components of a place and a turn under each of eight rolls.
+    assert_eq!(trial.draws, 24, "{trial:?}");
+    let [_, trial] = tallies(
+        ROLL,
+        &[
+            SPHERE,
+            ("SENSOR", &pads.replace("random", "random-per-trial")),
+            QUIET,
+        ],
+    );
+    assert_eq!(trial.draws, 3, "{trial:?}");
     let centred = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "centred" }"#;
     let [_, trial] = tallies(ROLL, &[SPHERE, ("SENSOR", centred), QUIET]);
     assert_eq!(trial, Tally::default());

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use palpate_number::hue_turns;
+
 use super::array::{MarkerSight, Sight};
 use super::colours::Contrasts;
 use super::lens::{Local, Region, cap};
@@ -259,24 +261,5 @@ fn hue([along, across]: [f64; 2]) -> f64 {
     let half_difference = across / 3.0_f64.sqrt();
     let (red, grey) = (along / 1.5, -along / 3.0);
     let (green, blue) = (grey + half_difference, grey - half_difference);
-    let most = red.max(green).max(blue);
-    let chroma = most - red.min(green).min(blue);
-    let sixths = if chroma == 0.0 {
-        0.0
-    } else if most == red {
-        (green - blue) / chroma
-    } else if most == green {
-        2.0 + (blue - red) / chroma
-    } else {
-        4.0 + (red - green) / chroma
-    };
-    let turns = sixths / 6.0;
-    if turns < 0.0 {
-        (turns + 1.0).min(BELOW_ONE)
-    } else {
-        turns
-    }
+    hue_turns([red, green, blue])
 }
-
-/// The largest number of turns that is not a whole one.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;

@@ -12,8 +12,8 @@ pub struct ToldApart {
     pub unit: &'static str,
     /// Probability that the numbers of repeats are to reach.
     pub confidence: f64,
-    /// Kind of the scene.
-    pub kind: &'static str,
+    /// What is repeated, in words: presses, glides, or trials of some rolls.
+    pub trials: String,
     /// Columns of the swept fields that make the objects.
     pub object_columns: Vec<String>,
     /// Columns of the other swept fields.

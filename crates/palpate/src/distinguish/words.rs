@@ -44,20 +44,10 @@ impl ToldApart {
         said.collect::<Vec<_>>().join(", ")
     }
 
-    /// Name of that which is repeated: presses, rolls or glides.
-    fn trials(&self) -> &'static str {
-        match self.kind {
-            "press" => "presses",
-            "glide" => "glides",
-            "roll" => "rolls",
-            _ => "trials",
-        }
-    }
-
     fn pair(&self, group: &Group, pair: &Pair) -> String {
         let [one, other] =
             [pair.first, pair.second].map(|place| self.object_in_words(&group.objects[place]));
-        let trials = self.trials();
+        let trials = &self.trials;
         let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
             return format!("{one} and {other} are alike in {}", self.quantity.words);
         };

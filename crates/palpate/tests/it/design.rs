@@ -85,7 +85,7 @@ fn what_all_or_nothing_meets() {
         desk.palpate(&format!("design c.toml {target} {NOISE}"))
             .printed()
     };
-    let all = said("10");
+    let all = said("1000%");
     assert!(
         all.contains("every value from 0.1 to 20 % meets the target (95 % sure)."),
         "{all}"
@@ -144,7 +144,7 @@ fn too_many_failures_miss_the_target() {
     let desk = Desk::with(&pads);
     let of = |most: &str| {
         let target =
-            "--target relative_rms_error(mean_curvature)<=100 --set scene.object.radius=30";
+            "--target relative_rms_error(mean_curvature)<=10000% --set scene.object.radius=30";
         desk.json(
             &format!("design c.toml {target} --vary scene.sensor.pitch=0.1..9 --gap 0.5 --max-failures {most}"),
         )

@@ -143,5 +143,5 @@ fn what_cannot_be_told_apart() {
     }
     // Alike in the truth, and noiseless.
     let desk = Desk::with(&noiseless());
-    desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single rolls tell them apart (100 to 100); one is enough for 95 %.");
+    desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls tell them apart (100 to 100); one is enough for 95 %.");
 }

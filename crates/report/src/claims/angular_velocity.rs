@@ -1,6 +1,8 @@
 //! Claims 1 and 2: noise in the angular velocity (1996 paper, section 4.1.1).
 
-use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::evidence::{
+    convex_rows, groups, near, numbers, percent, range, roll_angle, short, span,
+};
 use super::finding::Finding;
 use crate::Study;
 
@@ -154,7 +156,7 @@ pub(super) fn length_does_not_matter(study: &Study) -> Result<Finding, String> {
     for group in groups(study, &rows, &["scene.motion"]) {
         let mut errors = Vec::new();
         for row in group {
-            let length = roll(study, row)
+            let length = roll_angle(study, row)
                 .ok_or("the table and the config do not tell the length of the rolls")?;
             if let Some(sample) = sample(study, row)? {
                 errors.push((length, sample.mean));

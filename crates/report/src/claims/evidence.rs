@@ -46,14 +46,22 @@ pub(super) fn groups(study: &Study, rows: &[usize], free: &[&str]) -> Vec<Vec<us
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// The angle of a roll in rad (its rate times its duration) where it is given so, else its arc length.
-pub(super) fn roll(study: &Study, row: usize) -> Option<f64> {
-    let rate = study.number(row, "scene.motion.rate_rad_per_s");
-    let duration = study.number(row, "scene.motion.duration_s");
-    match (rate, duration) {
-        (Some(rate), Some(duration)) => Some(rate * duration),
-        _ => study.number(row, "scene.motion.arc_length"),
+/// The angle of a roll in rad, as it is given: by rate and duration, by itself, or by the length of its arc on the probe,
+/// which turns the contact by the arc over both radii.
+pub(super) fn roll_angle(study: &Study, row: usize) -> Option<f64> {
+    let number = |path: &str| study.number(row, path);
+    if let (Some(rate), Some(duration)) = (
+        number("scene.motion.rate_rad_per_s"),
+        number("scene.motion.duration_s"),
+    ) {
+        return Some(rate * duration);
     }
+    if let Some(angle) = number("scene.motion.angle_deg") {
+        return Some(angle.to_radians());
+    }
+    let curvature =
+        number("scene.probe.radius")?.recip() + study.cells().statistic(row, "truth")?;
+    Some(number("scene.motion.arc_length")? * curvature)
 }
 
 /// Whether numbers are equal up to what a decimal text loses.

@@ -1,7 +1,9 @@
 //! Claims 5 to 8: the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in
 //! probe radii, as the paper's probe has R₁ = 1 cm.
 
-use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::evidence::{
+    convex_rows, groups, near, numbers, percent, range, roll_angle, short, span,
+};
 use super::finding::Finding;
 use crate::Study;
 
@@ -53,7 +55,7 @@ fn samples(study: &Study) -> Result<Vec<Sample>, String> {
             row,
             size: 1.0 / (statistic("truth").ok_or("a true curvature is undefined")? * radius[at]),
             pitch: pitch[at] / radius[at],
-            roll: roll(study, row)
+            roll: roll_angle(study, row)
                 .ok_or("the table and the config do not tell the length of the rolls")?,
             random: study.text(row, "scene.sensor.offset") == Some("random"),
             complete: statistic("failures") == Some(0.0),

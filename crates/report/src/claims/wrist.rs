@@ -74,7 +74,7 @@ pub(super) fn acts_like_pads(study: &Study) -> Result<Finding, String> {
             ratios.len()
         ),
         why: format!(
-            "Holds if it is within a factor of {ALIKE} at every object; pad sizes are interpolated between logarithms. A contact error of 0.54 mm rms is wider than the rounding of 0.54 mm pads (0.54/√12 mm rms)."
+            "Holds if it is within a factor of {ALIKE} at every object; pad sizes are interpolated between logarithms. A mean distance of 0.54 mm is a standard deviation of 0.43 mm along each axis, more than that of the rounding of 0.54 mm pads (0.54/√12 = 0.16 mm)."
         ),
     })
 }

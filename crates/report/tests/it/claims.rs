@@ -122,8 +122,7 @@ fn claims_3_and_4_hold_for_exact_paraboloids() {
         &scores[1],
         &[
             "13.6 %",
-            "(c = 5)",
-            "no length up to 1 R₁ (c = 0.01)",
+            "0.0640 R₁ (c = 5), 0.3200 R₁ (c = 1), 0.6401 R₁ (c = 0.5)",
             "at 1 % noise",
         ],
     );
@@ -134,7 +133,10 @@ fn claims_3_and_4_differ_for_other_errors() {
     let study = paraboloids("claims = [3, 4]", |_, length| 0.6 * length);
     let scores = score(&[study]);
     differs(&scores[0], &["by 3"]);
-    differs(&scores[1], &["18 %", "0.25 R₁ (c = 1)"]);
+    differs(
+        &scores[1],
+        &["18 %", "differ from the closed form by up to 60 %"],
+    );
 }
 
 #[test]
@@ -217,6 +219,36 @@ fn pad_claims_hold_for_a_square_grid() {
         ],
     );
     holds(&scores[4], &["R₂ = 0.2 R₁ 3 of 1,616"]);
+}
+
+#[test]
+fn claim_8_takes_half_a_radian_however_a_roll_is_given() {
+    for (column, motion, of) in [
+        (
+            "scene.motion.angle_deg",
+            "angle_deg = 1",
+            (|_| 0.5_f64.to_degrees()) as fn(f64) -> f64,
+        ),
+        // A probe of radius 2 whose contact passes over half a radian of both bodies.
+        ("scene.motion.arc_length_cm", "arc_length = 1", |radius| {
+            0.5 / (0.5 + 1.0 / radius)
+        }),
+    ] {
+        let mut cells = Cells::new(&format!(
+            "scene.sensor.pitch_cm,scene.object.radius_cm,{column}"
+        ));
+        for radius in [10.0, 0.4] {
+            let numbers = Numbers::new(1.0 / radius, 0.2);
+            cells.push(&format!("0.1,{radius},{}", of(radius)), numbers);
+        }
+        let text = config("sphere", "claims = [8]")
+            .replace("radius = 1.0", "radius = 2.0")
+            .replace("rate_rad_per_s = 0.1, duration_s = 1.0", motion);
+        holds(
+            &cells.study(&text),
+            &["20 % (R₂ = 5 R₁)", "20 % (R₂ = 0.2 R₁)"],
+        );
+    }
 }
 
 #[test]

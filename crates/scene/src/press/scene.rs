@@ -384,9 +384,7 @@ impl Trials for PressScene {
         let mut needs = self.needs.clone();
         let estimate = self.truth.is_ok().then(|| self.exact());
         needs.extend(estimate.and_then(|estimate| match estimate {
-            Ok(estimate) => {
-                far_off(estimate, self.pressed.object.curvature).or_else(|| unexplained(estimate))
-            }
+            Ok(estimate) => far_off(estimate, self.pressed.object.curvature),
             Err(error) => Some(format!(
                 "warning: even without noise the estimate fails as `{}`: {error}",
                 error.name()
@@ -452,12 +450,18 @@ fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
     let estimated = estimate.object_curvature();
     let [far, beside] = FAR_OFF.map(|share| share * (estimate.sensor_curvature + object));
     let off = (estimated.value - object).abs();
-    (off > far || off > beside && !estimated.interval.holds(object)).then(|| {
-        let [told, object] = [estimated.value, object].map(Number::rounded);
-        format!(
-            "warning: even without noise the estimated curvature is {told}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
-        )
-    })
+    if off <= beside {
+        return None;
+    }
+    match off > far || !estimated.interval.holds(object) {
+        true => {
+            let [found, object] = [estimated.value, object].map(Number::rounded);
+            Some(format!(
+                "warning: even without noise the estimated curvature is {found}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
+            ))
+        }
+        false => unexplained(estimate),
+    }
 }
 
 /// Share of the variance of normal displacements that a fit to readings without noise explains at the least, where it

@@ -18,7 +18,7 @@ use super::origin::agreed_unit;
 use super::patch_doubts::{alone, noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::repeated::repeated;
-use super::stated::FORMAT_VERSION;
+use super::stated::{FORMAT_VERSION, poor_fit};
 use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
 use crate::glide::AnyMethod;
@@ -227,6 +227,7 @@ impl<'r> FittedGlide<'r> {
                 (Agreement::default(), Some(why))
             }
         };
+        let p_value = agreement.goodness.map(|goodness| goodness.p_value);
         let of_noise = noise(patch, &options.estimator, unit);
         let directions = of_directions(self.contacts());
         let doubts = match directions {
@@ -283,7 +284,7 @@ impl<'r> FittedGlide<'r> {
                 .iter()
                 .map(|one| PatchRegion::of(one, unit))
                 .collect(),
-            p_value: agreement.goodness.map(|goodness| goodness.p_value),
+            p_value,
             warnings: self
                 .spacing()
                 .into_iter()
@@ -293,6 +294,7 @@ impl<'r> FittedGlide<'r> {
                     directions.is_some(),
                     &recorded.origin,
                 ))
+                .chain(poor_fit(p_value, !doubts.is_empty()))
                 .chain(unknown)
                 .chain(self.few())
                 .chain(alone(self.contacts(), unit, &recorded.origin))

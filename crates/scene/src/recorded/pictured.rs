@@ -116,7 +116,9 @@ pub fn estimate_pictures(
         Some(reason) => failure(press, explained(format!("{error}; {reason}"), error.name())),
         None => refused(error),
     })?;
-    widened.estimate.within_object().map_err(refused)?;
+    if widened.doubts.is_empty() {
+        widened.estimate.within_object().map_err(refused)?;
+    }
     let moved = scene.moved(&widened).map_err(refused)?;
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =

@@ -106,9 +106,6 @@ pub fn estimate_press(
     });
     let estimate =
         estimate.map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
-    estimate
-        .within_object()
-        .map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
     let is_contradicted = contradiction.as_ref().is_some_and(Contradiction::is_told);
     let told = Reading {
         indentation,
@@ -117,6 +114,10 @@ pub fn estimate_press(
     let mut doubts = fit.doubts(&told, &estimate).map_err(refused)?;
     if let Some(contradiction) = &contradiction {
         doubts = contradiction.doubts(doubts);
+    }
+    // Where something else is wrong, that is what has to be said.
+    if doubts.is_empty() && estimate.only_marker.is_none() {
+        estimate.within_object().map_err(refused)?;
     }
     let mistake = along_skin(&fit, &told, &estimate, !doubts.is_empty());
     let wrong_markers: Vec<Row> = estimate

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::Value;
 use super::doubted::ToldDoubt;
+use super::stated::poor_fit;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -136,6 +137,9 @@ impl PressedObject {
             ..curvature
         };
         let [force, peak_pressure] = described.stresses;
+        let p_value = estimate.goodness.map(|goodness| goodness.p_value);
+        let mut warnings = described.warnings;
+        warnings.extend(poor_fit(p_value, !described.doubts.is_empty()));
         Self {
             format_version: described.format_version,
             method: described.method,
@@ -168,12 +172,12 @@ impl PressedObject {
                     .tangential_std
                     .map(|std| Value::new(std, None, Unit::Length, unit)),
                 reduced_chi_squared: estimate.reduced_chi_squared,
-                p_value: estimate.goodness.map(|goodness| goodness.p_value),
+                p_value,
             },
             r_squared: estimate.r_squared,
             contact_seen: estimate.is_seen,
             doubts: described.doubts.into_iter().map(ToldDoubt::from).collect(),
-            warnings: described.warnings,
+            warnings,
         }
     }
 }

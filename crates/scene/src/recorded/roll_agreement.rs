@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 use super::doubted::ToldDoubt;
 use super::repeated::repeated;
 use super::roll::{RollOptions, RollReadings};
+use super::stated::poor_fit;
 use super::suspicion::{of_flatness, of_pitch, of_rotation_noise, of_small_residuals};
 
 /// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
@@ -118,12 +119,14 @@ impl Estimated {
             .and_then(|(_, estimate)| of_flatness(estimate, self.probe_radius, *unit));
         let agreement = fitted.map(|(fit, estimate)| fit.agreement(&estimate, readings));
         let Agreement { goodness, doubts } = agreement.unwrap_or_default();
+        let p_value = goodness.map(|goodness| goodness.p_value);
         let small =
             goodness.and_then(|goodness| of_small_residuals(self.residual, goodness, noise, *unit));
         let in_words = doubts.iter().map(|doubt| self.words(*doubt, goodness));
         let suspicion = self.suspicion.clone().into_iter();
         let warnings = suspicion
             .chain(in_words)
+            .chain(poor_fit(p_value, !doubts.is_empty()))
             .chain(small)
             .chain(flat)
             .chain(of_pitch(readings, noise.shift_resolution, *unit))
@@ -132,7 +135,7 @@ impl Estimated {
             .chain(self.note.clone())
             .collect();
         Told {
-            p_value: goodness.map(|goodness| goodness.p_value),
+            p_value,
             doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
             warnings,
         }

@@ -126,7 +126,7 @@ fn nothing_random_nothing_told_and_nothing_at_all() {
         (probability, low, high)
     };
     assert_eq!(order(&exact(1.0), &exact(2.0)), (1.0, 1.0, 1.0));
-    assert_eq!(order(&exact(2.0), &exact(2.0)), (0.0, 0.0, 0.0));
+    assert_eq!(order(&exact(2.0), &exact(2.0)), (0.5, 0.5, 0.5));
     assert_eq!(order(&[None; 50], &exact(2.0)).0, 0.0);
     assert_eq!(order(&[], &[]), (0.0, 0.0, 1.0));
     let (probability, low, high) = order(&normals(1, 100, -50.0), &exact(2.0));
