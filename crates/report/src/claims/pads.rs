@@ -197,8 +197,9 @@ pub(super) fn zeros(study: &Study) -> Result<Finding, String> {
 pub(super) fn longer_rolls_help(study: &Study) -> Result<Finding, String> {
     let (samples, which) = statistical(samples(study)?);
     let steps = trend(study, &samples, &["scene.motion"], |s| -s.roll);
-    // Shortest against longest, by object and pads.
-    let (mut compared, mut helped, mut ratios) = (0_u32, 0_u32, Vec::new());
+    // Shortest against longest, by object and pads. A roll by a whole number of pads is read exactly from any start, which
+    // leaves nothing to reduce.
+    let (mut exact, mut ratios) = (0, Vec::new());
     for rows in groups(
         study,
         &samples.iter().map(|s| s.row).collect::<Vec<_>>(),
@@ -213,24 +214,29 @@ pub(super) fn longer_rolls_help(study: &Study) -> Result<Finding, String> {
             && !near(first.0, last.0)
             && !near(first.1, last.1)
         {
-            compared += 1;
-            helped += u32::from(last.1 < first.1);
-            ratios.extend((first.1 > 0.0).then(|| last.1 / first.1));
+            match first.1 > 0.0 {
+                true => ratios.push(last.1 / first.1),
+                false => exact += 1,
+            }
         }
     }
+    let helped = ratios.iter().filter(|ratio| **ratio < 1.0).count();
     let (Some(range), true) = (range(ratios.iter().copied()), steps.0 > 0) else {
         return Err("no two lengths of roll to compare".to_owned());
     };
     let rolls = super::evidence::range(samples.iter().map(|s| s.roll))
         .map_or(String::new(), |r| span(r, short));
-    let exact = match compared - ratios.len() as u32 {
+    let exact = match exact {
         0 => String::new(),
-        n => format!(" (in {n} it rises from exactly 0)"),
+        n => format!(
+            " ({n} more begin with a roll by a whole number of pads, which is read exactly)"
+        ),
     };
     Ok(Finding {
-        holds: f64::from(helped) >= MOST * f64::from(compared),
+        holds: helped as f64 >= MOST * ratios.len() as f64,
         measured: format!(
-            "With {which}, from the shortest to the longest roll ({rolls} rad) the rms error falls in {helped} of {compared} combinations of radius and pitch, to {} × its value{exact}; it rises in {} of {} single steps.",
+            "With {which}, from the shortest to the longest roll ({rolls} rad) the rms error falls in {helped} of {} combinations of radius and pitch, to {} × its value{exact}; it rises in {} of {} single steps.",
+            ratios.len(),
             span(range, short),
             steps.0 - steps.1,
             steps.0,
