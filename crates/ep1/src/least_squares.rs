@@ -62,7 +62,9 @@ pub(crate) struct Law {
     per_probe: f64,
     /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
     inverse: Symmetric3,
-    /// Covariance of these entries from the shifts' noise.
+    /// Variance of a shift, relative to the radius.
+    shift_variance: f64,
+    /// Covariance of these entries from the shifts' noise and from rounding.
     from_shifts: Symmetric3,
     /// Covariance of these entries from the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
     from_rotations: [Symmetric3; 3],
@@ -157,7 +159,8 @@ impl LeastSquares {
                 probe_curvature,
                 per_probe: 1.0 / rotations.len() as f64,
                 inverse: Symmetric3::of(&(inverse * probe_curvature)),
-                from_shifts,
+                shift_variance,
+                from_shifts: from_shifts.with_diagonal(ROUNDING * ROUNDING),
                 from_rotations: [
                     unit(1.0, 0.0, 0.0),
                     unit(0.0, 1.0, 0.0),
@@ -370,17 +373,22 @@ impl Law {
             probe_curvature,
             per_probe: 1.0 / probes as f64,
             inverse: inverse.scaled(probe_curvature),
-            from_shifts: inverse.scaled(relative_shift_std * relative_shift_std),
+            shift_variance: relative_shift_std * relative_shift_std,
+            from_shifts: inverse
+                .scaled(relative_shift_std * relative_shift_std)
+                .with_diagonal(ROUNDING * ROUNDING),
             from_rotations: [Symmetric3::unit(0.0); 3],
         }
     }
 
-    /// Law [of shifts](Law::of_shifts) alone for the unit matrix, with this inverse in its place.
+    /// This law of other rotations with this inverse of the normal equations; it lacks the noise of rotations.
     #[inline(always)]
     pub(crate) fn with_rotations(self, inverse: &Symmetric3) -> Self {
         Self {
             inverse: inverse.scaled(self.inverse.first()),
-            from_shifts: inverse.scaled(self.from_shifts.first()),
+            from_shifts: inverse
+                .scaled(self.shift_variance)
+                .with_diagonal(ROUNDING * ROUNDING),
             ..self
         }
     }
@@ -458,7 +466,6 @@ impl Law {
     fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
             .plus(&self.from_rotations, &travel.square())
-            .with_diagonal(ROUNDING * ROUNDING)
     }
 
     /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit`, `K₁ / det²` for the determinant

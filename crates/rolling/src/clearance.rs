@@ -199,11 +199,8 @@ impl Roller {
             }
             let distance = (closest - centre).norm() - radius;
             if distance < -TOLERANCE * radius {
-                let fault = RollFault::Overlapping {
-                    depth: -distance,
-                    at: closest,
-                };
-                return Err(RollError::new(fault, time_s, contact.on_object));
+                let fault = RollFault::Overlapping { depth: -distance };
+                return Err(RollError::new(fault, time_s, closest));
             }
             clearance = clearance.min(distance);
         }

@@ -20,15 +20,12 @@ pub enum RollFault {
         /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
     },
-    /// A part of the object beside the contact reaches into the probe.
-    #[error(
-        "the probe overlaps the object by {depth}{}", place(at), depth = Number::rounded(*depth)
-    )]
+    /// A part of the object beside the contact reaches into the probe; its deepest point stands in the place of the last
+    /// contact.
+    #[error("the probe overlaps the object by {depth}", depth = Number::rounded(*depth))]
     Overlapping {
         /// Depth of the overlap, length.
         depth: f64,
-        /// The deepest point of the object in the probe, in the object's frame.
-        at: Point3<f64>,
     },
     /// The contact left the object's domain.
     #[error("the contact left the object: {0}")]
@@ -56,7 +53,7 @@ pub struct RollError {
     pub fault: RollFault,
     /// Time since the motion began.
     pub time_s: f64,
-    /// The last contact on the object, in its frame.
+    /// The last contact on the object, or the deepest point of an overlap, in the object's frame.
     pub on_object: Point3<f64>,
 }
 

@@ -153,10 +153,10 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
             }
             Err(error) => {
                 refused += 1;
-                let RollFault::Overlapping { depth, at } = error.fault else {
+                let RollFault::Overlapping { depth } = error.fault else {
                     panic!("{number}: {error}");
                 };
-                assert!(depth > 0.0 && at.iter().all(|one| one.is_finite()));
+                assert!(depth > 0.0 && error.on_object.iter().all(|one| one.is_finite()));
                 assert!(
                     deepest > 4e-7,
                     "{number} is refused and overlaps by {deepest:e}: {error}"
