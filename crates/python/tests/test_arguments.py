@@ -52,7 +52,7 @@ def test_single_precision_and_whole_numbers(rolls):
     )
     whole = palpate.estimate_press(
         np.array([[0, 0], [3, 0], [0, 3], [-3, 0], [0, -3], [9, 9]], dtype=np.int8),
-        [9, 4, 4, 4, 4, 0], sensor_radius=np.float32(20), depth=np.int64(0),
+        [4, 3, 3, 3, 3, 0], sensor_radius=np.float32(20), depth=np.int64(0),
     )
     assert whole.markers == 6
 

@@ -10,7 +10,7 @@ use palpate_ep2::{
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use super::Value;
-use super::doubted::ToldDoubt;
+use super::doubted::{ToldDoubt, poor_fit};
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
@@ -18,7 +18,7 @@ use super::origin::agreed_unit;
 use super::patch_doubts::{alone, noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::repeated::repeated;
-use super::stated::{FORMAT_VERSION, poor_fit};
+use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
 use crate::glide::AnyMethod;

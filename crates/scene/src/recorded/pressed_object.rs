@@ -6,8 +6,7 @@ use palpate_press::{ContactRegime, Doubt, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
-use super::doubted::ToldDoubt;
-use super::stated::poor_fit;
+use super::doubted::{ToldDoubt, poor_fit};
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 

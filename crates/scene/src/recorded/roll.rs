@@ -299,7 +299,7 @@ const MAX_LENGTH_ERROR: f64 = 1e-3;
 fn rotation_vector([x, y, z, w]: [f64; 4]) -> Result<[f64; 2], String> {
     let vector = libm::hypot(libm::hypot(x, y), z);
     let length = libm::hypot(vector, w);
-    if !((length - 1.0).abs() <= MAX_LENGTH_ERROR) {
+    if (length - 1.0).abs() > MAX_LENGTH_ERROR {
         let length = Number::rounded(length);
         return Err(format!(
             "columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has {length}"

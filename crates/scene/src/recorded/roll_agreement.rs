@@ -8,10 +8,9 @@ use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use serde::{Serialize, Serializer};
 
-use super::doubted::ToldDoubt;
+use super::doubted::{ToldDoubt, poor_fit};
 use super::repeated::repeated;
 use super::roll::{RollOptions, RollReadings};
-use super::stated::poor_fit;
 use super::suspicion::{of_flatness, of_pitch, of_rotation_noise, of_small_residuals};
 
 /// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.

@@ -153,18 +153,6 @@ pub(super) fn left_out(
     })
 }
 
-/// Probability by chance of residuals as large, below which there is always a warning.
-const ALWAYS_WARNED: f64 = 1e-6;
-
-/// The warning of a fit so poor that noise does not explain it, where no doubt says so.
-pub(super) fn poor_fit(p_value: Option<f64>, has_doubts: bool) -> Option<String> {
-    let p_value = p_value.filter(|p_value| *p_value < ALWAYS_WARNED && !has_doubts)?;
-    let p_value = Number::rounded(p_value);
-    Some(format!(
-        "the residuals are larger than the stated noise makes them (p-value {p_value}): the readings contradict the model or the noise"
-    ))
-}
-
 /// The warning where only the stated indentation says that there is a contact.
 pub(super) const UNSEEN: &str = "the displacements do not show a contact of themselves: the interval is that of all objects that they leave to one of the stated indentation somewhere on the markers, whose place is not known";
 

@@ -256,7 +256,7 @@ fn garbage() {
 /// A table of two rolls of a probe of radius 10 on a ball of radius 40, with rotations as the quaternions that `write` makes.
 fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
     let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
-    let (sine, cosine) = (half.sin(), half.cos());
+    let (sine, cosine) = libm::sincos(half);
     let mut table = format!("{header}\n");
     for (probe, ([x, y], [u, v])) in [([0.0, -sine], [shift, 0.0]), ([sine, 0.0], [0.0, shift])]
         .into_iter()
