@@ -1,15 +1,19 @@
 //! Distance between a rolling probe and the parts of the object that it does not touch.
 //!
-//! A hill beside the path may reach into the probe although nothing at the contact tells of it. The relief of the object is
+//! A hill beside the path may reach into the probe although nothing at the contact shows it. The relief of the object is
 //! sampled once along a path; from its places nearest to the probe's centre, descent finds the closest points.
+
+use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Sampled places across a radius of the probe. What is narrower than their distance may pass unseen.
+/// Sampled places across a radius of the probe. What is narrower than their distance may pass unnoticed.
 const PER_RADIUS: f64 = 48.0;
+/// Places along a side of a tile of the relief.
+const TILE: i64 = 32;
 /// Overlap that is none, as a share of the probe's radius.
 const TOLERANCE: f64 = 5e-7;
 /// Distance from the contact within which a closest point is the contact itself, as a share of the radius.
@@ -17,94 +21,155 @@ const CONTACT: f64 = 1e-4;
 /// Longest way of the centre between two samples of a path, and the shortest that is cut, as shares of the radius.
 const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
+/// Rise between neighbouring places, in their distances, from which the wall between them is looked for.
+const STEEP: f64 = 2.0;
+/// Halvings of the distance between neighbouring places, by which a wall is found.
+const HALVINGS: usize = 40;
 
-/// The relief under a path of the probe.
+/// The relief under a path of the probe: heights on a square lattice, in tiles.
 #[derive(Clone, Debug)]
 pub struct Terrain {
-    least: [i64; 2],
-    columns: usize,
-    heights: Vec<f64>,
+    tiles: HashMap<[i64; 2], Vec<f64>>,
     spacing: f64,
 }
 
-/// A place on the path: the time, the probe's centre, and its distance from the nearest part of the object that it does not
-/// touch, at most the reach.
+/// A place on the path: the time, the way of the probe's centre until then in radii, and the distance of the probe from the
+/// nearest part of the object that it does not touch, at most the reach.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
-    centre: Point3<f64>,
+    way: f64,
     clearance: f64,
 }
 
-impl Terrain {
-    /// The relief of an object within `reach` of a path of centres.
-    fn along(object: &Shape, centres: &[Point3<f64>], reach: f64, spacing: f64) -> Self {
-        let ends = |axis: usize| {
-            let along = centres.iter().map(move |centre| centre[axis]);
-            let least = along.clone().fold(f64::INFINITY, f64::min);
-            let most = along.fold(f64::NEG_INFINITY, f64::max);
-            [(least - reach) / spacing, (most + reach) / spacing]
-        };
-        let ([x_least, x_most], [y_least, y_most]) = (ends(0), ends(1));
-        let (x, y) = (
-            x_least.floor() as i64..=x_most.ceil() as i64,
-            y_least.floor() as i64..=y_most.ceil() as i64,
-        );
-        let height = |at: Vector2<f64>| {
-            object
-                .contact_at(at.x, at.y)
-                .map_or(f64::NAN, |point| point.z)
-        };
-        let places = y.clone().flat_map(|row| {
-            x.clone()
-                .map(move |column| Vector2::new(column as f64, row as f64))
-        });
-        Self {
-            least: [*x.start(), *y.start()],
-            columns: x.clone().count(),
-            heights: places.map(|place| height(place * spacing)).collect(),
-            spacing,
-        }
-    }
+/// A place from which a closest point is looked for.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    place: Vector2<f64>,
+    /// Whether it lies on a steep wall, from which descent may lead away.
+    is_on_wall: bool,
+}
 
-    /// Square of the distance from `centre` of the place in a column and a row, counted from the first.
-    fn square(&self, centre: &Point3<f64>, column: i64, row: i64) -> Option<f64> {
-        let inside = 0 <= column && column < self.columns as i64 && row >= 0;
-        let height = self
-            .heights
-            .get((row as usize).checked_mul(self.columns)? + column as usize);
-        let place = self.place(column, row);
-        let up = height.filter(|height| inside && height.is_finite())? - centre.z;
-        Some((place - centre.xy().coords).norm_squared() + up * up)
+impl Terrain {
+    /// Adds the tiles within `reach` of a place.
+    fn add(&mut self, object: &Shape, place: &Vector2<f64>, reach: f64) {
+        let spacing = self.spacing;
+        let ends = |along: f64| {
+            let tile = |end: f64| ((along + end) / (spacing * TILE as f64)).floor() as i64;
+            tile(-reach)..=tile(reach)
+        };
+        for column in ends(place.x) {
+            for row in ends(place.y) {
+                let height = |index: i64| {
+                    let x = (column * TILE + index % TILE) as f64 * spacing;
+                    let y = (row * TILE + index / TILE) as f64 * spacing;
+                    object.contact_at(x, y).map_or(f64::NAN, |point| point.z)
+                };
+                let heights = || (0..TILE * TILE).map(height).collect();
+                self.tiles.entry([column, row]).or_insert_with(heights);
+            }
+        }
     }
 
     fn place(&self, column: i64, row: i64) -> Vector2<f64> {
-        let [x, y] = [column + self.least[0], row + self.least[1]];
-        Vector2::new(x as f64, y as f64) * self.spacing
+        Vector2::new(column as f64, row as f64) * self.spacing
     }
 
-    /// Places within `reach` of `centre` that are nearer than all their neighbours.
-    fn nearest(&self, centre: &Point3<f64>, reach: f64) -> Vec<Vector2<f64>> {
+    /// The height at a place of the lattice; NaN where it is not sampled or the object is not there.
+    fn height(&self, column: i64, row: i64) -> f64 {
+        let index = row.rem_euclid(TILE) * TILE + column.rem_euclid(TILE);
+        let tile = self
+            .tiles
+            .get(&[column.div_euclid(TILE), row.div_euclid(TILE)]);
+        tile.map_or(f64::NAN, |heights| heights[index as usize])
+    }
+
+    /// Places within `reach` of `centre` from which descent may lead to a closest point: those that are nearer than all their
+    /// neighbours, and those on walls between neighbours.
+    fn starts(&self, object: &Shape, centre: &Point3<f64>, reach: f64) -> Vec<Start> {
         let range = |axis: usize| {
-            let first = |end: f64| ((centre[axis] + end) / self.spacing) as i64 - self.least[axis];
-            first(-reach)..=first(reach)
+            let end = |end: f64| ((centre[axis] + end) / self.spacing) as i64;
+            end(-reach)..=end(reach)
         };
-        let mut nearest = Vec::new();
-        for row in range(1) {
-            for column in range(0) {
-                let Some(square) = self.square(centre, column, row) else {
-                    continue;
-                };
-                let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
-                let mut squares = around
-                    .filter_map(|(right, down)| self.square(centre, column + right, row + down));
-                if square <= (reach * reach) && squares.all(|other| square <= other) {
-                    nearest.push(self.place(column, row));
+        let (columns, rows) = (range(0), range(1));
+        let places = rows.flat_map(|row| columns.clone().map(move |column| [column, row]));
+        let places: Vec<[i64; 2]> = places.collect();
+        let heights: Vec<f64> = places
+            .iter()
+            .map(|[column, row]| self.height(*column, *row))
+            .collect();
+        let square = |(&[column, row], height): (&[i64; 2], &f64)| {
+            let up = height - centre.z;
+            (self.place(column, row) - centre.xy().coords).norm_squared() + up * up
+        };
+        let squares: Vec<f64> = places.iter().zip(&heights).map(square).collect();
+        let side = columns.count();
+        let mut starts = Vec::new();
+        for (index, &[column, row]) in places.iter().enumerate() {
+            let (height, square) = (heights[index], squares[index]);
+            // Places at the edge of the window are beyond the reach.
+            let beside =
+                |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
+            let around = [
+                (-1, -1),
+                (0, -1),
+                (1, -1),
+                (-1, 0),
+                (1, 0),
+                (-1, 1),
+                (0, 1),
+                (1, 1),
+            ];
+            let is_nearer = |(right, down): (i64, i64)| {
+                // What is missing is not nearer.
+                squares
+                    .get(beside(right, down))
+                    .is_none_or(|other| !(*other < square))
+            };
+            let place = self.place(column, row);
+            if square <= reach * reach && around.into_iter().all(is_nearer) {
+                starts.push(Start {
+                    place,
+                    is_on_wall: false,
+                });
+            }
+            let aside = (place - centre.xy().coords).norm_squared();
+            for (right, down) in [(1, 0), (0, 1)] {
+                let next = heights
+                    .get(beside(right, down))
+                    .copied()
+                    .unwrap_or(f64::NAN);
+                if aside <= reach * reach && (next - height).abs() > STEEP * self.spacing {
+                    let level = centre.z.clamp(height.min(next), height.max(next));
+                    let ends = [place, self.place(column + right, row + down)];
+                    let wall = crossing(object, ends, level, next > height);
+                    starts.extend(wall.map(|place| Start {
+                        place,
+                        is_on_wall: true,
+                    }));
                 }
             }
         }
-        nearest
+        starts
     }
+}
+
+/// The place between two others at which an object that rises, or falls, reaches a level.
+fn crossing(
+    object: &Shape,
+    [mut low, mut high]: [Vector2<f64>; 2],
+    level: f64,
+    rises: bool,
+) -> Option<Vector2<f64>> {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let height = object.contact_at(middle.x, middle.y).ok()?.z;
+        match (height < level) == rises {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Some(low)
 }
 
 /// Distance from the probe's centre as far as which the object is looked at.
@@ -118,31 +183,31 @@ impl Roller {
         self.object().may_touch_twice(self.probe().radius())
     }
 
-    /// The relief along a roll by `motions`, as far from the probe as `margin` (length).
+    /// The relief along a roll by `motions`, and as much further as rolls stray from it by `margin` (length).
     ///
     /// # Errors
     /// [`RollError`] where the roll ends early.
     pub fn terrain(&self, motions: &[Motion], margin: f64) -> Result<Terrain, RollError> {
         let radius = self.probe().radius();
-        let samples = 8;
+        let mut terrain = Terrain {
+            tiles: HashMap::new(),
+            spacing: radius / PER_RADIUS,
+        };
+        let samples = (way(motions, f64::INFINITY) / LONGEST)
+            .ceil()
+            .clamp(1.0, 1e4) as u32;
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
-        let centres = (0..=samples).map(|sample| {
-            let time_s = duration_s * f64::from(sample) / f64::from(samples);
-            self.centre(motions, time_s).map(|(_, centre)| centre)
-        });
-        let centres: Vec<_> = centres.collect::<Result<_, _>>()?;
-        // Rolls of trials stray by the margin, and paths bend between the samples.
-        let reach = 1.05 * (reach(radius, margin) + margin);
-        Ok(Terrain::along(
-            self.object(),
-            &centres,
-            reach,
-            radius / PER_RADIUS,
-        ))
+        for sample in 0..=samples {
+            let (_, centre) =
+                self.centre(motions, duration_s * f64::from(sample) / f64::from(samples))?;
+            let reach = reach(radius, margin) + margin + LONGEST * radius;
+            terrain.add(self.object(), &centre.xy().coords, reach);
+        }
+        Ok(terrain)
     }
 
     /// Smallest distance, length, between the probe and the parts of the object that it does not touch during a roll by
-    /// `motions`, at most `margin`.
+    /// `motions`, as far as it is below `margin` or a quarter of the radius.
     ///
     /// # Errors
     /// [`RollError`] where the roll ends early, with [`RollFault::Overlapping`] where the object reaches into the probe by
@@ -153,17 +218,19 @@ impl Roller {
         terrain: &Terrain,
         margin: f64,
     ) -> Result<f64, RollError> {
+        let radius = self.probe().radius();
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
         // The samples ahead, the next one last.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
-            let way = (after.centre - before.centre).norm() / self.probe().radius();
-            let nearer = before.clearance.min(after.clearance) / self.probe().radius();
+            let way = after.way - before.way;
+            let nearer = before.clearance.min(after.clearance) / radius;
             // The distance changes by no more than the centre moves.
-            if way > LONGEST || (way > SHORTEST && nearer < way) {
-                let middle = 0.5 * (before.time_s + after.time_s);
+            let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
+            let middle = 0.5 * (before.time_s + after.time_s);
+            if is_cut && before.time_s < middle && middle < after.time_s {
                 ahead.push(self.sample(motions, middle, terrain, margin)?);
                 continue;
             }
@@ -185,46 +252,69 @@ impl Roller {
         let radius = self.probe().radius();
         let reach = reach(radius, margin);
         let mut clearance = reach - radius;
-        for start in terrain.nearest(&centre, reach) {
+        let mut deepest = contact.on_object;
+        for start in terrain.starts(self.object(), &centre, reach) {
+            let Start { place, is_on_wall } = start;
+            let descended = self.object().closest_point_from(&centre, place);
             // On a ridge between two closest points the place itself will do.
-            let Ok(closest) = self
-                .object()
-                .closest_point_from(&centre, start)
-                .or_else(|_| self.object().contact_at(start.x, start.y))
-            else {
-                continue;
-            };
-            if (closest - contact.on_object).norm() < CONTACT * radius {
-                continue;
+            let itself = (is_on_wall || descended.is_err())
+                .then(|| self.object().contact_at(place.x, place.y));
+            for closest in descended.into_iter().chain(itself.into_iter().flatten()) {
+                let distance = (closest - centre).norm() - radius;
+                let is_contact = (closest - contact.on_object).norm() < CONTACT * radius;
+                if distance < clearance && !is_contact {
+                    (clearance, deepest) = (distance, closest);
+                }
             }
-            let distance = (closest - centre).norm() - radius;
-            if distance < -TOLERANCE * radius {
-                let fault = RollFault::Overlapping { depth: -distance };
-                return Err(RollError::new(fault, time_s, closest));
-            }
-            clearance = clearance.min(distance);
+        }
+        if clearance < -TOLERANCE * radius {
+            return Err(RollError::new(
+                RollFault::Overlapping { depth: -clearance },
+                time_s,
+                deepest,
+            ));
         }
         Ok(Sample {
             time_s,
-            centre,
+            way: way(motions, time_s),
             clearance,
         })
     }
 
-    /// The contact after some of the motions, and the probe's centre.
+    /// The contact after some of the motions, and the probe's centre. The contact is where the object is, whatever the
+    /// integration errs by.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
-        let mut left = time_s;
-        let mut until = Vec::with_capacity(motions.len());
-        for motion in motions {
-            let duration_s = motion.duration_s.min(left);
-            until.push(Motion {
-                duration_s,
-                ..*motion
-            });
-            left -= duration_s;
-        }
-        let contact = self.roll(&until)?;
-        let centre = contact.on_object + contact.normal * self.probe().radius();
-        Ok((contact, centre))
+        let mut contact = self.roll(&until(motions, time_s))?;
+        let Point3 { coords } = contact.on_object;
+        let fault = |error| RollError::new(RollFault::Surface(error), time_s, contact.on_object);
+        let on_object = self
+            .object()
+            .contact_at(coords.x, coords.y)
+            .map_err(fault)?;
+        let normal = self.object().level_set(&on_object).map_err(fault)?.normal;
+        (contact.on_object, contact.normal) = (on_object, normal);
+        Ok((contact, on_object + normal * self.probe().radius()))
     }
+}
+
+/// The motions until a time.
+fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
+    let mut left = time_s;
+    let cut = motions.iter().map(|motion| {
+        let duration_s = motion.duration_s.min(left);
+        left -= duration_s;
+        Motion {
+            duration_s,
+            ..*motion
+        }
+    });
+    cut.collect()
+}
+
+/// Way of the probe's centre until a time, in radii: it turns about the contact, and a spin does not move it.
+fn way(motions: &[Motion], time_s: f64) -> f64 {
+    until(motions, time_s)
+        .iter()
+        .map(|motion| motion.rotation().norm())
+        .sum()
 }

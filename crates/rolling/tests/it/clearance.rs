@@ -167,6 +167,48 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     assert!(refused > 4 && accepted > 4, "{refused} {accepted}");
 }
 
+/// The clearance of a roll along x of a probe of radius 1 from the origin.
+fn along_x(formula: &str, angle_rad: f64, spin: f64) -> Result<f64, RollFault> {
+    let mut motion = Motion::rolling(0.0, angle_rad, 1.0);
+    motion.angular_velocity.z = spin;
+    let rolls = [vec![motion]];
+    let model = Model::Auto {
+        tolerance: 1e-9,
+        chart: Default::default(),
+    };
+    let roller = Roller::new(
+        Probe::new(1.0).unwrap(),
+        height_field(formula),
+        (0.0, 0.0),
+        model,
+        Rolls { rolls: &rolls },
+    )
+    .unwrap();
+    let terrain = roller.terrain(&rolls[0], 0.0).unwrap();
+    roller
+        .clearance(&rolls[0], &terrain, 0.0)
+        .map_err(|error| error.fault)
+}
+
+#[test]
+fn steep_steps_and_paths_that_close_are_checked() {
+    for steep in [20.0, 200.0, 1e3, 1e4] {
+        for far in [0.55, 0.6, 0.731, 0.8] {
+            let step = |far: f64| format!("1.5*(1+tanh({steep}*(x-{far})))");
+            let fault = along_x(&step(far), 0.3, 0.0).unwrap_err();
+            assert!(
+                matches!(fault, RollFault::Overlapping { .. }),
+                "{steep} {far}: {fault}"
+            );
+            assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
+        }
+    }
+    // With a spin as fast as the roll the path is a circle of radius 1 through the origin; steps are near its far side.
+    let tau = std::f64::consts::TAU;
+    let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
+    assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");
+}
+
 #[test]
 fn the_error_names_place_and_depth() {
     let hill = height_field("8*exp(-((x-6)^2+y^2)/2)");
