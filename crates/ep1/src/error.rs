@@ -27,6 +27,16 @@ pub enum Ep1Error {
         /// Root-mean-square rotation across the main axis over that along it.
         spread: f64,
     },
+    /// Errors of the measured rotations make up much of the rotations themselves.
+    #[error(
+        "in some direction errors of the measured rotations are {} of the squares of the rotations, of at most 0.5: roll \
+         further, or measure rotations more exactly",
+        Number::rounded(*share)
+    )]
+    NoisyRotations {
+        /// Share of the errors in the mean square of the rotations.
+        share: f64,
+    },
     /// The contact did not move in some direction: the object is too sharp to resolve.
     #[error("{}", unresolved(*direction_rad, *radius_below))]
     Unresolved {

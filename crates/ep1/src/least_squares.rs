@@ -8,7 +8,8 @@
 //! K₂ = −K₁ (I + K₁ D)⁻¹ K₁ D
 //! ```
 //!
-//! loses nothing: readings of a flat object give exactly zero. Exact readings of probes that turn alike
+//! loses nothing: readings of a flat object give exactly zero. Where rotations are measured with a stated error, their
+//! squares are reduced by its variance, which else makes the contact seem to move less. Exact readings of probes that turn alike
 //! in all directions give curvatures within `1e-15 (2 + K₁/|k| + |k|/K₁)` of themselves, where `K₁/|k|` is
 //! what the last place of a reading makes of them, and `|k|/K₁` the price for what is flat: an object a
 //! million times as sharp as the probe is told to nine digits.
@@ -24,6 +25,9 @@ use crate::{
 
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
+
+/// Largest share that errors of measured rotations may have of the squares of the rotations in any direction.
+const MOST_NOISE: f64 = 0.5;
 
 /// Standard deviation that rounding alone gives the entries of `K₁ B`: readings and sums err by some last places.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
@@ -62,6 +66,8 @@ pub(crate) struct Law {
     per_probe: f64,
     /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
     inverse: Symmetric3,
+    /// Sum over the probes of what errors of measured rotations take of each `g d` with `d = Δp − R₁ g`, length.
+    added: f64,
     /// Variance of a shift, relative to the radius.
     shift_variance: f64,
     /// Covariance of these entries from the shifts' noise and from rounding.
@@ -121,6 +127,14 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         spans(rotations.len(), &gram)?;
+        // Errors of measured rotations add their squares to those of the rotations.
+        let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
+        let share = added / gram.least();
+        if share > MOST_NOISE {
+            return Err(Ep1Error::NoisyRotations { share });
+        }
+        gram.uu -= added;
+        gram.vv -= added;
         let inverse = normal_equations(&gram)
             .try_inverse()
             .ok_or(Ep1Error::OutOfRange)?;
@@ -134,20 +148,9 @@ impl LeastSquares {
         let relative_shift_std = noise.shift_std * probe_curvature;
         let through = |middle: &Matrix3<f64>| Symmetric3::of(&(inverse * middle * inverse));
         let shift_variance = relative_shift_std * relative_shift_std;
-        let from_shifts = match noise.shared_errors(rotations) {
+        let from_shifts = match noise.shared_errors(radius, rotations) {
             None => Symmetric3::of(&(inverse * shift_variance)),
-            Some(shared) => {
-                let mut gram = Symmetric::default();
-                for (sum, share) in shared {
-                    let square = Symmetric {
-                        uu: sum.x * sum.x,
-                        uv: sum.x * sum.y,
-                        vv: sum.y * sum.y,
-                    };
-                    gram.add(&square, share * shift_variance);
-                }
-                through(&normal_equations(&gram))
-            }
+            Some(shared) => through(&(shared * shift_variance)),
         };
         let unit = |uu, vv, uv| through(&weighted_equations(&weighted, &Symmetric { uu, uv, vv }));
         Ok(Self {
@@ -159,6 +162,7 @@ impl LeastSquares {
                 probe_curvature,
                 per_probe: 1.0 / rotations.len() as f64,
                 inverse: Symmetric3::of(&(inverse * probe_curvature)),
+                added: radius * added,
                 shift_variance,
                 from_shifts: from_shifts.with_diagonal(ROUNDING * ROUNDING),
                 from_rotations: [
@@ -373,6 +377,7 @@ impl Law {
             probe_curvature,
             per_probe: 1.0 / probes as f64,
             inverse: inverse.scaled(probe_curvature),
+            added: 0.0,
             shift_variance: relative_shift_std * relative_shift_std,
             from_shifts: inverse
                 .scaled(relative_shift_std * relative_shift_std)
@@ -422,7 +427,13 @@ impl Law {
     #[inline(always)]
     pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
         // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
-        let deviation = self.inverse.times(&moments.deviations);
+        let [along_u, along_v, mixed] = moments.deviations;
+        let deviation = match IS_STATED {
+            true => self
+                .inverse
+                .times(&[along_u + self.added, along_v + self.added, mixed]),
+            false => self.inverse.times(&moments.deviations),
+        };
         let travel = Symmetric {
             uu: deviation.uu + 1.0,
             vv: deviation.vv + 1.0,

@@ -1,8 +1,6 @@
 //! The reading of one rolling probe, and its noise.
 
-use std::collections::BTreeMap;
-
-use nalgebra::Vector2;
+use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 
 /// The reading of one probe, in the probe's first contact frame (`z₁` out of the probe).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,19 +12,17 @@ pub struct ProbeReading {
     pub shift: Vector2<f64>,
 }
 
-/// Rotations that differ by less than this share of the longest are alike: directions are rounded.
-const ALIKE: f64 = 1e-9;
-
 /// Where on the pads of a fingertip rolls start: it decides which errors they share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PadStart {
     /// Each roll starts at a place of its own: errors are independent.
     #[default]
     PerRoll,
-    /// All rolls start at the same place, anywhere on a pad: they share the error of the start, and rolls that turn alike
-    /// share that of the end.
+    /// All rolls start at the same place, anywhere on a pad: they share the error of the start, and ends that lie alike on
+    /// their pads share that of the end.
     PerTrial,
-    /// All rolls start at a pad's centre: rolls that turn alike read alike, and opposite ones read opposite shifts.
+    /// All rolls start at a pad's centre: ends that lie alike on their pads share their error, and opposite ones have
+    /// opposite errors.
     Centred,
 }
 
@@ -84,40 +80,45 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// Sums of the drives `g` (rad) over rolls whose shifts have the same error, each with the share of the variance of a
-    /// shift that this error has; `None` where each roll has its own.
+    /// `Σ AᵀCA` over rolls by `rotations`, with `A` the equations of a roll and `C` the correlations of the errors of their
+    /// shifts, which rolls from one place on the pads share; `None` where each roll has its own.
+    ///
+    /// With the error of rounding uniform over a pad, those of two ends that are a share f of a pad apart have the
+    /// correlation 1 − 6 f (1 − f). It counts where f is small: further apart, the object decides on f.
     pub(crate) fn shared_errors(
         &self,
+        radius: f64,
         rotations: &[Vector2<f64>],
-    ) -> Option<Vec<(Vector2<f64>, f64)>> {
-        let is_centred = match self.pad_start {
+    ) -> Option<Matrix3<f64>> {
+        let pitch = match self.pad_start {
             _ if self.shift_resolution == 0.0 => return None,
             PadStart::PerRoll => return None,
-            PadStart::PerTrial => false,
-            PadStart::Centred => true,
+            PadStart::PerTrial => self.shift_resolution,
+            PadStart::Centred => 2.0 * self.shift_resolution,
         };
-        let longest = rotations.iter().map(|one| one.norm()).fold(0.0, f64::max);
-        let mut alike: BTreeMap<[i64; 2], Vector2<f64>> = BTreeMap::new();
-        for rotation in rotations {
-            let drive = Vector2::new(-rotation.y, rotation.x);
-            let [u, v] = (drive / (ALIKE * longest))
-                .map(|part| part.round() as i64)
-                .into();
-            // The error of an opposite roll is the opposite error.
-            let is_opposite = is_centred && (u < 0 || (u == 0 && v < 0));
-            let sign = if is_opposite { -1 } else { 1 };
-            *alike.entry([sign * u, sign * v]).or_default() += drive * sign as f64;
-        }
-        let groups = alike.into_values();
-        Some(match is_centred {
-            true => groups.map(|sum| (sum, 1.0)).collect(),
-            false => {
-                let all: Vector2<f64> = rotations
-                    .iter()
-                    .map(|one| Vector2::new(-one.y, one.x))
-                    .sum();
-                groups.chain([all]).map(|sum| (sum, 0.5)).collect()
+        let alike = |length: f64| {
+            let share = length.abs() / pitch;
+            if share < 0.5 {
+                (1.0 - 6.0 * share * (1.0 - share)).max(0.0)
+            } else {
+                0.0
             }
-        })
+        };
+        let correlation = |one: f64, other: f64| match self.pad_start {
+            // The error of an opposite shift is the opposite error.
+            PadStart::Centred => alike(one - other) - alike(one + other),
+            _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
+        };
+        let mut sum = Matrix3::zeros();
+        for one in rotations {
+            for other in rotations {
+                let ([u, v], [other_u, other_v]) = ([-one.y, one.x], [-other.y, other.x]);
+                let of_u = correlation(radius * u, radius * other_u);
+                let of_v = correlation(radius * v, radius * other_v);
+                sum += Vector3::new(u, 0.0, v) * RowVector3::new(other_u, 0.0, other_v) * of_u;
+                sum += Vector3::new(0.0, v, u) * RowVector3::new(0.0, other_v, other_u) * of_v;
+            }
+        }
+        Some(sum)
     }
 }

@@ -19,6 +19,12 @@ impl Symmetric {
         self.uu * self.vv - self.uv * self.uv
     }
 
+    /// The smaller eigenvalue.
+    pub(crate) fn least(&self) -> f64 {
+        let half = 0.5 * (self.uu - self.vv);
+        0.5 * (self.uu + self.vv) - libm::hypot(half, self.uv)
+    }
+
     /// The square of this matrix.
     #[inline(always)]
     pub(crate) fn square(&self) -> Self {

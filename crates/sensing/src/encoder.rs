@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{InvalidSensor, Stream};
 
-/// Joint encoders that count steps: a roll begins anywhere within a step, so the same rotation may count one step more or
-/// less in the next roll.
+/// Joint encoders that report the end of a roll to the nearest step. The start is known, and the steps lie anywhere
+/// relative to it, elsewhere in every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -14,8 +14,7 @@ use crate::{InvalidSensor, Stream};
 /// let encoder = Encoder::new(0.25)?;
 /// let mut stream = Stream::new(1, 0, Channel::EncoderPhase);
 /// let read = encoder.read(&mut stream, &Vector2::new(0.7, 0.0));
-/// // Two or three steps; a joint that does not turn counts none.
-/// assert!((read.x == 0.5 || read.x == 0.75) && read.y == 0.0);
+/// assert!((read.x - 0.7).abs() <= 0.125 && read.y.abs() <= 0.125);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,19 +33,23 @@ impl Encoder {
         Ok(Self { step_rad })
     }
 
-    /// The rotation that the encoders count during a roll by `rotation`, rad: each component between a start anywhere
-    /// within a step and the end. It errs by less than a step, and by nothing on average.
+    /// The rotation that the encoders report of a roll by `rotation`, rad. Each component errs by half a step at most,
+    /// uniformly, whatever the rotation.
     pub fn read(&self, stream: &mut Stream, rotation: &Vector2<f64>) -> Vector2<f64> {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
-            let counted = (angle / self.step_rad + start).round() * self.step_rad;
+            let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
             // A step too fine to count in doubles quantises nothing.
-            if counted.is_finite() { counted } else { angle }
+            if reported.is_finite() {
+                reported
+            } else {
+                angle
+            }
         })
     }
 
-    /// Standard deviation of the error of a component, rad: uniform over a step at the start and at the end.
+    /// Standard deviation of the error of a component, rad.
     pub fn std_rad(&self) -> f64 {
-        self.step_rad / 6.0_f64.sqrt()
+        self.step_rad / 12.0_f64.sqrt()
     }
 }

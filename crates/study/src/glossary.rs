@@ -141,6 +141,7 @@ subjects! {
     "Failures of rolls" {
         "too-few-probes": "Fewer than two rolls: a curvature has three components, a roll tells two. Roll in at least two directions.";
         "unresolvable-set": "All rolls go nearly the same way, so that the curvature across it is not told. Roll in another direction too.";
+        "noisy-rotations": "Errors of the measured rotations make up half of the rotations or more. Longer rolls or a finer encoder help.";
         "unresolved": "The contact did not move in some direction, though the probe rolled: the object is too sharp for the pads, and only a bound on its radius is known. Finer pads or longer rolls help.";
         "not-rolling": "The contact moved against the roll in some direction, as no rolling contact does: noise is larger than the movement, or a sign of the readings is wrong. Longer rolls or less noise help; of recorded readings, a contact that moves to +u belongs to rotation_y < 0.";
         "overlapping": "A part of the object beside the contact reaches into the rolling probe: no real probe gets there.";

@@ -75,7 +75,7 @@ proptest! {
         let rolls: Vec<_> = (0..probes).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let noise = ReadingNoise {
             relative_rotation_std: noise[0],
-            rotation_std_rad: noise[1],
+            rotation_std_rad: 0.1 * noise[1] * theta,
             shift_std: noise[2] * radius,
             shift_resolution: noise[3] * radius,
             pad_start: PadStart::PerRoll,

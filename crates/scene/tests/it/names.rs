@@ -109,7 +109,7 @@ fn names_in_tables_do_not_change() {
         TrackingError::VARIANTS,
     ];
     // In place of `surface` stands the name of the surface's error.
-    let expected = "too-few-probes unresolvable-set unresolved not-rolling not-finite out-of-range\n\
+    let expected = "too-few-probes unresolvable-set noisy-rotations unresolved not-rolling not-finite out-of-range\n\
         off-domain chart-singular no-closest-point\n\
         conforming overlapping surface too-many-steps singular not-finite\n\
         surface contact-lost two-contacts no-convergence\n\

@@ -368,7 +368,7 @@ pub enum GaussianKind {
     Gaussian,
 }
 
-/// An encoder that counts rotations in steps; each roll starts anywhere within a step.
+/// An encoder that reports rotations in steps, which lie elsewhere relative to the start of every roll.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
