@@ -171,15 +171,13 @@ impl PressEstimate {
         }
     }
 
-    /// Nothing where the contact is narrow enough for the object that fits best.
+    /// Nothing where the contact is narrow enough for an object of the interval.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] beyond [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of its radius.
+    /// [`PressError::TooWide`] beyond [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of the radius of each of them.
     pub fn within_object(&self) -> Result<(), PressError> {
-        within_object(
-            self.most_likely_object_curvature(),
-            self.contact_radius.value,
-        )
+        let least = self.object_curvature().interval.low;
+        within_object(least.unwrap_or_default(), self.contact_radius.value)
     }
 
     /// 1/R_o of the best fit, 1/length; its inverse is the object's radius.

@@ -171,7 +171,7 @@ subjects! {
         "no-indentation": "The indentation is not positive, so that the bodies do not touch.";
         "edge-contact": "The object is more hollow than the sensor is round, so that its rim is touched and not its bottom.";
         "too-deep": "The indentation is larger than the body that is indented.";
-        "too-wide": "The contact would be wider than the sensor.";
+        "too-wide": "The contact would be wider than the sensor, or than 0.9 of the object's radius.";
         "layer-too-thin": "The contact is so much wider than the layer is thick that its equations cannot be solved.";
         "too-few-markers": "Fewer readings of markers than unknowns.";
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. Where nothing touches, noise passes for a press in fewer than 5 of 100. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";

@@ -80,13 +80,21 @@ pub enum TargetError {
     #[error(
         "{statistic} is a share, and {} may mean {} % or {} %; write {} % or {}",
         number::exact(*limit), number::exact(*limit), number::exact(100.0 * limit), number::exact(*limit),
-        number::exact(0.01 * limit)
+        number::exact(limit / 100.0)
     )]
     PlainShare {
         /// Name of the statistic, with its quantity.
         statistic: String,
         /// The limit.
         limit: f64,
+    },
+    /// A share as the limit of a statistic that is none.
+    #[error(
+        "{statistic} is no share; write its limit without %, or relative_rms_error or relative_mean_abs_error"
+    )]
+    NoShare {
+        /// Name of the statistic, with its quantity.
+        statistic: String,
     },
     /// The statistic cannot have this value.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
@@ -152,9 +160,14 @@ impl FromStr for Target {
             .ok_or_else(|| TargetError::NoLimit(limit.to_owned()))?;
         let is_share = statistic.is_relative()
             || quantity.is_some_and(|quantity| quantity.kind == QuantityKind::Share);
-        if unit == 1.0 && limit.abs() > 1.0 && (is_share || statistic.is_coverage()) {
+        let is_share = is_share || statistic.is_coverage();
+        if unit == 1.0 && limit.abs() > 1.0 && is_share {
             let statistic = what.to_owned();
             return Err(TargetError::PlainShare { statistic, limit });
+        }
+        if unit != 1.0 && quantity.is_some() && !is_share {
+            let statistic = what.to_owned();
+            return Err(TargetError::NoShare { statistic });
         }
         let out_of_range = |range| {
             Err(TargetError::OutOfRange {
@@ -315,6 +328,11 @@ mod tests {
                 "relative_rms_error(mean_curvature) is a share, and 5 may mean 5 % or 500 %; write 5 % or 0.05",
             ),
             ("mean(class) >= 90", "write 90 % or 0.9"),
+            ("coverage95(object_curvature) >= 95", "write 95 % or 0.95"),
+            (
+                "rms_error(mean_curvature) <= 5 %",
+                "rms_error(mean_curvature) is no share; write its limit without %",
+            ),
             (
                 "coverage95 >= 200 %",
                 "a share, above 0 and at most 1, and the limit is 2",

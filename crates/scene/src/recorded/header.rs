@@ -1,6 +1,8 @@
 //! The columns of a table that palpate asks for, found by their names.
 
-use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, quaternion_part, spelt};
+use palpate_study::readings::{
+    Column, ColumnNames, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt,
+};
 
 use super::form::pair;
 
@@ -16,17 +18,29 @@ struct Heading<'a> {
     base: String,
     /// Unit in brackets.
     bracket: Option<&'a str>,
+    /// Column of a quaternion that it is, by its own words or since the three others stand beside it: `rotation.x`, `rw`.
+    part: Option<Column>,
 }
 
 impl<'a> Heading<'a> {
     fn of(name: &'a str) -> Self {
         let name = name.trim();
         let (base, bracket) = bracketed(name);
+        let base = spelt(base);
         Self {
             name,
-            base: spelt(base),
             bracket,
+            part: quaternion_part(&base),
+            base,
         }
+    }
+
+    /// Name of the four columns of a quaternion without their letters, and the column that this one would be.
+    fn in_group(&self) -> Option<(&str, Column)> {
+        QUATERNION.into_iter().find_map(|column| {
+            let group = self.base.strip_suffix(&column.name[1..])?;
+            (!group.is_empty()).then_some((group, column))
+        })
     }
 }
 
@@ -59,7 +73,19 @@ pub(super) struct Header<'a> {
 
 impl<'a> Header<'a> {
     pub(super) fn new(header: &'a [String], names: &'a ColumnNames) -> Self {
-        let headings = header.iter().map(|name| Heading::of(name)).collect();
+        let mut headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
+        for index in 0..headings.len() {
+            let Some((group, column)) = headings[index].in_group() else {
+                continue;
+            };
+            let is_there = |part: Column| {
+                let mut groups = headings.iter().filter_map(Heading::in_group);
+                groups.any(|other| other == (group, part))
+            };
+            if QUATERNION.into_iter().all(is_there) {
+                headings[index].part = Some(column);
+            }
+        }
         Self { headings, names }
     }
 
@@ -76,8 +102,8 @@ impl<'a> Header<'a> {
     /// Name of a column of times, if there is one.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
-            let first = heading.base.split('_').next();
-            matches!(first, Some("t" | "time" | "timestamp" | "stamp" | "secs"))
+            let mut words = heading.base.split('_');
+            words.any(|word| matches!(word, "t" | "time" | "timestamp" | "stamp" | "secs"))
         };
         self.headings
             .iter()
@@ -135,7 +161,8 @@ impl<'a> Header<'a> {
             if is_taken(heading) {
                 continue;
             }
-            let Some(in_name) = column.is_named(&heading.base) else {
+            let is_part = heading.part.as_ref() == Some(column);
+            let Some(in_name) = column.is_named(&heading.base).or(is_part.then_some(None)) else {
                 continue;
             };
             let unit = match heading.bracket {
@@ -207,6 +234,15 @@ impl<'a> Header<'a> {
             });
         };
         let heading = &self.headings[index];
+        let has = |part: Column| self.headings.iter().any(|other| other.part == Some(part));
+        if column.measure == Measure::Angle
+            && heading.part.is_some()
+            && QUATERNION.into_iter().all(has)
+        {
+            return Err(format!(
+                "`{key}` is said to be `{name}`, which is part of a quaternion; without it in --columns the quaternion is read"
+            ));
+        }
         let in_file = match heading.bracket {
             Some(text) => Some(
                 column
@@ -270,6 +306,12 @@ impl<'a> Header<'a> {
         );
         if !may.is_empty() {
             message += &format!(", and may be {may} too");
+        }
+        let of_angle = missing
+            .iter()
+            .any(|column| column.measure == Measure::Angle);
+        if of_angle && self.headings.iter().any(is_quaternion) {
+            message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part: name them by --columns";
         }
         let is_free = |index: &usize| {
             let mut taken = found.iter().flatten();
@@ -366,10 +408,16 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
     }
 }
 
+/// Whether a name is that of a part of a quaternion, if only by its number: `q0`.
+fn is_quaternion(heading: &Heading<'_>) -> bool {
+    let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
+    heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
+}
+
 /// Similarity of a column's name to one in the file, from 0 to 1.
 fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
-    // A part of a quaternion is no angle and no length.
-    if quaternion_part(&heading.base).is_some() {
+    // A part of a quaternion is no angle.
+    if is_quaternion(heading) && column.measure != Measure::Length {
         return 0.0;
     }
     if heading

@@ -318,7 +318,7 @@ pub(super) fn too_large(
     is_layer: bool,
 ) -> Option<String> {
     large_contact(
-        estimate.relative_curvature.value,
+        estimate.most_likely_curvature,
         estimate.contact_radius.value,
         sensor_radius,
         is_layer,

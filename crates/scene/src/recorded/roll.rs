@@ -172,7 +172,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     let names_probes = header.has(probe);
     if is_quaternion && let Some(time) = header.time().filter(|_| is_series || !names_probes) {
         let message = format!(
-            "column `{time}`: a time series of a roll is not read with quaternions; give one row per roll, with its rotation from start to end"
+            "column `{time}`: a time series of a roll is not read with quaternions; give one row per roll, with a column `probe` and the rotation from start to end"
         );
         return Err(file.fail(table.header_line, message));
     }

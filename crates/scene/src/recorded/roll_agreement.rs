@@ -1,9 +1,11 @@
 //! Agreement of recorded rolls with their estimate.
 
+use std::collections::HashMap;
 use std::sync::OnceLock;
 
+use nalgebra::Vector2;
 use palpate_chance::GoodnessOfFit;
-use palpate_ep1::{Agreement, Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{Agreement, Doubt, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use serde::{Serialize, Serializer};
@@ -84,7 +86,7 @@ impl RollAgreement {
             unit,
             residual,
             suspicion,
-            copies: copies(recorded),
+            copies: copies(recorded, &options.noise),
             note: recorded.note.clone(),
         };
         Self {
@@ -94,8 +96,18 @@ impl RollAgreement {
     }
 }
 
-/// Warning of rolls that are there twice: half of them or more, since coarse sensors may report the same again.
-fn copies(recorded: &RollReadings) -> Option<String> {
+/// Warning of rolls that are there twice: half of them or more, where no rolls by one rotation differ, since coarse sensors may
+/// report the same again.
+fn copies(recorded: &RollReadings, noise: &ReadingNoise) -> Option<String> {
+    let mut shifts = HashMap::new();
+    let repeats = |reading: &ProbeReading| {
+        let bits = |numbers: Vector2<f64>| numbers.map(|number| (number + 0.0).to_bits());
+        let first = shifts.entry(bits(reading.rotation));
+        *first.or_insert(reading.shift) == reading.shift
+    };
+    if noise.pad_start != PadStart::PerRoll || !recorded.readings.iter().all(repeats) {
+        return None;
+    }
     let rolls = recorded.readings.iter().map(|reading| {
         let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
         [x, y, u, v]
@@ -111,13 +123,8 @@ impl Estimated {
             unit,
             ..
         } = self;
-        let fitted = LeastSquares::fitted(self.probe_radius, *noise, readings);
-        let flat = fitted
-            .as_ref()
-            .ok()
-            .and_then(|(_, estimate)| of_flatness(estimate, self.probe_radius, *unit));
-        let agreement = fitted.map(|(fit, estimate)| fit.agreement(&estimate, readings));
-        let Agreement { goodness, doubts } = agreement.unwrap_or_default();
+        let flat = of_flatness(&self.estimate, self.probe_radius, *unit);
+        let Agreement { goodness, doubts } = self.fit.agreement(&self.estimate, readings);
         let p_value = goodness.map(|goodness| goodness.p_value);
         let small =
             goodness.and_then(|goodness| of_small_residuals(self.residual, goodness, noise, *unit));

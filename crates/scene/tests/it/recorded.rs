@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use palpate_scene::recorded::{
-    RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll, read_roll,
+    Form, RecordedError, RecordedFile, RollEstimate, RollOptions, column_names, estimate_roll,
+    parse_roll, read_roll,
 };
 use palpate_study::config::LengthUnit;
 use tempfile::TempDir;
@@ -287,7 +288,15 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    for table in [last, first, ros] {
+    // By their letters, where all four stand together.
+    let lettered = [
+        "rotation.x,rotation.y,rotation.z,rotation.w",
+        "rx,ry,rz,rw",
+        "quatX,quatY,quatZ,quatW",
+    ];
+    let lettered =
+        lettered.map(|names| quaternions(&format!("probe,{names},shift_u_mm,shift_v_mm"), |q| q));
+    for table in [last, first, ros].into_iter().chain(lettered) {
         let estimate = roll_of(table).unwrap();
         let curvature = estimate["mean_curvature"]["value"].as_f64().unwrap();
         assert!((curvature - 0.025).abs() < 1e-12, "{curvature}");
@@ -307,7 +316,25 @@ fn quaternions_that_are_no_rotations_of_rolls_are_refused() {
     );
     refused(
         quaternions("time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
-        "column `time_s`: a time series of a roll",
+        "column `time_s`: a time series of a roll is not read with quaternions; give one row per roll, with a column `probe`",
+    );
+    refused(
+        quaternions("header_stamp_secs,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
+        "column `header_stamp_secs`: a time series of a roll",
+    );
+    refused(
+        quaternions("probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm", |q| q),
+        "a quaternion is read from qx,qy,qz,qw, where qw is its scalar part",
+    );
+    let readings = RecordedFile::new("q.csv", quaternions(header, |q| q).into_bytes());
+    let form = Form {
+        columns: column_names("rotation_x_rad=qx,rotation_y_rad=qy").unwrap(),
+        ..Form::default()
+    };
+    let error = parse_roll(readings.written(form)).unwrap_err().to_string();
+    assert!(
+        error.contains("`rotation_x_rad` is said to be `qx`, which is part of a quaternion"),
+        "{error}"
     );
     refused(
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
