@@ -132,7 +132,7 @@ fn results(shell: &Shell) -> Result<()> {
         studies: Vec::new(),
         quick: true,
         check: true,
-        tolerance: None,
+        all: true,
     };
-    reproduce::run(shell, &options)
+    reproduce::run_with(shell, &palpate::build(shell, "palpate")?, &options)
 }

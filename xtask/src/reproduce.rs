@@ -17,26 +17,18 @@ const SHOWN: usize = 20;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Names of configs in sim-configs/, without `.toml`; all of them by default.
+    /// Names of configs in sim-configs/, without `.toml`; by default those that score a claim of the papers.
     #[arg(value_name = "STUDY")]
     pub(crate) studies: Vec<String>,
+    /// Run all studies, those too that score no claim.
+    #[arg(long, conflicts_with = "studies")]
+    pub(crate) all: bool,
     /// Run only every thirteenth cell; never written to results/.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Compare with the committed results, byte for byte, instead of replacing them.
+    /// Compare with the committed results instead of replacing them: numbers to 1e-9, quantiles to a bin of their histogram.
     #[arg(long)]
     pub(crate) check: bool,
-    /// Relative difference of numbers that --check allows, for hosts on which bytes are not promised, such as 1e-9; below
-    /// 0.001 that share of 0.001.
-    #[arg(long, value_name = "SHARE", requires = "check", value_parser = share)]
-    pub(crate) tolerance: Option<f64>,
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
-        _ => Err("a number from 0 to 1, such as 1e-9".to_owned()),
-    }
 }
 
 /// A study was asked for that has no config.
@@ -57,15 +49,27 @@ impl fmt::Display for UnknownStudy {
 
 impl std::error::Error for UnknownStudy {}
 
+/// Builds the program alone, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    run_with(shell, &palpate::build_alone(shell)?, options)
+}
+
+/// Runs studies with a program that was built.
+pub(crate) fn run_with(shell: &Shell, palpate: &Path, options: &Options) -> Result<()> {
     let start = Instant::now();
     let known = known_studies(shell)?;
-    let studies = chosen(&known, &options.studies)?;
-    let palpate = palpate::build(shell, "palpate")?;
+    let studies = match options.studies.as_slice() {
+        [] => known
+            .iter()
+            .filter(|study| options.all || scores_claims(shell, study))
+            .cloned()
+            .collect(),
+        asked => chosen(&known, asked)?,
+    };
     if options.check {
-        check(shell, &palpate, studies, options)?;
+        check(shell, palpate, &studies, options.quick)?;
     } else {
-        draw(shell, &palpate, studies, &known, options.quick)?;
+        draw(shell, palpate, &studies, &known, options.quick)?;
     }
     println!("total: {:.1} s", start.elapsed().as_secs_f64());
     Ok(())
@@ -114,8 +118,7 @@ fn draw(
 }
 
 /// Runs the studies elsewhere and compares their tables with the committed ones.
-fn check(shell: &Shell, palpate: &Path, studies: &[String], options: &Options) -> Result<()> {
-    let quick = options.quick;
+fn check(shell: &Shell, palpate: &Path, studies: &[String], quick: bool) -> Result<()> {
     let directory = tempfile::tempdir()?;
     let mut differences = Vec::new();
     for study in studies {
@@ -123,7 +126,7 @@ fn check(shell: &Shell, palpate: &Path, studies: &[String], options: &Options) -
         let committed = shell.current_dir().join("results").join(study);
         let now = directory.path().join(study);
         simulate(shell, palpate, study, &now, quick)?;
-        let found = compare::study(study, &committed, &now, quick, options.tolerance)?;
+        let found = compare::study(study, &committed, &now, quick)?;
         let verdict = match found.len() {
             0 => "as committed".to_owned(),
             count => format!("{count} differences"),
@@ -145,7 +148,11 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     let config = format!("sim-configs/{study}.toml");
     let stride = quick.then(|| ["--every-nth-cell".to_owned(), QUICK_STRIDE.to_string()]);
     let stride = stride.into_iter().flatten();
-    let run = cmd!(shell, "{palpate} run {config} --out {out} {stride...}");
+    // What it warns of is in warnings.txt.
+    let run = cmd!(
+        shell,
+        "{palpate} run {config} --out {out} --quiet {stride...}"
+    );
     Ok(run.quiet().ignore_stdout().run()?)
 }
 
@@ -163,15 +170,21 @@ fn known_studies(shell: &Shell) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// The studies that were asked for, or all.
-fn chosen<'a>(known: &'a [String], asked: &'a [String]) -> Result<&'a [String], UnknownStudy> {
+/// Whether the config of a study names claims of the papers.
+fn scores_claims(shell: &Shell, study: &str) -> bool {
+    let config = shell.read_file(format!("sim-configs/{study}.toml"));
+    config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
+}
+
+/// The studies that were asked for.
+fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>, UnknownStudy> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         return Err(UnknownStudy {
             name: name.clone(),
             known: known.to_vec(),
         });
     }
-    Ok(if asked.is_empty() { known } else { asked })
+    Ok(asked.to_vec())
 }
 
 #[cfg(test)]
@@ -179,9 +192,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_name_means_all_and_an_unknown_one_lists_the_known() {
+    fn an_unknown_name_lists_the_known() {
         let known = ["one".to_owned(), "two".to_owned()];
-        assert_eq!(chosen(&known, &[]).unwrap(), known);
         assert_eq!(chosen(&known, &known[1..]).unwrap(), ["two"]);
         let error = chosen(&known, &["three".to_owned()])
             .unwrap_err()

@@ -207,6 +207,9 @@ pub(crate) struct RunArgs {
     /// are in the journal, and `palpate merge` writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
+    /// Do not show warnings; warnings.txt has them.
+    #[arg(long)]
+    pub(crate) quiet: bool,
     /// Begin anew where a run that has not ended left its journal.
     #[arg(long)]
     pub(crate) restart: bool,

@@ -39,7 +39,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )));
     }
     let study = asked_study(args)?;
-    tell_swept(&study, std::iter::empty());
+    let warn = |line: &str| {
+        if !args.quiet {
+            eprintln!("{line}");
+        }
+    };
+    if !args.quiet {
+        tell_swept(&study, std::iter::empty());
+    }
     let shard = args.shard.unwrap_or_default();
     let is_whole = args.shard.is_none();
     let out = args.out.clone().unwrap_or_else(|| {
@@ -131,12 +138,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Some(found) => found.warnings.clone(),
         None => simulation.told().clone(),
     };
-    told.lines(cells)
-        .iter()
-        .for_each(|line| eprintln!("{line}"));
+    told.lines(cells).iter().for_each(|line| warn(line));
     if let Some((lines, warnings)) = said {
         for warning in warnings {
-            eprintln!("warning: {warning}");
+            warn(&format!("warning: {warning}"));
         }
         print(&lines.join("\n"))?;
     }
@@ -152,10 +157,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let known = told.lines(cells);
     let lines = warnings.lines(cells);
     let is_new = |line: &&String| simulation.is_sampled() && !known.contains(line);
-    lines
-        .iter()
-        .filter(is_new)
-        .for_each(|line| eprintln!("{line}"));
+    lines.iter().filter(is_new).for_each(|line| warn(line));
     let of_shard = match is_whole {
         true => String::new(),
         false => format!("shard {} of {}, ", shard.number, shard.of),
