@@ -7,8 +7,7 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
 use crate::{
-    bench_check, extremes, harness, house, palpate, python, readme, reproduce, same_bytes, scale,
-    tools,
+    bench_check, harness, house, palpate, python, readme, reproduce, same_bytes, scale, tools,
 };
 
 /// Environment in which the Python package is checked, which no interpreter has to link: Python would load it.
@@ -67,19 +66,14 @@ fn clippy(shell: &Shell) -> Result<()> {
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
-/// Doc tests included, benchmarks not. The tables that the tests write are compared with the committed one. Properties are tried
-/// on the same random cases each time, so that a change is judged by what it changes; tests by hand draw others.
+/// Runs all tests, with doc tests, without benchmarks. Properties are tried on the same random cases each time, so that only a
+/// change of the code changes the outcome; tests that are run by hand draw others.
 fn tests(shell: &Shell) -> Result<()> {
-    let tables = extremes::empty_folder(shell)?;
     let tests = cmd!(
         shell,
         "cargo test --workspace --exclude {PYTHON} --features {FEATURES}"
     );
-    tests
-        .env(extremes::FOLDER, tables)
-        .env("PROPTEST_RNG_SEED", "1996")
-        .run()?;
-    extremes::check(shell)
+    Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
 
 /// Programs that use the library, built with the tests, each run to its end.

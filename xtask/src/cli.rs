@@ -2,9 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{
-    bench_check, extremes, fuzz, harness, peers, python, reproduce, same_bytes, scale, tradeoff,
-};
+use crate::{bench_check, fuzz, harness, peers, python, reproduce, same_bytes, scale, tradeoff};
 
 /// Development tasks of palpate.
 #[derive(Parser)]
@@ -39,8 +37,6 @@ pub(crate) enum Task {
     RollIntervals(harness::Options),
     /// Hold the doubts of glides against the truth on random surfaces, into results/glide-intervals.csv.
     GlideIntervals(harness::Options),
-    /// Try every public entry point at its extremes, into results/extremes.csv.
-    Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.
     BenchCheck(bench_check::Options),
     /// Run what a user would pick instead beside our benchmarks, into results/peers.csv.

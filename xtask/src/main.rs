@@ -5,7 +5,6 @@ mod bench_check;
 mod ci;
 mod cli;
 mod compare;
-mod extremes;
 mod fuzz;
 mod harness;
 mod house;
@@ -59,7 +58,6 @@ fn run(cli: Cli) -> Result<()> {
         Task::PressIntervals(options) => harness::run(&shell, "press-intervals", &options),
         Task::RollIntervals(options) => harness::run(&shell, "roll-intervals", &options),
         Task::GlideIntervals(options) => harness::run(&shell, "glide-intervals", &options),
-        Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Python(options) => python::run(&shell, &options),

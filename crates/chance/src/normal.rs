@@ -54,6 +54,31 @@ mod tests {
         }
     }
 
+    /// Probabilities from mpmath with 50 digits.
+    #[test]
+    fn far_tails_keep_their_digits_and_no_probabilities_have_the_last_scores() {
+        for (score, due) in [
+            (1e-9, 0.499_999_999_601_057_73),
+            (-1e-3, 0.500_398_942_213_911),
+            (12.0, 1.776_482_112_077_679e-33),
+            (37.0, 5.725_571_222_524_577e-300),
+            (f64::INFINITY, 0.0),
+            (f64::MIN, 1.0),
+        ] {
+            let found = normal_tail(score);
+            assert!((found - due).abs() <= 1e-13 * due, "{score}: {found:e}");
+        }
+        for (probability, due, bound) in [
+            (f64::NAN, -CERTAIN, 1e-12),
+            (1.0, -CERTAIN, 1e-12),
+            (-1.0, CERTAIN, 1e-12),
+            (0.0, 39.0, 1.0),
+        ] {
+            let found = score_of_tail(probability);
+            assert!((found - due).abs() <= bound, "{probability}: {found}");
+        }
+    }
+
     #[test]
     fn half_widths_leave_half_of_the_rest_above() {
         for (half_width, share) in HALF_WIDTHS.into_iter().zip([0.5, 0.8, 0.95]) {

@@ -309,4 +309,84 @@ mod tests {
             }
         }
     }
+
+    /// Probabilities from mpmath with 50 digits.
+    #[test]
+    fn far_tails_and_many_degrees_keep_their_digits() {
+        let is_near = |found: f64, due: f64, bound: f64, what: &str| {
+            assert!(
+                (found - due).abs() <= bound,
+                "{what}: {found:e}, not {due:e}"
+            );
+        };
+        for (sum, freedom, due) in [
+            (1e-300, 6, 1.0),
+            (1e-9, 2, 0.999_999_999_5),
+            (30.0, 6, 3.930_844_818_448_461e-5),
+            (700.0, 100, 8.658_230_861_323_854e-91),
+            (1400.0, 2, 9.859_676_543_759_77e-305),
+        ] {
+            let found = chi_squared_tail(sum, freedom);
+            is_near(found, due, 1e-12 * due, "chi-squared");
+        }
+        // On both sides of where terms are summed up, and as many as can be counted.
+        for (freedom, due) in [
+            (999_999, 0.499_811_936_709_362_8),
+            (1_000_001, 0.499_811_936_897_426_03),
+            (usize::MAX, 0.499_999_999_956_213_14),
+        ] {
+            let found = chi_squared_tail(freedom as f64, freedom);
+            is_near(found, due, 1e-9, "as much as freedom");
+            assert_eq!(chi_squared_tail(1e200 * freedom as f64, freedom), 0.0);
+            assert!(chi_squared_tail(0.5 * freedom as f64, freedom) > 1.0 - 1e-9);
+            is_near(
+                ratio_tail(freedom as f64, freedom, freedom as f64, freedom),
+                0.5,
+                1e-14 * MOST_FREEDOM.min(freedom) as f64,
+                "as much above as below",
+            );
+        }
+        for (ratio, below, due) in [
+            (1e-9, 1, 0.999_999_999),
+            (30.0, 1000, 2.223_654_796_488_696_8e-13),
+            (1.0, usize::MAX, 0.367_879_441_171_442_33),
+        ] {
+            let found = ratio_tail(2.0 * ratio, 2, below as f64, below);
+            let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
+            is_near(found, due, bound, "ratio");
+        }
+        // Of one and of two degrees of freedom, with which they are a tangent and a root.
+        for (probability, of_one, of_two) in [
+            (
+                1e-300,
+                1.570_796_326_794_896_8e-300,
+                1.414_213_562_373_095e-300,
+            ),
+            (
+                0.99e-6,
+                1.555_088_363_528_201_3e-6,
+                1.400_071_426_750_050_3e-6,
+            ),
+            (0.999_999, 636_619.772_348_751_3, 999.999_249_985_465_9),
+            (
+                1.0 - f64::EPSILON / 2.0,
+                5_734_161_139_222_659.0,
+                94_906_265.624_251_54,
+            ),
+        ] {
+            for (freedom, due) in [(1, of_one), (2, of_two)] {
+                let found = student_half_width(probability, freedom);
+                is_near(found, due, 1e-9 * due, "Student's t");
+            }
+        }
+        let found = student_half_width(0.95, 1_000_000);
+        is_near(found, 1.959_966_356_811_284_4, 1e-8, "Student's t of many");
+        for none in [f64::NAN, f64::INFINITY] {
+            assert_eq!(chi_squared_tail(none, 3), 0.0);
+            assert_eq!(ratio_tail(none, 3, 1.0, 5), 0.0);
+        }
+        assert_eq!(chi_squared_tail(-1.0, 3), 1.0);
+        assert_eq!(ratio_tail(1.0, 3, 0.0, 5), 0.0);
+        assert_eq!(ratio_tail(0.0, 3, 0.0, 5), 1.0);
+    }
 }

@@ -46,7 +46,6 @@ const CRATES: &[(&str, May)] = &[
     ("frames", Import(&[])),
     ("number", Import(&[])),
     ("chance", Import(&[])),
-    ("verdict", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),

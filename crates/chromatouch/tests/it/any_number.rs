@@ -258,6 +258,7 @@ proptest! {
         numbers in prop::array::uniform4(any_number()),
         moves in prop::array::uniform6(any_number()),
         blemishes in prop::array::uniform4(any_number()),
+        (size, wide) in (1..40_u32, 1e-6..89.9999),
     ) {
         let places: Vec<[f64; 2]> = places.into_iter().map(|place| place.map(|share| share * radius)).collect();
         let [magenta, yellow, deep, most] = numbers;
@@ -272,7 +273,7 @@ proptest! {
         let Ok(array) = array else { return Ok(()) };
         let array = array.misaligned(most, 1);
         prop_assert_eq!(array.is_ok(), (0.0..=1.0).contains(&most));
-        let (Ok(array), Ok(camera)) = (array, Camera::new(lens, 24, 70.0)) else { return Ok(()) };
+        let (Ok(array), Ok(camera)) = (array, Camera::new(lens, size, wide)) else { return Ok(()) };
         let [light_at_rim, blur_px, width, pixel_std] = blemishes;
         let due = [
             ("light_at_rim", (0.0..=1.0).contains(&light_at_rim)),
@@ -291,7 +292,7 @@ proptest! {
             Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }
         match optics.rendered(&motions, None) {
-            Ok(frame) => prop_assert_eq!(frame.dimensions(), (24, 24)),
+            Ok(frame) => prop_assert_eq!(frame.dimensions(), (size, size)),
             Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }
     }

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
-mod extremes;
 mod frames;
 mod odd_lens;
 mod optics;

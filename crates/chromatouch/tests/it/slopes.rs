@@ -210,3 +210,96 @@ fn slopes_that_are_not_asked_for_are_none() {
         }
     }
 }
+
+/// Optics of markers at these places on a skin of this radius. The discs are small and do not touch.
+fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
+    let discs = Discs {
+        magenta: 1.8e-3 * radius,
+        yellow: 1.98e-3 * radius,
+    };
+    let depths = DiscDepths {
+        magenta: 0.1 * radius,
+        yellow: 0.1 * radius,
+    };
+    let places: Vec<_> = (places.iter())
+        .map(|place| place.map(|along| along * radius))
+        .collect();
+    let array = MarkerArray::new(radius, &places, discs, depths).unwrap();
+    let camera = Camera::new(Lens::Fisheye, 2048, 80.0).unwrap();
+    Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
+}
+
+/// The same motion of both discs, in radii of the skin.
+fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
+    let disc = DiscMotion {
+        normal: normal * radius,
+        tangential: [x * radius, 0.0],
+        ..DiscMotion::default()
+    };
+    Some(MarkerMotion {
+        magenta: disc,
+        yellow: disc,
+    })
+}
+
+/// The area of a small disc is as the square of its width over its distance. Its centre shifts by an angle: the way
+/// along the skin over the distance at rest, or the way of the camera over the distance.
+#[test]
+fn slopes_on_skins_of_any_size_have_closed_forms() {
+    let all: Vec<usize> = (0..Departure::NUMBERS).collect();
+    for radius in [1e-45, 1.0, 1e45] {
+        for inward in [0.0, 1e-300, 0.81] {
+            let optics = small(radius, &[[0.0; 2]]);
+            let motions = [alike(radius, inward, 0.0)];
+            let slopes = optics.slopes(&Departure::default(), &motions, &all);
+            let slopes = slopes.unwrap()[0].clone().unwrap();
+            let distance = (0.9 - inward) * radius;
+            let by_motion = slopes.by_motion[0] + slopes.by_motion[1];
+            let size = slopes.by_departure.row(3);
+            let px = optics.camera().px_per_rad() / (0.9 * radius);
+            for (slope, due) in [
+                (by_motion[(3, 0)] * distance, 2.0),
+                ((size[0] + size[1]) * distance, 2.0),
+                (size[2] + size[3], 2.0),
+                (size[9] * distance, 2.0),
+                (by_motion[(0, 1)] / px, 1.0),
+                (by_motion[(1, 2)] / px, -1.0),
+                (
+                    slopes.by_departure[(0, 7)] * distance / (0.9 * radius * px),
+                    -1.0,
+                ),
+            ] {
+                // Wider discs grow less, by the square of their angle.
+                assert!((slope - due).abs() < 3e-4, "{radius:e}: {slope}, not {due}");
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_slopes_have_named_errors() {
+    let optics = small(1.0, &[[0.0, 0.0], [2.0, 0.0]]);
+    let slopes = |motions: &[Option<MarkerMotion>], departure: Departure, asked: usize| {
+        let found = optics.slopes(&departure, motions, &[asked]);
+        found.map_err(|error| error.name())
+    };
+    let (rest, known) = (alike(1.0, 0.0, 0.0), Departure::default());
+    // A marker without motion, and one outside the image.
+    assert_eq!(slopes(&[None, rest], known, 0), Ok(vec![None, None]));
+    assert_eq!(slopes(&[rest], known, 0), Err("wrong-count"));
+    let beyond = slopes(&[rest; 2], known, Departure::NUMBERS);
+    assert_eq!(beyond, Err("bad-setting"));
+    for motion in [alike(1.0, 1.0, 0.0), alike(1.0, 0.0, f64::NAN)] {
+        assert_eq!(slopes(&[motion, rest], known, 0), Err("impossible-motion"));
+    }
+    for number in 0..Departure::NUMBERS {
+        let mut departure = [0.0; Departure::NUMBERS];
+        departure[number] = f64::NAN;
+        let due = if number < 2 {
+            "bad-depth"
+        } else {
+            "bad-setting"
+        };
+        assert_eq!(slopes(&[rest; 2], Departure::of(departure), 0), Err(due));
+    }
+}

@@ -2,11 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 mod agreement;
+mod any_number;
 mod covariance;
 mod draws;
-mod every_number;
 mod exact;
-mod extremes;
 mod refusals;
 mod sets;
 

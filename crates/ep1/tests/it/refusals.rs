@@ -130,3 +130,39 @@ fn readings_that_are_not_numbers_are_named() {
         }
     }
 }
+
+/// An estimate from probes that rotate by `theta` along u and by `theta * across` along v.
+fn lopsided(theta: f64, across: f64) -> Result<Estimate, Ep1Error> {
+    let rolls = [
+        (0.0, theta),
+        (std::f64::consts::FRAC_PI_2, theta * across),
+        (std::f64::consts::PI, theta),
+    ];
+    estimate(&readings(1.0, &CurvatureForm::isotropic(0.5), &rolls))
+}
+
+#[test]
+fn rotations_must_span_the_plane_and_leave_their_squares_in_range() {
+    for theta in [1e-40, 1e-12, 6000.0, 1e40] {
+        for across in [1.0, 1e-4] {
+            let form = lopsided(theta, across).unwrap().curvature;
+            assert!((form.k_uu - 0.5).abs() < 1e-14);
+            // The normal equations square the ratio.
+            assert!((form.k_vv - 0.5).abs() < 1e-14 / across / across);
+        }
+        assert_eq!(
+            lopsided(theta, 1e-7).unwrap_err().name(),
+            "unresolvable-set"
+        );
+    }
+    for theta in [1e-60, 1e60] {
+        assert_eq!(lopsided(theta, 1.0), Err(Ep1Error::OutOfRange));
+    }
+    let noise = ReadingNoise {
+        shift_std: 1e200,
+        ..Default::default()
+    };
+    let readings = readings(1.0, &CurvatureForm::isotropic(0.5), &eight(0.1));
+    let found = LeastSquares::of(1.0, noise, &readings);
+    assert_eq!(found, Err(Ep1Error::OutOfRange));
+}

@@ -1,7 +1,7 @@
 //! Patches that determine a surface have one; whatever the numbers, a finite answer or the error that is due; and what
 //! must not change it.
 
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric,
     SmoothingSpline, TwoPass, Uncertainty, WeightedPoint, regions,
@@ -64,6 +64,19 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
+/// How far K and H are from those of the principal curvatures, and the directions and the normal from orthonormal axes.
+fn inconsistency(point: &MapPoint) -> f64 {
+    let (least, most) = (point.k_min, point.k_max);
+    let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
+    let [least, most] = [least / scale, most / scale];
+    let axes =
+        Matrix3::from_columns(&[point.normal, point.direction_of_min, point.direction_of_max]);
+    let off = axes.transpose() * axes - Matrix3::identity();
+    let gaussian = point.curvature.gaussian / scale / scale - least * most;
+    let mean = point.curvature.mean / scale - 0.5 * (least + most);
+    off.amax().max(gaussian.abs()).max(mean.abs())
+}
+
 fn is_finite(point: &MapPoint) -> bool {
     let curvature = point.curvature;
     let uncertainty = curvature.uncertainty.map_or([0.0; 3], |one| {
@@ -119,11 +132,11 @@ fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
 #[test]
 fn uncertainties_of_any_size_give_probabilities_or_none() {
     let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
-    let of = |std: f64| {
+    let of = |std: f64, correlation: f64| {
         let uncertainty = Some(Uncertainty {
             gaussian_std: std,
             mean_std: std,
-            correlation: 0.5,
+            correlation,
         });
         Curvature {
             gaussian: 1.0,
@@ -133,9 +146,19 @@ fn uncertainties_of_any_size_give_probabilities_or_none() {
         .class_probabilities(&thresholds)
     };
     for std in [f64::from_bits(1), 1e-300, 1e-17] {
-        assert_eq!(of(std).unwrap().iter().copied().fold(0.0, f64::max), 1.0);
+        assert_eq!(
+            of(std, 0.5).unwrap().iter().copied().fold(0.0, f64::max),
+            1.0
+        );
     }
-    assert_eq!((of(f64::MAX), of(f64::NAN)), (None, None));
+    for correlation in [-1.0, 0.0, 1.0] {
+        for std in [0.0, 1e-9, 1.0, 1e9, 1e100] {
+            let sum: f64 = of(std, correlation).unwrap().iter().sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{std:e}, {correlation}: {sum}");
+        }
+    }
+    assert_eq!((of(f64::MAX, 0.5), of(f64::NAN, 0.5)), (None, None));
+    assert_eq!(of(1.0, f64::NAN), None);
 }
 
 /// The error that contacts call for, where it is plain without a calculation.
@@ -186,7 +209,14 @@ proptest! {
             prop_assert!(fit.effective_unknowns.is_finite());
             let map = fit.map(4).unwrap();
             prop_assert_eq!(map.len(), 16);
-            prop_assert!(map.iter().all(is_finite), "{map:?}");
+            for (found, point) in fit.curvatures(4).unwrap().iter().zip(&map) {
+                prop_assert!(is_finite(point), "{point:?}");
+                prop_assert!(inconsistency(point) < 1e-9, "{} {point:?}", inconsistency(point));
+                let scale = point.k_min.abs().max(point.k_max.abs());
+                let mean = (found.mean - point.curvature.mean) / scale;
+                let gaussian = (found.gaussian - point.curvature.gaussian) / scale / scale;
+                prop_assert!(mean.abs().max(gaussian.abs()) < 1e-9, "{found:?} {point:?}");
+            }
             prop_assert!(is_finite(&fit.points_at(&[contacts[24].position]).unwrap()[0]));
         }
     }
@@ -278,20 +308,62 @@ proptest! {
         power in -200..200,
         angles in prop::array::uniform3(-3.0..3.0),
         away in -5.0..5.0,
+        (has_normals, place) in (any::<bool>(), prop::array::uniform2(-0.8..0.8)),
     ) {
         let (scale, turn) = (2f64.powi(power), Rotation3::from_euler_angles(angles[0], angles[1], angles[2]));
-        let moved: Vec<Contact> = bump().into_iter().map(|contact| Contact {
-            position: Point3::from(turn * (contact.position.coords * scale) + Vector3::repeat(away * scale)),
-            normal: contact.normal.map(|normal| turn * normal),
+        let moved = |place: Point3<f64>| Point3::from(turn * (place.coords * scale) + Vector3::repeat(away * scale));
+        let still: Vec<Contact> = bump().into_iter().map(|contact| Contact {
+            normal: contact.normal.filter(|_| has_normals),
             ..contact
         }).collect();
+        let turned: Vec<Contact> = still.iter().map(|contact| Contact {
+            position: moved(contact.position),
+            normal: contact.normal.map(|normal| turn * normal),
+            ..*contact
+        }).collect();
+        let place = Point3::new(place[0], place[1], 0.2);
+        let methods: [&dyn Method; 3] = [&Quadric::default(), &Penalised::default(), &TwoPass::default()];
+        for method in methods {
+            let at = |contacts: &[Contact], outward, place| {
+                let fit = method.fit(&Patch::new(contacts, &outward).unwrap()).unwrap();
+                fit.curvature_at(&place).unwrap()
+            };
+            let one = at(&still, Vector3::z(), place);
+            let other = at(&turned, turn * Vector3::z(), moved(place));
+            prop_assert!((one.mean - other.mean * scale).abs() < 1e-9, "{one:?} {other:?}");
+            prop_assert!((one.gaussian - other.gaussian * scale * scale).abs() < 1e-9, "{one:?} {other:?}");
+        }
+    }
+
+    /// The paraboloid w = (b₁ u² + b₂ v²)/2, of any size and bend and wherever it stands: K = b₁ b₂ and H = −(b₁ + b₂)/2
+    /// at its apex.
+    #[test]
+    fn paraboloids_are_found_exactly(
+        power in -100.0..100.0_f64,
+        (bend, share) in (-12.0..0.0_f64, -1.0..1.0_f64),
+        offset in prop_oneof![Just(0.0), (0.0..9.0_f64).prop_map(|power| libm::pow(10.0, power))],
+        angles in prop::array::uniform3(-3.0..3.0),
+    ) {
+        let (size, bend) = (libm::pow(10.0, power), libm::pow(10.0, bend));
+        let other = bend * share;
+        let turn = Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+        let contact = |index: usize| {
+            let [u, v] = [index % 9, index / 9].map(|step| step as f64 / 4.0 - 1.0);
+            let place = Vector3::new(u, v, 0.5 * (bend * u * u + other * v * v));
+            let normal = turn * Vector3::new(-bend * u, -other * v, 1.0);
+            Contact::new(index / 9, Point3::from((turn * place).add_scalar(offset) * size), Some(normal))
+        };
+        let contacts: Vec<Contact> = (0..81).map(contact).collect();
+        let patch = Patch::new(&contacts, &(turn * Vector3::z())).unwrap();
+        // Rounding of the places is seen as bending.
+        let bound = 1e-11 + 1e3 * f64::EPSILON * (1.0 + offset) / bend;
         let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
         for method in methods {
-            let still = method.fit(&Patch::new(&bump(), &Vector3::z()).unwrap()).unwrap().centre().unwrap();
-            let moved = method.fit(&Patch::new(&moved, &(turn * Vector3::z())).unwrap()).unwrap().centre().unwrap();
-            let (one, other) = (still.curvature, moved.curvature);
-            prop_assert!((one.mean - other.mean * scale).abs() < 1e-6, "{one:?} {other:?}");
-            prop_assert!((one.gaussian - other.gaussian * scale * scale).abs() < 1e-6);
+            let apex = Point3::from(Vector3::repeat(offset * size));
+            let found = method.fit(&patch).unwrap().curvature_at(&apex).unwrap();
+            let (mean, gaussian) = (found.mean * size / bend, found.gaussian * size / bend * (size / bend));
+            prop_assert!((mean + 0.5 * (1.0 + share)).abs() <= bound, "{found:?}");
+            prop_assert!((gaussian - share).abs() <= bound * (1.0 + bound), "{found:?}");
         }
     }
 }

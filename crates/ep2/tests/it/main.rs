@@ -3,9 +3,7 @@
 
 mod agreement;
 mod any_number;
-mod extremes;
 mod fitpack;
-mod invariance;
 mod penalised;
 mod refusals;
 mod samples;

@@ -31,6 +31,22 @@ fn polynomials_are_interpolated() {
     let smoothed = fit(2, 0.0, &points).unwrap();
     assert_eq!(smoothed.status, Status::Interpolating);
     assert!((smoothed.spline.value(0.1, 0.2) - 3.038).abs() < 1e-13);
+    // Squares of any size, and any weight of one point.
+    for (size, weight) in [(1e-100, 1.0), (1e100, 1.0), (1.0, 1e-300), (1.0, 1e6)] {
+        let mut points: Vec<_> = points
+            .iter()
+            .map(|one| point(one.u * size, one.v * size, one.w))
+            .collect();
+        points[7].weight = weight;
+        for smoothing in [0.0, 1e-3] {
+            let smoothed = fit(2, smoothing, &points).unwrap();
+            let value = smoothed.spline.value(0.1 * size, 0.2 * size);
+            assert!(
+                (value - 3.038).abs() < 1e-11,
+                "{size:e}, {weight:e}: {value}"
+            );
+        }
+    }
     let level = fit(3, 0.0, &grid(|_, _| 0.0)).unwrap();
     assert_eq!(level.status, Status::Interpolating);
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
@@ -186,7 +202,7 @@ fn what_is_refused() {
     for (degree, smoothing, expected) in [
         (0, 1.0, "degree"),
         (6, 1.0, "degree"),
-        (2, -1.0, "smoothing"),
+        (2, f64::NEG_INFINITY, "smoothing"),
         (2, f64::NAN, "smoothing"),
     ] {
         let error = fit(degree, smoothing, &sound).unwrap_err();

@@ -52,6 +52,43 @@ fn a_direction_too_long_to_be_squared_still_has_its_chart() {
 }
 
 #[test]
+fn places_on_the_skin_are_those_of_their_charts_at_any_size() {
+    for radius in [1e-40, 1.0, 1e40] {
+        let skin = Skin::new(radius).unwrap();
+        for angle in [1e-200, 1e-6, 1.0, 3.1] {
+            for (sine, cosine) in [0.0_f64, 0.7, -3.0].map(libm::sincos) {
+                let place = [angle * cosine, angle * sine].map(|along| along * radius);
+                let chart = skin.chart(skin.place(place).direction.as_ref());
+                let off = libm::hypot(chart[0] - place[0], chart[1] - place[1]);
+                assert!(off <= 3e-14 * angle * radius, "{angle:e}: {off:e}");
+            }
+        }
+    }
+}
+
+/// A dish whose curvature is nearly the sensor's, and a plane pressed from hardly at all to the sensor's centre.
+#[test]
+fn contacts_on_skins_of_any_size_have_the_radius_of_hertz() {
+    let body = Body::hertz(0.5).unwrap();
+    for radius in [1e-40, 1.0, 1e40] {
+        let skin = Skin::new(radius).unwrap();
+        for gap in [0.5, 1e-6, 1e-11] {
+            let (object, indentation) = (-(1.0 - gap) / radius, 1e-3 * gap * radius);
+            let found = skin.contact(&body, object, indentation).unwrap();
+            // The difference of the curvatures loses as many digits as the gap is small.
+            let bound = 1e-15 / gap;
+            assert!((found.relative_curvature * radius / gap - 1.0).abs() <= bound);
+            let due = 1e-3_f64.sqrt() * radius;
+            assert!((found.radius / due - 1.0).abs() <= bound + 1e-15);
+        }
+        for share in [1e-15, 1e-3, 1.0 - 1e-12] {
+            let found = skin.contact(&body, 0.0, share * radius).unwrap().radius;
+            assert!((found / radius / share.sqrt() - 1.0).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
 fn places_that_are_none_count_as_the_apex_and_distances_that_are_none_move_nothing() {
     let skin = Skin::new(20.0).unwrap();
     assert_eq!(skin.place([f64::NAN, 1.0]), skin.place([0.0, 0.0]));

@@ -388,4 +388,16 @@ fn a_layer_at_several_depths_is_each_of_them() {
     }
     assert!(BondedLayer::at_depths(1.0, &[0.5, 1.5]).is_err());
     assert!(BondedLayer::at_depths(1.0, &[]).unwrap().is_empty());
+    for thickness in [1e-40, 1e40] {
+        let depths = depths.map(|share| share * thickness);
+        let bodies = Body::bonded_layers(thickness, &depths).unwrap();
+        for (body, depth) in bodies.iter().zip(depths) {
+            let alone = Body::bonded_layer(thickness, depth).unwrap();
+            let [shared, own] = [body, &alone].map(|body| {
+                let contact = body.press(0.1 / thickness, 0.05 * thickness).unwrap();
+                contact.displacement(0.5 * thickness).normal / thickness
+            });
+            assert!((shared - own).abs() < 1e-8, "{depth:e}: {shared} {own}");
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The half-space against values of an independent quadrature.
+//! The half-space against values of an independent quadrature, and of the closed form in 60 digits.
 
 use palpate_press::Body;
 
@@ -66,5 +66,58 @@ fn golden_displacements() {
             error <= 1e-8,
             "at r = {r}, z = {depth}, ν = {poisson}: off by {error:e}"
         );
+    }
+}
+
+/// Poisson ratio, depth, radial position, normal and radial displacement under a contact of radius 1, per unit of
+/// relative curvature: Huber's closed form (1904), by mpmath with 60 digits.
+const EDGES: [[f64; 5]; 11] = [
+    [0.3, 0.0, 0.0, 1.0, 0.0],
+    [0.3, 0.0, 0.5, 0.875, -0.08499927649571],
+    [0.3, 0.0, 1.0, 0.5, -0.1212609090224],
+    [0.3, 0.0, 1.000000000001, 0.499999999999, -0.1212609090223],
+    [0.0, 1e-12, 0.999999999999, 0.500000000001, -0.2122065907884],
+    [0.5, 1e-6, 1.0, 0.5000000004234, 9.987267609858e-7],
+    [0.5, 1.0, 0.001, 0.6366195223676, 0.0001816900342387],
+    [0.3, 11.9, 11.9, 0.03422599178282, 0.006011677096362],
+    [0.3, 1e6, 0.5, 7.275654541339e-7, 1.212609090222e-13],
+    [0.5, 1e12, 1e6, 8.488263631559e-13, 4.244131815778e-19],
+    [0.0, 0.0, 1e6, 4.244131815784e-7, -2.122065907892e-7],
+];
+
+#[test]
+fn edges_depths_and_distances_of_contacts_of_any_size() {
+    for [poisson, depth, r, normal, radial] in EDGES {
+        for size in [1e-30, 1.0, 1e30] {
+            let body = Body::half_space(poisson, depth * size).unwrap();
+            let contact = body.press(1.0 / size, size).unwrap();
+            let moved = contact.displacement(r * size);
+            let off = libm::hypot(moved.normal / size - normal, moved.radial / size - radial);
+            let bound = 1e-11 * libm::hypot(normal, radial);
+            assert!(off <= bound, "z = {depth:e}, r = {r:e}: off by {off:e}");
+        }
+    }
+}
+
+#[test]
+fn contacts_of_any_curvature_have_the_radius_and_force_of_hertz() {
+    let body = Body::hertz(0.5).unwrap();
+    for (curvature, indentation) in [(1e-40, 1e-40), (1e40, 1e-40), (f64::MIN_POSITIVE, 1e-250)] {
+        let contact = body.press(curvature, indentation).unwrap();
+        let radius = indentation.sqrt() / curvature.sqrt();
+        assert!((contact.radius / radius - 1.0).abs() < 1e-15);
+        let force = 16.0 / 9.0 * curvature * radius * radius * radius;
+        assert!((contact.force(1.0).unwrap() / force - 1.0).abs() < 3e-15);
+    }
+    for (curvature, indentation, expected) in [
+        (5e-324, 1.0, "out-of-range"),
+        (f64::NAN, 1.0, "out-of-range"),
+        (1.0, f64::INFINITY, "out-of-range"),
+        (-0.0, 1.0, "conforming"),
+        (1.0, -0.0, "no-indentation"),
+        (-1.0, 1.0, "edge-contact"),
+    ] {
+        let error = body.press(curvature, indentation).unwrap_err();
+        assert_eq!(error.name(), expected);
     }
 }

@@ -12,6 +12,7 @@ use crate::ideal::{Ideal, RADIUS, ROUGHLY, STDS};
 
 mod doubts;
 mod known;
+mod limits;
 mod told;
 
 const CURVATURE: f64 = 1.0 / 80.0;

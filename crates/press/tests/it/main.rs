@@ -4,7 +4,6 @@
 mod any_number;
 mod bonded_layer;
 mod doubts;
-mod extremes;
 mod forward_fit;
 mod goodness;
 mod half_space;

@@ -1,7 +1,7 @@
 //! Presses that do not happen, and readings that tell nothing.
 
 use palpate_press::{
-    Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict,
+    Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
 };
 
 use crate::sensor::{DEPTH, RADIUS, Readings, along, at, exactly, half_space, published};
@@ -27,12 +27,18 @@ fn presses_that_do_not_happen() {
     assert_eq!(press(0.0, -1.0), "no-indentation");
     assert_eq!(press(0.0, f64::NAN), "out-of-range");
     assert_eq!(press(0.0, RADIUS), "too-deep");
+    assert_eq!(press(0.0, 1e-200 * RADIUS), "out-of-range");
+    assert_eq!(press(f64::INFINITY, 1.0), "out-of-range");
     assert_eq!(press(-1.0 / RADIUS, 1.0), "conforming");
+    assert_eq!(press(-(1.0 - 1e-13) / RADIUS, 1e-12), "conforming");
     assert_eq!(press(-1.0 / 10.0, 1.0), "edge-contact");
     assert_eq!(press(-1.0 / 20.1, 1.0), "too-wide");
     assert_eq!(press(1e9, 1.0), "none");
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     assert_eq!(refusal(skin.contact(&layer, 0.0, 5.0)), "too-deep");
+    let thin = Body::bonded_layer(1e-6, 0.0).unwrap();
+    assert_eq!(refusal(thin.press(1.0, 1e-6)), "too-deep");
+    assert_eq!(refusal(thin.press(1e-9, 1e-9)), "layer-too-thin");
 }
 
 #[test]
@@ -41,7 +47,11 @@ fn readings_that_tell_nothing() {
     assert_eq!(refusal(read(vec![0.0; count], exactly(1.0))), "no-contact");
     assert_eq!(refusal(read(vec![0.3; count], exactly(1.0))), "no-contact");
     assert_eq!(refusal(read(vec![0.3; count], None)), "no-contact");
+    assert_eq!(refusal(read(vec![1e50; count], None)), "no-contact");
     assert_eq!(refusal(read(vec![0.1; 3], None)), "bad-setting");
+    let calibrated = |depth| calibrated_c(&published(), &half_space(), depth, None);
+    assert_eq!(refusal(calibrated(f64::NAN)), "out-of-range");
+    assert_eq!(refusal(calibrated(f64::INFINITY)), "too-deep");
     for bad in [f64::NAN, f64::INFINITY, -1e200] {
         let mut normal = vec![0.1; count];
         normal[7] = bad;
@@ -61,7 +71,12 @@ fn readings_that_tell_nothing() {
 
 #[test]
 fn too_few_markers() {
-    for distances in [&[][..], &[0.0], &[0.0, 3.0]] {
+    for (distances, expected) in [
+        (&[][..], "too-few-markers"),
+        (&[0.0], "too-few-markers"),
+        (&[0.0, 3.0], "too-few-markers"),
+        (&[3.0; 1000], "no-contact"),
+    ] {
         let markers = along(distances);
         let readings = Readings {
             normal: distances
@@ -72,7 +87,7 @@ fn too_few_markers() {
         };
         let fit = ForwardFit::new(half_space());
         let refused = fit.estimate(&readings.reading(&markers, exactly(1.0)));
-        assert_eq!(refusal(refused), "too-few-markers");
+        assert_eq!(refusal(refused), expected);
     }
 }
 

@@ -1,7 +1,9 @@
-//! Sideways motion of the skin against a Fourier integral over wavenumbers and directions, and known forms.
+//! Sideways motion of the skin against a Fourier integral over wavenumbers and directions, and known forms; relations at
+//! the surface.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use palpate_press::hertz::{published_parabola, sneddon_indentation};
 use palpate_press::shear::{followed, stuck_shift};
 use palpate_press::{Markers, Skin};
 
@@ -98,6 +100,49 @@ fn wider_contacts_take_more_of_the_skin_along() {
             before = part;
         }
         assert!(before > 1.0 - 1e-8);
+    }
+}
+
+/// π(2 − ν) times the share that follows is 2(2 − ν) atan(1/z) − z/(1 + z²).
+#[test]
+fn the_share_that_follows_has_a_closed_form() {
+    for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e15] {
+        for poisson in [0.0, 0.5] {
+            for radius in [1e-30, 1.0, 1e30] {
+                let share =
+                    2.0 * (2.0 - poisson) * libm::atan2(1.0, depth) - depth / (1.0 + depth * depth);
+                let share = share / (PI * (2.0 - poisson));
+                let found = followed(poisson, depth * radius, radius).unwrap();
+                assert!((found / share - 1.0).abs() < 1e-14, "{depth:e}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn sneddons_indentation_is_an_area_tangent() {
+    for radius in [1e-9, 20.0, 1e9] {
+        assert_eq!(sneddon_indentation(radius, 0.0), Ok(0.0));
+        for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
+            let a = ratio * radius;
+            let found = sneddon_indentation(radius, a).unwrap();
+            // The area tangent loses digits to the rounding of a/R where that is nearly 1.
+            let bound = 1e-15 / (1.0 - ratio);
+            assert!(
+                (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,
+                "{a:e}"
+            );
+        }
+    }
+    for (radius, a) in [(f64::NAN, 0.0), (1.0, 1.0), (1.0, -0.1), (0.0, 0.0)] {
+        assert!(sneddon_indentation(radius, a).is_err());
+    }
+    for [indentation, a, r] in [
+        [f64::NAN, 1.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [f64::MAX, 5e-324, 1.0],
+    ] {
+        assert_eq!(published_parabola(indentation, a, r), 0.0);
     }
 }
 

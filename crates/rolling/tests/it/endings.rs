@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use palpate_geometry::SurfaceError;
 use palpate_rolling::{Chart, InvalidRoll, Model, Motion, Probe, RollFault, Roller, Rolls};
 
-use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roller, saddle, sphere};
+use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roll, roller, saddle, sphere};
 
 fn refused(
     radius: f64,
@@ -19,21 +19,31 @@ fn refused(
 
 #[test]
 fn a_dish_as_tight_as_the_probe_conforms() {
-    for radius in [1.0, 0.5] {
-        let error = refused(1.0, dish(radius), DOP853, Motion::rolling(0.0, 0.1, 1.0));
+    let motion = Motion::rolling(0.0, 0.1, 1.0);
+    for object in [
+        dish(1.0),
+        dish(0.5),
+        dish(1.0 + f64::EPSILON),
+        dish(1.0 - 1e-12),
+        paraboloid(-0.5 * (1.0 + 1e-12)),
+    ] {
+        let error = refused(1.0, object, DOP853, motion);
         assert!(
             matches!(error, InvalidRoll::Fault(RollFault::Conforming { .. })),
             "{error}"
         );
     }
-    // A little wider, and it rolls.
-    let motion = Motion::rolling(0.0, 0.1, 1.0);
-    let roller = roller(1.0, &dish(1.000_001), (0.0, 0.0), Model::ClosedForm, motion);
-    let travel = roller.roll(&[motion]).unwrap().arc_length;
-    assert!(
-        (travel / (0.1 * 1_000_001.0) - 1.0).abs() < 1e-9,
-        "{travel}"
-    );
+    // A little wider, and it rolls by `θ/(1/R₁ − 1/R₂)`, one radius here.
+    for gap in [1.0, 1e-6, 1e-12] {
+        let radius = 1.0 + gap;
+        let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);
+        for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-9)] {
+            let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
+            let off = (end.arc_length - 1.0).abs();
+            // The difference of the curvatures has lost as many digits as the gap is small.
+            assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
+        }
+    }
 }
 
 #[test]
@@ -118,14 +128,11 @@ fn a_vertical_wall_is_located() {
 fn a_start_off_the_object_is_refused() {
     let rolls = vec![vec![Motion::rolling(0.0, 1.0, 1.0)]];
     let probe = Probe::new(1.0).unwrap();
-    let error = Roller::new(
-        probe,
-        sphere(5.0),
-        (4.0, 4.0),
-        DOP853,
-        Rolls { rolls: &rolls },
-    );
-    assert!(matches!(error, Err(InvalidRoll::FirstContact(_))));
+    for place in [(4.0, 4.0), (f64::NAN, 0.0)] {
+        let rolls = Rolls { rolls: &rolls };
+        let error = Roller::new(probe, sphere(5.0), place, DOP853, rolls);
+        assert!(matches!(error, Err(InvalidRoll::FirstContact(_))));
+    }
 }
 
 #[test]
@@ -159,13 +166,15 @@ fn forced_rungs_say_why_not() {
             format!("the RK4 rung cannot do this: {steps} steps are not from 1 to 100000")
         );
     }
-    for tolerance in [0.0, -1.0, 1e-16, f64::NAN, f64::INFINITY] {
-        let model = Model::Auto {
-            tolerance,
-            chart: Chart::Free,
-        };
-        let error = refused(1.0, paraboloid(1.0), model, rolling);
-        assert!(matches!(error, InvalidRoll::Tolerance { .. }));
+    let chart = Chart::Free;
+    for tolerance in [0.0, 1e-15, 0.11, f64::NAN] {
+        for model in [
+            Model::Auto { tolerance, chart },
+            Model::Dop853 { tolerance, chart },
+        ] {
+            let error = refused(1.0, paraboloid(1.0), model, rolling);
+            assert!(matches!(error, InvalidRoll::Tolerance { .. }));
+        }
     }
 }
 
@@ -200,9 +209,25 @@ fn motions_that_are_not_numbers_are_errors() {
                     assert_eq!(roller.shift(&[motion]), Err(error));
                 }
             }
-            let roll = Motion::rolling(0.0, 0.1, 1.0);
-            assert!(roller.duration_for_arc(&roll, -bad).is_err());
+            assert!(roller.duration_for_arc(&motion, -bad).is_err());
         }
+        for part in 0..3 {
+            let mut broken = motion;
+            broken.angular_velocity[part] = f64::NAN;
+            assert_eq!(
+                roller.roll(&[broken]).unwrap_err().fault,
+                RollFault::NotFinite
+            );
+            let mut broken = motion;
+            broken.sliding[part % 2] = f64::INFINITY;
+            assert_eq!(
+                roller.shift(&[broken]).unwrap_err().fault,
+                RollFault::NotFinite
+            );
+        }
+        let still = Motion::rolling(0.0, 0.0, 1.0);
+        let error = roller.duration_for_arc(&still, 1.0).unwrap_err();
+        assert_eq!(error.fault, RollFault::NotFinite);
         assert!(roller.roll(&[]).unwrap().arc_length == 0.0);
         assert!(roller.shift(&[]).unwrap().arc_length == 0.0);
         let backwards = Motion {

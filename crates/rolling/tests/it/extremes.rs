@@ -1,25 +1,16 @@
-//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, no turn.
+//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, no turn, poles of charts.
 
-mod asked;
-mod conforming;
-mod glide;
-mod integrated;
-mod meridian;
-mod rolled;
-mod round;
-mod touch_model;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 use palpate_geometry::Shape;
-use palpate_rolling::{
-    Chart, Contact, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Roller,
-    Rolls,
-};
+use palpate_rolling::{Chart, Fingertip, Glider, HeldAxis, Model, Motion, RollFault};
 use proptest::prelude::*;
 
 use crate::scenes::{
-    DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
-    saddle, sphere, torus,
+    DOP853, cylinder, difference, dish, ellipsoid, paraboloid, plane, roll, roller, saddle, sphere,
+    torus,
 };
 
 #[test]
@@ -39,130 +30,11 @@ fn nothing_moves_without_a_motion() {
     }
 }
 
-/// Nothing but numbers: unit axes on the object, or an error that says where.
-fn assert_sound(result: &Result<Contact, RollError>, what: &str) {
-    match result {
-        Ok(end) => {
-            assert!(
-                end.on_object.iter().all(|x| x.is_finite()),
-                "{what}: {end:?}"
-            );
-            assert!(
-                end.arc_length.is_finite() && end.arc_length >= 0.0,
-                "{what}"
-            );
-            for (value, expected) in [
-                (end.normal.norm(), 1.0),
-                (end.x_axis.norm(), 1.0),
-                (end.x_axis.dot(&end.normal), 0.0),
-                (end.probe_direction().norm(), 1.0),
-            ] {
-                assert!((value - expected).abs() < 1e-9, "{what}: {end:?}");
-            }
-        }
-        Err(error) => {
-            assert!(
-                error.time_s >= 0.0 && error.time_s.is_finite(),
-                "{what}: {error}"
-            );
-            assert!(
-                error.on_object.iter().all(|x| x.is_finite()),
-                "{what}: {error}"
-            );
-            if let RollFault::Conforming { relative_curvature } = error.fault {
-                assert!(relative_curvature.is_finite(), "{what}: {error}");
-            }
-        }
-    }
-}
-
-/// An object of every kind, of about this size, with places on it to start from.
-fn objects(size: f64) -> Vec<(Shape, Vec<(f64, f64)>)> {
-    let inside = vec![(0.0, 0.0), (0.3 * size, -0.4 * size)];
-    let rim = [(size, 0.0), (0.0, -size)];
-    vec![
-        (sphere(size), [&inside[..], &rim].concat()),
-        (dish(size), inside.clone()),
-        (plane(), inside.clone()),
-        (cylinder(size, 25.0), inside.clone()),
-        (
-            ellipsoid(size, 0.9 * size, 0.5 * size),
-            [&inside[..], &rim[..1]].concat(),
-        ),
-        (
-            torus(2.0 * size, 0.7 * size),
-            vec![(1.7 * size, 0.9 * size), (2.6 * size, 0.0)],
-        ),
-        (paraboloid(0.5 / size), inside.clone()),
-        (paraboloid(-0.1 / size), inside.clone()),
-        (saddle(0.2 / size), inside.clone()),
-        (
-            height_field("h*sin(x/s)*cos(y/s)", &[("h", 0.2 * size), ("s", size)]),
-            inside,
-        ),
-    ]
-}
-
 const CHARTS: [Chart; 3] = [
     Chart::Free,
     Chart::Montana(HeldAxis::Transported),
     Chart::Montana(HeldAxis::Chart),
 ];
-
-#[test]
-fn any_probe_on_any_object() {
-    let motions = |length: f64| {
-        [
-            Motion::rolling(0.4, 1.0, 0.7),
-            Motion {
-                angular_velocity: Vector3::new(0.3, -0.2, 2.0),
-                sliding: Vector2::new(-0.1, 0.2) * length,
-                duration_s: 1.5,
-            },
-        ]
-    };
-    // Up to a hundred times blunter than the object, or any times sharper.
-    for (probe, size) in [
-        (1e-9, 1e9),
-        (1e-9, 1e-9),
-        (1e9, 1e9),
-        (1e9, 1e7),
-        (1e-7, 1e-9),
-        (1e-6, 1.0),
-    ] {
-        for (object, places) in objects(size) {
-            for place in places {
-                for chart in CHARTS {
-                    for model in [
-                        Model::Auto {
-                            tolerance: 1e-6,
-                            chart,
-                        },
-                        Model::Dop853 {
-                            tolerance: 1e-6,
-                            chart,
-                        },
-                        Model::Rk4 { steps: 3, chart },
-                    ] {
-                        let motions = motions(f64::min(probe, size));
-                        let rolls = [motions.to_vec()];
-                        let what = format!("{probe:e} on {object:?} at {place:?}, {model:?}");
-                        let rolls = Rolls { rolls: &rolls };
-                        let made = Probe::new(probe).unwrap();
-                        match Roller::new(made, object.clone(), place, model, rolls) {
-                            Ok(roller) => assert_sound(&roller.roll(&motions), &what),
-                            // A dish or a trough too small for the probe; a chart's pole.
-                            Err(InvalidRoll::Fault(RollFault::Conforming { .. })) => {
-                                assert!(probe >= 0.9 * size, "{what}");
-                            }
-                            Err(error) => panic!("{what}: {error}"),
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
 
 #[test]
 fn a_start_on_a_wall_facing_x() {
@@ -309,6 +181,142 @@ fn slow_motions_that_last() {
     }
 }
 
+#[test]
+fn rolls_of_any_length_on_a_sphere_and_a_plane() {
+    let auto = Model::Auto {
+        tolerance: 1e-9,
+        chart: Chart::Free,
+    };
+    for theta in [1e-300, 1e-12, 0.1, TAU, 1e3 * TAU, 1e9 * TAU] {
+        let motion = Motion::rolling(0.0, 1.0, theta);
+        // Angles have no more digits than their turns leave them.
+        let blur = 5e-15 * theta.max(1.0);
+        for (object, curvature) in [(plane(), 0.0), (sphere(3.0), 1.0 / 3.0)] {
+            let roller = roller(1.0, &object, (0.0, 0.0), auto, motion);
+            let shift = roller.shift(&[motion]).unwrap();
+            let path = theta / (1.0 + curvature);
+            assert_relative_eq!(shift.arc_length, path, max_relative = 1e-14);
+            // What is left of the path after whole turns of the probe.
+            let rest = path - (path / TAU).round() * TAU;
+            assert_abs_diff_eq!(shift.displacement.x, rest, epsilon = blur.min(1e-14 * path));
+        }
+        let end = roll(1.0, &sphere(3.0), (0.0, 0.0), auto, motion);
+        let (sin, cos) = libm::sincos(theta / 4.0);
+        assert_abs_diff_eq!(end.on_object.x, 3.0 * sin, epsilon = blur);
+        assert_abs_diff_eq!(end.on_object.z, 3.0 * cos, epsilon = blur);
+    }
+}
+
+/// A sphere of radius 2 on which a probe of radius 1 runs along a great circle by a third of its turn.
+fn off_great_circle(start: (f64, f64), direction: f64, theta: f64, model: Model) -> f64 {
+    let motion = Motion::rolling(direction, 1.0, theta);
+    let roller = roller(1.0, &sphere(2.0), start, model, motion);
+    let (first, end) = (*roller.first_contact(), roller.roll(&[motion]).unwrap());
+    let along = first.x_axis * libm::cos(direction)
+        + first.normal.cross(&first.x_axis) * libm::sin(direction);
+    let (sin, cos) = libm::sincos(theta / 3.0);
+    let truth = first.on_object.coords * cos + along * (2.0 * sin);
+    let off = (end.on_object.coords - truth).norm();
+    off.max((end.arc_length - theta * 2.0 / 3.0).abs())
+}
+
+#[test]
+fn dop853_keeps_every_tolerance_for_many_turns() {
+    for (tolerance, theta) in [
+        (0.1, 6.0),
+        (1e-3, 6.0),
+        (1e-9, 6.0),
+        (1e-14, 6.0),
+        (1e-9, 1e-300),
+        (1e-9, 1e-12),
+        (1e-9, 1e3 * TAU),
+    ] {
+        let model = Model::Dop853 {
+            tolerance,
+            chart: Chart::Free,
+        };
+        let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
+        // Errors add up over the turns.
+        let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
+        assert!(off <= bound, "{tolerance:e}, {theta:e} rad: {off:e}");
+    }
+    let motion = Motion::rolling(0.4, 1.0, 1e9 * TAU);
+    let roller = roller(1.0, &sphere(2.0), (0.3, 0.2), DOP853, motion);
+    let fault = roller.roll(&[motion]).unwrap_err().fault;
+    assert!(matches!(fault, RollFault::TooManySteps { .. }), "{fault}");
+}
+
+#[test]
+fn rk4_errs_by_the_fourth_power_of_its_steps() {
+    let (object, motion) = (ellipsoid(3.0, 2.0, 1.0), Motion::rolling(0.4, 1.0, 1.0));
+    let truth = roll(1.0, &object, (0.3, 0.2), DOP853, motion);
+    for steps in [1, 64, 100_000] {
+        let chart = Chart::Free;
+        let end = roll(
+            1.0,
+            &object,
+            (0.3, 0.2),
+            Model::Rk4 { steps, chart },
+            motion,
+        );
+        let off = difference(&end, &truth, 1.0);
+        assert!(off <= 1e-11 + (steps as f64).powi(-4), "{steps}: {off:e}");
+    }
+}
+
+#[test]
+fn charts_end_at_poles_and_chart_free_rolls_do_not() {
+    // The pole at +x is met after 0.8 rad of the probe's turn.
+    let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);
+    for (start, theta) in [
+        ((2.0, 0.0), 1.0),
+        ((short, 0.0), 0.8),
+        ((short, 0.0), 1.6),
+        ((short, 1e-9), 1.6),
+    ] {
+        assert!(off_great_circle(start, 0.0, theta, DOP853) < 1e-11);
+        for chart in [CHARTS[1], CHARTS[2]] {
+            let tolerance = 1e-9;
+            let model = Model::Dop853 { tolerance, chart };
+            let motion = Motion::rolling(0.0, 1.0, theta);
+            let roller = roller(1.0, &sphere(2.0), start, model, motion);
+            let error = roller.roll(&[motion]).unwrap_err();
+            assert_eq!(error.fault.name(), "chart-singular", "{start:?}");
+        }
+    }
+}
+
+/// Arc lengths from mpmath with 60 digits: `θ = α + s` with `tan α = q` and `4 c s = q √(1 + q²) + asinh q`.
+#[test]
+fn meridians_from_flat_to_sharp() {
+    for (c, theta, arc) in [
+        (1e-12, 3.0, 2.999999999994),
+        (1e-12, 1e-12, 9.99999999998e-13),
+        (1e-3, 0.1, 0.09980039920556497),
+        (1e12, 0.1, 5.0251382208526555e-14),
+        (1e12, 3.0, 1.4292040914425157),
+        // A bowl that hardly fits magnifies, and a long path is no better known than its angle.
+        (-0.4999995, 0.1, 0.650654102346358),
+        (0.5, 1e9, 999999998.429226),
+    ] {
+        let motion = Motion::rolling(0.0, 1.0, theta);
+        let roller = roller(1.0, &paraboloid(c), (0.0, 0.0), Model::Meridian, motion);
+        let shift = roller.shift(&[motion]).unwrap();
+        let end = roller.roll(&[motion]).unwrap();
+        let bound = if c < 0.0 { 1e-9 } else { 1e-13 };
+        assert_relative_eq!(shift.arc_length, arc, max_relative = bound);
+        assert_relative_eq!(end.arc_length, arc, max_relative = bound);
+    }
+    for aspect in [1e-12, 1e12] {
+        let object = ellipsoid(1.0, 1.0, aspect);
+        let motion = Motion::rolling(0.0, 1.0, 0.1);
+        let truth = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
+        let end = roll(1.0, &object, (0.0, 0.0), Model::Meridian, motion);
+        assert_relative_eq!(end.arc_length, truth.arc_length, max_relative = 1e-11);
+        assert_relative_eq!(end.on_object.x, truth.on_object.x, max_relative = 1e-11);
+    }
+}
+
 /// A copy of the object with all lengths times `scale`.
 fn scaled(scale: f64) -> [Shape; 4] {
     [
@@ -317,6 +325,11 @@ fn scaled(scale: f64) -> [Shape; 4] {
         saddle(0.1 / scale),
         dish(3.0 * scale),
     ]
+}
+
+/// A power of ten from `10^-most` to `10^most`.
+fn decades(most: f64) -> impl Strategy<Value = f64> {
+    (-most..most).prop_map(|exponent| libm::pow(10.0_f64, exponent))
 }
 
 proptest! {
@@ -335,6 +348,43 @@ proptest! {
             let end = roll(scale, object, (x * scale, 0.1 * scale), DOP853, motion);
             prop_assert_eq!(reference.on_object * scale, end.on_object);
             prop_assert_eq!(reference.on_probe(1.0) * scale, end.on_probe(scale));
+        }
+    }
+
+    /// The path of 0.1 rad of the probe, by every rung, from needles to boulders.
+    #[test]
+    fn spheres_of_any_ratio(probe in decades(9.0), ratio in decades(12.0)) {
+        let radius = probe * ratio;
+        let motion = Motion::rolling(0.0, 1.0, 0.1);
+        let path = 0.1 / (1.0 / probe + 1.0 / radius);
+        for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-11)] {
+            let end = roll(probe, &sphere(radius), (0.0, 0.0), model, motion);
+            assert_relative_eq!(end.arc_length, path, max_relative = bound);
+            let along = radius * libm::sin(path / radius);
+            // Coordinates have no more digits than the object's size leaves them.
+            let blur = bound * path + 1e-15 * radius;
+            assert_abs_diff_eq!(end.on_object.x, along, epsilon = blur);
+        }
+    }
+
+    /// A tip that touches at r has its centre at `r + t 2cr/√(1 + (2cr)²)`; on a sphere it is on the line to the centre.
+    #[test]
+    fn tips_of_any_ratio(size in decades(9.0), ratio in decades(12.0), foot in decades(12.0)) {
+        let touch = |object: Shape, radius: f64, at: f64| {
+            let glider = Glider::new(object, Fingertip::Sphere { radius }).unwrap();
+            glider.touch(0.6 * at, 0.8 * at).unwrap().point / size
+        };
+        let tip = ratio * size;
+        let found = touch(sphere(size), tip, 0.6 * (size + tip));
+        let blur = 1e-12 + 1e-15 * ratio;
+        assert_abs_diff_eq!(found.x, 0.36, epsilon = blur);
+        assert_abs_diff_eq!(found.y, 0.48, epsilon = blur);
+        for (tip, foot) in [(ratio, 1.2), (0.7, foot)] {
+            let centre = foot + tip * foot / libm::hypot(1.0, foot);
+            let found = touch(paraboloid(0.5 / size), tip * size, centre * size);
+            let blur = 1e-12 * (foot + tip);
+            assert_abs_diff_eq!(found.x, 0.6 * foot, epsilon = blur);
+            assert_abs_diff_eq!(found.y, 0.8 * foot, epsilon = blur);
         }
     }
 }

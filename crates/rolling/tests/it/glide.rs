@@ -1,4 +1,4 @@
-//! Gliding fingertips: closed forms, the offset surface, what comes first, errors, extremes.
+//! Gliding fingertips: closed forms, the offset surface, what comes first, errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{Shape, Surface};
@@ -334,57 +334,14 @@ fn contacts_lost_and_domains_left() {
     assert_eq!(found.tip_centre, found.point);
     assert!((found.curvature.gaussian_curvature() - 0.25).abs() < 1e-15);
     assert_eq!(point.touch(2.1, 0.0).unwrap_err().name(), "off-domain");
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert_eq!(point.touch(bad, 0.0).unwrap_err().name(), "off-domain");
+        for object in [sphere(2.0), paraboloid(0.5), ellipsoid(3.0, 2.0, 1.0)] {
+            assert_eq!(error(&object, 0.5, 0.0, bad), "off-domain");
+        }
+    }
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-200] {
         assert!(Glider::new(plane(), Fingertip::Sphere { radius }).is_err());
-    }
-}
-
-#[test]
-fn extremes_end_in_a_contact_or_an_error() {
-    let coordinates = [0.0, 1e-320, 0.3, -2.0, 1e9, 1e160, f64::NAN, f64::INFINITY];
-    let mut objects: Vec<Shape> = objects().into_iter().map(|(object, ..)| object).collect();
-    objects.extend([
-        ellipsoid(1e-9, 1.0, 1e9),
-        ellipsoid(1e9, 1.0, 1e-9),
-        ellipsoid(1.0, 1.0, 1e-9),
-        torus(1.0, 1e-9),
-        torus(1e9, 0.999_999_999e9),
-        saddle(1e9),
-        paraboloid(-1e9),
-        paraboloid(1e-9),
-        paraboloid(f64::MAX),
-        height_field("sqrt(1 - x)", &[]),
-        height_field("1e9*sin(1e9*x)", &[]),
-        height_field("ln(x)", &[]),
-    ]);
-    for object in objects {
-        for radius in [1e-150, 1e-9, 1.0, 1e9] {
-            let glider = tip(object.clone(), radius);
-            for x in coordinates {
-                for y in coordinates {
-                    if let Ok(found) = glider.touch(x, y) {
-                        let sum = found.tip_centre.coords.sum() + found.point.coords.sum();
-                        assert!(sum.is_finite(), "{} {radius} {x} {y}", object.name());
-                        let miss = found.tip_centre.coords.xy() - Vector2::new(x, y);
-                        let size = radius + x.abs() + y.abs();
-                        assert!(
-                            miss.norm() <= 1e-11 * size,
-                            "{} {radius} {x} {y}",
-                            object.name()
-                        );
-                    }
-                }
-            }
-        }
-    }
-    // Tips a billion times smaller and larger than a round object must find their contact.
-    for radius in [2e-9, 2e9] {
-        for object in [sphere(2.0), cylinder(2.0, 90.0), ellipsoid(2.0, 3.0, 1.0)] {
-            for x in [0.0, 0.5, 0.99, -0.999_999] {
-                let found = touch(&object, radius, x * (1.9 + radius), 0.0);
-                assert!(found.is_ok(), "{} {radius} {x}: {found:?}", object.name());
-            }
-        }
     }
 }
 

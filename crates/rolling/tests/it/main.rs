@@ -1,10 +1,10 @@
 //! Integration tests of the rolling law.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod auto;
 mod clearance;
 mod endings;
-mod every_number;
 mod extremes;
 mod glide;
 mod golden;

@@ -122,8 +122,10 @@ fn what_auto_takes_and_what_models_refuse() {
         points.on(newton(1e-9)),
         Err(InvalidTouch::Unsupported { .. })
     ));
-    for tolerance in [0.0, -1.0, 1.0, 1e-15, f64::NAN] {
-        let refused = points.on(TouchModel::Auto { tolerance });
-        assert!(matches!(refused, Err(InvalidTouch::Tolerance { .. })));
+    for tolerance in [0.0, 0.11, 1e-15, f64::NAN] {
+        for model in [TouchModel::Auto { tolerance }, newton(tolerance)] {
+            let refused = on(&sphere(2.0), 0.5, auto).on(model);
+            assert!(matches!(refused, Err(InvalidTouch::Tolerance { .. })));
+        }
     }
 }

@@ -1,8 +1,196 @@
-//! Whole scenes of extreme settings, and recorded readings of extreme numbers.
+//! Scenes of extreme sizes, ratios and noise. Without noise the estimate is the true value; with noise its error does not
+//! depend on the unit of length; impossible scenes have named errors.
 
-mod files;
-mod fingertip;
-mod ladder;
-mod recorded;
-mod refused;
-mod trials;
+use palpate_scene::Scenes;
+use palpate_study::config::parse;
+
+const PLANE: &str = "{ kind = \"plane\" }";
+/// Estimator of presses without noise.
+const KNOWN: &str = "estimator = { kind = \"half-space\", indentation = \"known\" }";
+
+fn scene(kind: &str, probe: &str, object: &str, motion: &str, lines: &str) -> String {
+    format!(
+        "name = \"a\"\n[scene]\nkind = \"{kind}\"\nprobe = {probe}\nobject = {object}\nmotion = {motion}\n{lines}"
+    )
+}
+
+/// A probe of radius `unit` that rolls by an angle.
+pub(crate) fn roll(unit: f64, object: &str, angle: f64, lines: &str) -> String {
+    let motion = format!("{{ rate_rad_per_s = {angle:e}, duration_s = 1.0 }}");
+    scene("roll", &sphere(unit), object, &motion, lines)
+}
+
+/// Three fingers that slide over a patch of side 2 units.
+pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
+    let [side, half, third] = [2.0 * unit, unit, 0.5 * unit];
+    let motion = format!(
+        "{{ finger_positions = [{:e}, 0.0, {half:e}], inter_finger_distance = {half:e}, \
+         patch_length = {side:e}, contacts_per_finger = 8 }}",
+        -half
+    );
+    let lines = format!(
+        "evaluate = {{ half_width = {third:e}, gaussian_threshold = {:e}, mean_threshold = {:e} }}\n{lines}",
+        1e-6 / unit / unit,
+        1e-3 / unit
+    );
+    scene("glide", &sphere(third), object, &motion, &lines)
+}
+
+/// A sensor of radius 20 units that is pressed by a share of its radius.
+pub(crate) fn press(unit: f64, object: &str, share: f64, lines: &str) -> String {
+    let [radius, depth, indentation] = [20.0 * unit, 2.0 * unit, 20.0 * unit * share];
+    let probe = format!(
+        "{{ kind = \"marker-sphere\", radius = {radius:e}, marker_depth = {depth:e}, layout = \"published\" }}"
+    );
+    let motion = format!("{{ indentation = {indentation:e} }}");
+    scene("press", &probe, object, &motion, lines)
+}
+
+pub(crate) fn sphere(radius: f64) -> String {
+    format!("{{ kind = \"sphere\", radius = {radius:e} }}")
+}
+
+fn dish(radius: f64) -> String {
+    format!("{{ kind = \"dish\", radius = {radius} }}")
+}
+
+fn layered(thickness: f64) -> String {
+    let layer = format!("kind = \"bonded-layer\", thickness = {thickness:e}");
+    let lines =
+        format!("model = {{ {layer} }}\nestimator = {{ {layer}, indentation = \"known\" }}");
+    press(1.0, PLANE, 0.02, &lines)
+}
+
+/// Estimates and true values of the first trials, relative to the largest true value of their quantity, without quantities
+/// whose true values are all 0. The error is the name of a failure, or the path of a field.
+fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
+    let study = parse("study.toml", text);
+    let scene = study.and_then(|study| study.estimable_scene(0));
+    let scene = scene.map_err(|error| error.path().to_owned())?;
+    let mut all: Vec<(&'static str, f64, f64)> = Vec::new();
+    for number in 0..3 {
+        scene.trial(number, |quantity, outcome| {
+            let name = scene.quantities()[quantity].name;
+            assert!(outcome.std.is_none_or(f64::is_finite), "{name}");
+            all.push((name, outcome.estimate, outcome.truth));
+        })?;
+    }
+    let largest = |quantity: &str| {
+        let of_it = all.iter().filter(|(name, ..)| *name == quantity);
+        of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
+    };
+    let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
+        // The curvature of an object that is pressed is what the sensor's own leaves of the relative one, and its radius
+        // counts as that curvature.
+        let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
+        let scale = largest(if is_of_object {
+            "relative_curvature"
+        } else {
+            quantity
+        });
+        let pair = match quantity {
+            "object_radius" => [estimate, truth].map(f64::recip),
+            _ => [estimate, truth],
+        };
+        (scale > 0.0).then(|| pair.map(|one| one / scale))
+    });
+    Ok(pairs.collect())
+}
+
+#[test]
+fn scenes_without_noise_are_exact() {
+    for (text, condition) in [
+        (roll(1e-9, &sphere(3e-9), 0.5, ""), 1.0),
+        (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
+        (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
+        (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
+        // Errors of the shift grow by 1 + 1/RCR, the object's radius over the probe's.
+        (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
+        (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
+        (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
+        (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
+        // Rounding of the places is seen as bending.
+        (glide(1.0, &sphere(2e9), ""), 1e10),
+        (roll(1.0, PLANE, 1e-12, ""), 1.0),
+        (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),
+        (roll(1.0, &dish(1.000_001), 1e-7, ""), 1e6),
+        (press(1.0, &dish(20.000_02), 1e-9, KNOWN), 1e6),
+        (press(1.0, PLANE, 1e-9, KNOWN), 1.0),
+        (press(1.0, PLANE, 0.999_999, KNOWN), 1.0),
+        (layered(2.1), 1.0),
+        (layered(20.0), 1.0),
+    ] {
+        let pairs = relative(&text).unwrap_or_else(|error| panic!("{error}: {text}"));
+        let bound = 1e-6_f64.max(10.0 * f64::EPSILON * condition);
+        for [estimate, truth] in pairs {
+            assert!(
+                (estimate - truth).abs() <= bound,
+                "{estimate} {truth}: {text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn impossible_scenes_have_named_errors() {
+    for (text, name) in [
+        (roll(1.0, &sphere(1e-12), 0.1, ""), "unresolved"),
+        (roll(1.0, PLANE, 6.0, ""), "not-rolling"),
+        (roll(1.0, &sphere(2.0), 6000.0, ""), "not-rolling"),
+        (roll(1.0, &dish(1.0), 0.1, ""), "scene.object"),
+        (press(1.0, &sphere(0.02), 0.01, KNOWN), "too-wide"),
+        (press(1.0, &sphere(5e-324), 0.01, KNOWN), "out-of-range"),
+        (press(1.0, &dish(19.9), 1e-9, KNOWN), "edge-contact"),
+        (layered(2.0), "no-contact"),
+        (layered(1e6), "scene.model.thickness"),
+        (glide(1.0, &sphere(2e-12), ""), "scene.motion"),
+        (glide(1.0, &sphere(2e12), ""), "scene.motion"),
+        (roll(1.0, &sphere(f64::NAN), 0.1, ""), "scene.object.radius"),
+        (roll(1.0, &sphere(1e308), 0.1, ""), "scene.object.radius"),
+        (glide(1.0, &sphere(5e-324), ""), "scene.object.radius"),
+        (glide(1.0, &sphere(0.0), ""), "scene.object.radius"),
+    ] {
+        // The config writes NaN in lower case.
+        let found = relative(&text.replace("NaN", "nan"));
+        assert_eq!(found.err().as_deref(), Some(name), "{text}");
+    }
+}
+
+/// A power of two as a unit of length changes no digit.
+#[test]
+fn errors_are_the_same_in_any_unit() {
+    let noisy_press = |unit: f64, noise: f64| {
+        let kind = format!("{{ kind = \"gaussian\", std = {:e} }}", noise * unit);
+        let lines = format!("noise = {{ normal_displacement = {kind} }}\n{KNOWN}");
+        press(unit, PLANE, 0.05, &lines)
+    };
+    let noisy_glide = |unit: f64, noise: f64| {
+        let kind = format!("{{ kind = \"gaussian\", fraction_of_ifd = {noise:e} }}");
+        let lines = format!("noise = {{ position = {kind} }}");
+        glide(unit, &sphere(5.0 * unit), &lines)
+    };
+    let on_pads = |unit: f64, pitch: f64| {
+        let pitch = pitch * unit;
+        let lines = format!(
+            "sensor = {{ kind = \"pads\", pitch = {pitch:e}, layout = \"uniform\", offset = \"random\" }}"
+        );
+        roll(unit, &sphere(2.0 * unit), 0.5, &lines)
+    };
+    let same = |text: &dyn Fn(f64) -> String| {
+        let [here, there] = [1.0, (1 << 20) as f64].map(|unit| relative(&text(unit)));
+        let (Ok(here), Ok(there)) = (&here, &there) else {
+            assert_eq!(here, there);
+            return;
+        };
+        for (here, there) in here.iter().zip(there) {
+            assert!((here[0] - there[0]).abs() <= 1e-6, "{here:?} {there:?}");
+        }
+    };
+    for noise in [1e-9, 0.1, 10.0] {
+        same(&|unit| noisy_press(unit, noise));
+        same(&|unit| noisy_glide(unit, noise));
+    }
+    for pitch in [1e-6, 0.1, 1.0] {
+        same(&|unit| on_pads(unit, pitch));
+    }
+}

@@ -5,6 +5,8 @@ use palpate_scene::{Ladder, Rung, Scene};
 use palpate_study::config;
 use palpate_study::config::{GlideModelConfig, ModelConfig, RollModelConfig, to_toml};
 
+use crate::extremes;
+
 fn ladder(text: &str) -> Ladder {
     let study = config::parse("study.toml", text).unwrap();
     study.ladder(0).unwrap().unwrap()
@@ -260,6 +262,46 @@ fn wrong_models_of_presses_are_told_at_their_field() {
             .and_then(|study| study.scene(0).map(drop))
             .unwrap_err();
         assert_eq!(error.path(), path, "{error}");
+    }
+}
+
+#[test]
+fn auto_meets_any_tolerance_at_any_size() {
+    let rolled = |unit: f64, model: &str| {
+        let object = format!(
+            "{{ kind = \"ellipsoid\", semi_axes = [{:e}, {:e}, {unit:e}] }}",
+            3.0 * unit,
+            2.0 * unit
+        );
+        extremes::roll(unit, &object, 0.3, model)
+    };
+    let slid = |unit: f64, model: &str| {
+        let object = format!("{{ kind = \"paraboloid\", c = {:e} }}", 0.1 / unit);
+        extremes::glide(unit, &object, model)
+    };
+    let auto =
+        |tolerance: &str| format!("model = {{ kind = \"auto\", tolerance = {tolerance} }}\n");
+    for unit in [1e-9, 1e9] {
+        keeps_its_word(&ladder(&rolled(unit, &auto("1e-6"))));
+        keeps_its_word(&ladder(&slid(unit, &auto("1e-6"))));
+        let object = extremes::sphere(30.0 * unit);
+        keeps_its_word(&ladder(&extremes::press(
+            unit,
+            &object,
+            0.05,
+            &auto("1e-6"),
+        )));
+    }
+    for tolerance in ["1e-14", "0.1"] {
+        keeps_its_word(&ladder(&rolled(1.0, &auto(tolerance))));
+        keeps_its_word(&ladder(&slid(1.0, &auto(tolerance))));
+    }
+    for tolerance in ["nan", "0.0", "1e-15", "0.11"] {
+        for text in [rolled(1.0, &auto(tolerance)), slid(1.0, &auto(tolerance))] {
+            let study = config::parse("study.toml", &text);
+            let error = study.and_then(|study| study.ladder(0)).unwrap_err();
+            assert_eq!(error.path(), "scene.model.tolerance", "{tolerance}");
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod marker_errors;
 mod names;
 mod pictured;
 mod press;
+mod readings;
 mod recorded;
 mod roll;
 mod stated;

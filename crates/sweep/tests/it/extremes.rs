@@ -1,251 +1,193 @@
-//! Statistics of trials whose numbers are extreme.
+//! Statistics of trials whose numbers are extreme, and searches in ranges of any size.
 
-mod searches;
+use std::convert::Infallible;
+use std::time::Duration;
 
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use palpate_sweep::{
-    Cell, CellStatistics, NEGATIVE_STD, NOT_FINITE, Observation, Record, RunOptions, Summary,
-    SweepError, UNKNOWN_QUANTITY, run,
+    Among, Ask, Cell, Curves, NEGATIVE_STD, NOT_FINITE, Observation, Record, RunOptions, Scores,
+    Search, Side, Span, Summary, SweepError, UNKNOWN_QUANTITY, run, search,
 };
-use palpate_verdict::{Answer, Precise, rows};
+use proptest::prelude::*;
 
 use crate::{Function, observation, observing, run_cell};
-
-const RUN: &str = "sweep::run";
-const OBSERVE: &str = "sweep::Record::observe";
-/// Rounding of the moments, as the documentation of `Summary` states it.
-const BOUND: f64 = 1e-13;
-/// How far quantiles may be off, of the distance to the truth.
-const QUANTILE: f64 = 0.004;
-const UNITS: [f64; 8] = [1e-320, 1e-300, 1e-150, 1e-9, 1.0, 1e9, 1e150, 1e300];
-const TRUTHS: [f64; 6] = [0.0, -0.0, f64::from_bits(1), 1e-300, 1e300, f64::MAX];
-const IN_TURN: [(&str, f64, f64); 5] = [
-    ("huge and subnormal", 1e308, f64::from_bits(1)),
-    ("of opposite signs and huge", 8e307, -8e307),
-    ("0 and -0", 0.0, -0.0),
-    ("1e300 and 1", 1e300, 1.0),
-    ("subnormal", f64::from_bits(1), f64::from_bits(2)),
-];
-
-rows! {
-    RUN, "errors of 1 to {trials} times {unit:e}" => sequence(unit, trials),
-        for unit in UNITS, for trials in [2, 1000, 5000];
-    RUN, "quantiles of errors of -1000 to 1000 times {unit:e}" => quantiles(unit), for unit in UNITS;
-    RUN, "5000 estimates of {unit:e}, all alike: no spread" => alike(unit), for unit in UNITS;
-    RUN, "spread of 1 ulp around {offset:e}" => spread_of_ulps(offset), for offset in [1e3, 1e9, 1e15, 1e100];
-    RUN, "{trials} errors, {name} in turn: mean" => in_turn(trials, one, other),
-        for (name, one, other) in IN_TURN, for trials in [1, 2, 3000];
-    RUN, "estimates of half a truth of {truth:e}: bias and stated deviation" => half(truth), for truth in TRUTHS;
-    OBSERVE, "an estimate of NaN: trials fail by kind" => failing([f64::NAN, 0.0, 0.0], NOT_FINITE);
-    OBSERVE, "an infinite estimate: trials fail by kind" => failing([f64::INFINITY, 0.0, 0.0], NOT_FINITE);
-    OBSERVE, "a truth of NaN: trials fail by kind" => failing([0.0, f64::NAN, 0.0], NOT_FINITE);
-    OBSERVE, "an error beyond the doubles: trials fail by kind" => failing([f64::MAX, -f64::MAX, 0.0], NOT_FINITE);
-    OBSERVE, "a standard deviation of NaN: trials fail by kind" => failing([0.0, 0.0, f64::NAN], NOT_FINITE);
-    OBSERVE, "a negative standard deviation: trials fail by kind" => failing([0.0, 0.0, -1.0], NEGATIVE_STD);
-    OBSERVE, "a subnormal negative one: trials fail by kind" => failing([0.0, 0.0, -f64::from_bits(1)], NEGATIVE_STD);
-    OBSERVE, "quantity {quantity} of one: trials fail by kind" =>
-        failures(observation(1.0, 1.0, None), quantity, UNKNOWN_QUANTITY), for quantity in [1, usize::MAX];
-    RUN, "{trials} errors, one of four {unit:e}, the others 0: how exact their rms is" => of_rms(trials, unit),
-        for trials in [4, 4096, 5000], for unit in UNITS;
-    RUN, "no trial: nothing is defined" => undefined();
-    RUN, "more trials than can be counted", "too-many-trials" => uncountable();
-    RUN, "intervals of which {share} hold the truth: coverage" => covered(share), for share in [0.0, 0.05, 0.95, 1.0];
-    RUN, "standard deviations of 0 and errors of 0: all intervals hold the truth" => exact();
-}
-
-/// A share p of ones among n: the mean square is p, its variance p (1 − p)/(n − 1).
-fn of_rms(trials: u64, unit: f64) -> Answer {
-    let summary = summary(trials, |trial| {
-        observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
-    });
-    let share = 0.25;
-    let std = Precise::new(share * (1.0 - share) / (trials - 1) as f64).sqrt();
-    let of_rms = std / Precise::new(2.0 * f64::sqrt(share)) * Precise::new(unit);
-    let scale = unit.max(f64::MIN_POSITIVE);
-    Answer::at_scale(value(summary.rms_error_std), of_rms.to_f64(), scale).within(BOUND)
-}
 
 fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
     run_cell(trials, &observing(of)).quantities[0]
 }
 
-/// All numbers of a summary that are defined.
-fn numbers(summary: &Summary) -> Vec<f64> {
-    let all = [
-        summary.truth,
-        summary.mean,
-        summary.std,
-        summary.bias,
-        summary.rms_error,
-        summary.rms_error_std,
-        summary.mean_abs_error,
-        summary.relative_rms_error,
-        summary.relative_mean_abs_error,
-        summary.q05,
-        summary.q50,
-        summary.q95,
-        summary.mean_reported_std,
-        summary.coverage50,
-        summary.coverage80,
-        summary.coverage95,
-    ];
-    all.into_iter().flatten().collect()
+/// 1, 2, … n has mean (n + 1)/2, mean square (n + 1)(2n + 1)/6 and variance n(n + 1)/12, in the unit.
+#[test]
+fn sequences_in_any_unit_have_their_closed_forms() {
+    for unit in [1e-320, 1e-150, 1e300] {
+        // Subnormal numbers are whole multiples of the least one.
+        let bound = f64::max(1e-13, 2.0 * f64::from_bits(1) / unit);
+        let close = |found: Option<f64>, due: f64| {
+            let found = found.unwrap() / unit;
+            assert_relative_eq!(found, due, epsilon = bound, max_relative = bound);
+        };
+        for trials in [2, 5000] {
+            let found = summary(trials, |trial| {
+                observation((trial + 1) as f64 * unit, 0.0, Some(unit))
+            });
+            let n = trials as f64;
+            let mean = 0.5 * (n + 1.0);
+            for moment in [found.bias, found.mean_abs_error, found.mean] {
+                close(moment, mean);
+            }
+            close(found.rms_error, ((n + 1.0) * (2.0 * n + 1.0) / 6.0).sqrt());
+            close(found.std, (n * (n + 1.0) / 12.0).sqrt());
+            close(found.mean_reported_std, 1.0);
+        }
+        // Of a share p of ones the mean square is p, and its variance p (1 − p)/(n − 1).
+        let quarter = summary(4096, |trial| {
+            observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
+        });
+        close(
+            quarter.rms_error_std,
+            (0.25 * 0.75_f64 / 4095.0).sqrt() / (2.0 * 0.5),
+        );
+        let found = summary(2001, |trial| {
+            observation((trial as f64 - 1000.0) * unit, 0.0, None)
+        });
+        // Below 2.3e-308 numbers count as 0.
+        let side = if unit < 1e-310 { 0.0 } else { 900.0 };
+        for (found, due) in [(found.q05, -side), (found.q50, 0.0), (found.q95, side)] {
+            assert_abs_diff_eq!(found.unwrap() / unit, due, epsilon = 3.6);
+        }
+    }
 }
 
-/// A statistic, NaN where it is not defined.
-fn value(value: Option<f64>) -> f64 {
-    value.unwrap_or(f64::NAN)
+#[test]
+fn estimates_that_alternate_have_their_mean_and_spread() {
+    let alternating = |one: f64, other: f64| {
+        summary(4000, |trial| {
+            observation(if trial % 2 == 0 { one } else { other }, 0.0, None)
+        })
+    };
+    for (one, other) in [(1e308, 5e-324), (8e307, -8e307), (1e300, 1.0)] {
+        let mean = 0.5 * one + 0.5 * other;
+        let found = alternating(one, other).bias.unwrap();
+        assert_abs_diff_eq!(found / one, mean / one, epsilon = 1e-13);
+    }
+    for offset in [1e3, 1e15, 1e100_f64] {
+        let step = offset.next_up() - offset;
+        let due = 0.5 * step * (4000.0_f64 / 3999.0).sqrt();
+        let found = alternating(offset, offset.next_up()).std.unwrap();
+        assert_relative_eq!(found, due, max_relative = 1e-12);
+    }
+    let alike = summary(5000, |_| observation(3.0, 3.0, Some(0.0)));
+    assert_eq!((alike.std, alike.coverage95), (Some(0.0), Some(1.0)));
 }
 
-fn half(truth: f64) -> Answer {
-    let half = 0.5 * truth;
-    let summary = summary(100, |_| observation(half, truth, Some(truth.abs())));
-    let pairs = [
-        (value(summary.bias), half - truth),
-        (value(summary.rms_error), (half - truth).abs()),
-        (value(summary.mean_reported_std), truth),
-    ];
-    let scale = truth.max(f64::MIN_POSITIVE);
-    let answer = Answer::all_at_scale(pairs, scale).within(BOUND);
-    answer.also(numbers(&summary))
+/// Every second trial fails with this kind and adds no observation.
+#[test]
+fn invalid_observations_fail_their_trial() {
+    for ([estimate, truth, std], quantity, kind) in [
+        ([f64::NAN, 0.0, 0.0], 0, NOT_FINITE),
+        ([0.0, f64::INFINITY, 0.0], 0, NOT_FINITE),
+        ([f64::MAX, -f64::MAX, 0.0], 0, NOT_FINITE),
+        ([0.0, 0.0, f64::NAN], 0, NOT_FINITE),
+        ([0.0, 0.0, -5e-324], 0, NEGATIVE_STD),
+        ([1.0, 1.0, 0.0], 1, UNKNOWN_QUANTITY),
+        ([1.0, 1.0, 0.0], usize::MAX, UNKNOWN_QUANTITY),
+    ] {
+        let trial = Function {
+            quantities: 1,
+            function: |trial: u64, record: &mut Record| {
+                record.observe(0, observation(2.0, 1.0, None));
+                if trial % 2 == 1 {
+                    record.observe(quantity, observation(estimate, truth, Some(std)));
+                }
+                Ok(())
+            },
+        };
+        let found = run_cell(3000, &trial);
+        let [failure] = &found.failures[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!((failure.kind, failure.count), (kind, 1500));
+        let summary = found.quantities[0];
+        assert_eq!((summary.observations, summary.bias), (1500, Some(1.0)));
+    }
 }
 
-fn undefined() -> Answer {
-    let summary = summary(0, |_| observation(1.0, 1.0, None));
-    Answer::at_scale(numbers(&summary).len() as f64, 0.0, 1.0)
-}
-
-fn uncountable() -> Result<Vec<CellStatistics>, SweepError> {
+#[test]
+fn no_trials_define_nothing_and_too_many_are_refused() {
+    let none = summary(0, |_| observation(1.0, 1.0, None));
+    assert_eq!(none, Summary::default());
     let trial = &observing(|_| observation(1.0, 1.0, None));
     let trials = u64::MAX;
-    run(
-        &[Cell { trials, trial }; 2],
-        &RunOptions::default(),
-        &|_| (),
-    )
+    let cells = [Cell { trials, trial }; 2];
+    let error = run(&cells, &RunOptions::default(), &|_| ()).unwrap_err();
+    assert!(matches!(error, SweepError::TooManyTrials { .. }), "{error}");
 }
 
-fn exact() -> Answer {
-    let summary = summary(2000, |_| observation(3.0, 3.0, Some(0.0)));
-    Answer::near(value(summary.coverage95), 1.0)
+/// Meets its target below 1, and scores more with more trials.
+struct BelowOne;
+
+impl Curves for BelowOne {
+    type Error = Infallible;
+
+    fn cells(&self) -> usize {
+        1
+    }
+
+    fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
+        let score = |ask: &Ask| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
+        Ok(asked.iter().map(score).collect())
+    }
 }
 
-/// 1, 2, … n has mean (n + 1)/2, mean square (n + 1)(2n + 1)/6 and variance n(n + 1)/12, in the unit.
-fn sequence(unit: f64, trials: u64) -> Answer {
-    let n = Precise::new(trials as f64);
-    let unit_precise = Precise::new(unit);
-    let mean = ((&n + 1.0) * &unit_precise * 0.5).to_f64();
-    let square = (&n + 1.0) * (&n * 2.0 + 1.0) / 6.0;
-    let rms = (square.sqrt() * &unit_precise).to_f64();
-    let std = ((&n * (&n + 1.0) / 12.0).sqrt() * &unit_precise).to_f64();
-    let found = summary(trials, |trial| {
-        observation((trial + 1) as f64 * unit, 0.0, None)
-    });
-    // Subnormal numbers are whole multiples of the least one.
-    let least = f64::from_bits(1) / unit;
-    Answer::all_near([
-        (value(found.bias), mean),
-        (value(found.mean_abs_error), mean),
-        (value(found.mean), mean),
-        (value(found.rms_error), rms),
-        (value(found.std), std),
-    ])
-    .within(BOUND.max(2.0 * least))
-    .also(numbers(&found))
+#[test]
+fn no_claim_is_wrong_whatever_its_probability_may_be() {
+    for wrong in [5e-324, 0.05, 1.0 - f64::EPSILON, 0.0, -1.0, 2.0, f64::NAN] {
+        let search_it = Search {
+            among: Among::Span(Span::new(0.1, 10.0, false)),
+            gap: 0.2,
+            most_trials: 1 << 16,
+            budget: None,
+            wrong,
+        };
+        let Ok(found) = search(&mut BelowOne, &search_it, &|| Duration::ZERO);
+        let is_right = found.runs.iter().all(|run| match run.side {
+            Side::Meets => run.to < 1.0,
+            Side::Misses => run.from > 1.0,
+        });
+        assert!(is_right && found.looked.len() >= 16, "{wrong}: {found:?}");
+    }
 }
 
-/// Within 0.4 % of the distance to the truth; below 2.3e-308 numbers count as 0.
-fn quantiles(unit: f64) -> Answer {
-    let found = summary(2001, |trial| {
-        observation((trial as f64 - 1000.0) * unit, 0.0, None)
-    });
-    let far = 900.0 * unit;
-    let side = if far < f64::MIN_POSITIVE { 0.0 } else { 1.0 };
-    let pairs = [(found.q05, -side), (found.q50, 0.0), (found.q95, side)];
-    let pairs = pairs.map(|(found, truth)| (value(found) / far, truth));
-    Answer::all_at_scale(pairs, 1.0).within(QUANTILE)
+fn number() -> impl Strategy<Value = f64> {
+    let extremes = [0.0, -0.0, 5e-324, 1.0 + f64::EPSILON, f64::MAX, -f64::MAX];
+    prop_oneof![
+        proptest::sample::select(extremes.to_vec()),
+        any::<f64>(),
+        -2.0..2.0,
+    ]
 }
 
-fn alike(unit: f64) -> Answer {
-    let found = summary(5000, |_| observation(unit, 0.0, Some(unit)));
-    let near = [
-        found.mean,
-        found.bias,
-        found.rms_error,
-        found.mean_abs_error,
-        found.mean_reported_std,
-    ];
-    let mut pairs = vec![(value(found.std) / unit, 0.0)];
-    pairs.extend(near.map(|found| (value(found) / unit, 1.0)));
-    Answer::all_at_scale(pairs, 1.0).within(BOUND)
-}
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-fn alternating(trials: u64, one: f64, other: f64) -> Summary {
-    summary(trials, |trial| {
-        observation(if trial.is_multiple_of(2) { one } else { other }, 0.0, None)
-    })
-}
-
-/// Estimates alternate between a number and the next double.
-fn spread_of_ulps(offset: f64) -> Answer {
-    let next = offset.next_up();
-    let found = alternating(4000, offset, next);
-    let n = 4000.0_f64;
-    let truth = 0.5 * (next - offset) * (n / (n - 1.0)).sqrt();
-    Answer::near(value(found.std), truth)
-        .within(1e-12)
-        .also(numbers(&found))
-}
-
-fn in_turn(trials: u64, one: f64, other: f64) -> Answer {
-    let found = alternating(trials, one, other);
-    let ones = trials.div_ceil(2);
-    let sum = Precise::new(one) * ones as f64 + Precise::new(other) * (trials - ones) as f64;
-    let truth = (sum / trials as f64).to_f64();
-    let scale = one.abs().max(other.abs()).max(f64::MIN_POSITIVE);
-    Answer::at_scale(value(found.bias), truth, scale)
-        .within(BOUND)
-        .also(numbers(&found))
-}
-
-/// Failures of an estimate of a truth with a standard deviation.
-fn failing([estimate, truth, std]: [f64; 3], kind: &'static str) -> Answer {
-    failures(observation(estimate, truth, Some(std)), 0, kind)
-}
-
-/// Every other trial fails by this kind and leaves nothing.
-fn failures(bad: Observation, quantity: usize, kind: &'static str) -> Answer {
-    let trial = Function {
-        quantities: 1,
-        function: |trial: u64, record: &mut Record| {
-            if trial.is_multiple_of(2) {
-                record.observe(0, observation(2.0, 1.0, None));
-            } else {
-                record.observe(0, observation(5.0, 1.0, None));
-                record.observe(quantity, bad);
-            }
-            Ok(())
-        },
-    };
-    let found = run_cell(3000, &trial);
-    let failed: u64 = found
-        .failures
-        .iter()
-        .filter(|failure| failure.kind == kind)
-        .map(|one| one.count)
-        .sum();
-    let summary = found.quantities[0];
-    Answer::all_near([
-        (failed as f64, 1500.0),
-        (summary.observations as f64, 1500.0),
-        (value(summary.bias), 1.0),
-    ])
-}
-
-fn covered(share: f64) -> Answer {
-    let holds = |trial: u64| ((trial % 100) as f64) < 100.0 * share;
-    let found = summary(10_000, |trial| Observation {
-        interval_holds: Some([holds(trial); 3]),
-        ..observation(1e300, 0.0, None)
-    });
-    Answer::at_scale(value(found.coverage95), share, 1.0).within(1e-15)
+    #[test]
+    fn values_ascend_within_their_range(
+        (one, other) in (number(), number()),
+        is_whole in any::<bool>(),
+        count in 0..20_usize,
+        gap in prop_oneof![Just(0.0), Just(f64::NAN), 0.0..0.5],
+    ) {
+        let span = Span::new(one.min(other), one.max(other), is_whole);
+        let is_value = |value: f64| {
+            (span.from..=span.to).contains(&value) && (!is_whole || value.fract() == 0.0)
+        };
+        let values = span.spread(count, gap);
+        prop_assert!(values.windows(2).all(|pair| pair[0] < pair[1]), "{values:?}");
+        prop_assert!(values.iter().all(|value| is_value(*value)), "{values:?}");
+        let is_bare = is_whole && span.from.ceil() > span.to.floor();
+        prop_assert!(values.is_empty() == is_bare && values.len() <= 2 * count.max(2));
+        let found = span.between(span.from, span.to, gap);
+        let is_between = |value: f64| is_value(value) && span.from < value && value < span.to;
+        prop_assert!(found.is_none_or(is_between), "{found:?}");
+    }
 }

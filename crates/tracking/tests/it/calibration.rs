@@ -246,46 +246,68 @@ fn a_centroid_that_shifts_backward_at_some_depth_is_refused() {
     assert_eq!(error.name(), "no-slope");
 }
 
-/// Whatever the size of the numbers, there is a calibration of finite numbers or an error.
 #[test]
-fn extremes_give_numbers_or_errors() {
-    let sizes = [
-        0.0, 5e-324, 1e-300, 1e-50, 1e-9, 1.0, 1e9, 1e50, 1e100, -1.0, -1e100,
-    ];
-    for first in sizes {
-        for second in sizes {
-            for hue in sizes {
-                let points = [
-                    point(first, hue),
-                    point(second, 0.1),
-                    point(1.0, -0.3 * hue),
-                ];
-                for from in NormalFrom::ALL {
-                    let Ok(fitted) = NormalCalibration::fit(&points, from) else {
-                        continue;
-                    };
-                    assert!(fitted.line.slope.is_finite());
-                    let calibration = Calibration::new(Some(fitted), None, None).unwrap();
-                    let change = Change {
-                        hue_turns: hue,
-                        growth: hue,
-                        ..Change::default()
-                    };
-                    let read = calibration.normal(0, &change);
-                    assert!(read.is_none_or(f64::is_finite), "{first} {second} {hue}");
-                }
-                let points =
-                    [(first, hue), (second, 1.0), (1.0, 2.0)].map(|(along, shift)| LateralPoint {
-                        tangential: [along, 0.0],
-                        shift_px: [shift, hue],
-                        normal: Some(second),
-                    });
-                if let Ok(fitted) = LateralCalibration::fit(&points) {
-                    let calibration = Calibration::new(None, Some(fitted), None).unwrap();
-                    let read = calibration.tangential([hue, 1.0], first);
-                    assert!(read.is_none_or(|read| read.iter().all(|one| one.is_finite())));
-                }
+fn lines_of_any_size_have_their_slope() {
+    for draw in [Line::with_intercept, Line::through_rest] {
+        let of = |x: f64, y: f64| {
+            let shares = [0.2, 0.4, 0.6, 0.8, 1.0];
+            draw(&shares.map(|share: f64| [share * x, share * y]))
+        };
+        for (x, y) in [(1e-100, 1e100), (1e100, 1e100), (5e-324, 5e-324)] {
+            let slope = of(x, y).unwrap().slope;
+            assert!(
+                (slope / (y / x) - 1.0).abs() < 1e-12,
+                "{x:e} {y:e}: {slope:e}"
+            );
+        }
+        for (x, y) in [(1e-320, 1.0), (1e100, 1e-300)] {
+            assert_eq!(of(x, y).unwrap_err().name(), "out-of-range");
+        }
+    }
+}
+
+/// The displacement is 10 times the hue in turns, and 5 times the nearness, which is at most 1.
+#[test]
+fn changes_of_any_size_give_a_displacement_or_none() {
+    let points: Vec<NormalPoint> = (0..9)
+        .map(|step| {
+            let share = f64::from(step) / 8.0;
+            NormalPoint {
+                marker: Some(step as usize % 2),
+                normal: share,
+                hue_turns: 0.1 * share,
+                growth: -libm::log(1.0 - 0.2 * share),
+            }
+        })
+        .collect();
+    for (from, change, expected) in [
+        (NormalFrom::Hue, -1e300, Some(-1e301)),
+        (NormalFrom::Hue, f64::INFINITY, None),
+        (NormalFrom::Size, f64::INFINITY, Some(5.0)),
+        (NormalFrom::Size, -1e300, None),
+        (NormalFrom::Both, 1e300, Some(5e300)),
+        (NormalFrom::Both, -1e300, None),
+        (NormalFrom::Both, f64::NAN, None),
+    ] {
+        let fitted = NormalCalibration::fit(&points, from).unwrap();
+        let calibration = Calibration::new(Some(fitted), None, None).unwrap();
+        let change = Change {
+            hue_turns: change,
+            growth: change,
+            ..Change::default()
+        };
+        for marker in [0, usize::MAX] {
+            let found = calibration.normal(marker, &change);
+            assert_eq!(found.is_some(), expected.is_some(), "{from:?} {change:?}");
+            if let (Some(found), Some(expected)) = (found, expected) {
+                assert!((found / expected - 1.0).abs() < 1e-12, "{found:e}");
             }
         }
+    }
+    for slope in [0.0, f64::NAN, 5e-324] {
+        let mut fitted = NormalCalibration::fit(&points, NormalFrom::Hue).unwrap();
+        fitted.line.slope = slope;
+        let error = Calibration::new(Some(fitted), None, None).unwrap_err();
+        assert_eq!(error.name(), "out-of-range");
     }
 }

@@ -75,3 +75,30 @@ fn slivers() {
         assert_means(&field(arc.map(|x| [x, thin * libm::sin(10.0 * x)])));
     }
 }
+
+/// Natural neighbours reproduce linear fields.
+#[test]
+fn linear_fields_of_any_size() {
+    let value = |[x, y]: [f64; 2]| 1.0 + 2.0 * x - 0.5 * y;
+    for size in [1e-25, 1e-9, 1.0] {
+        let places = (0..25).map(|at| [at % 5, at / 5].map(|step| 0.5 * f64::from(step) - 1.0));
+        let markers: Vec<Displaced> = places
+            .map(|place| Displaced {
+                place: place.map(|along| along * size),
+                tangential: [0.0; 2],
+                normal: value(place),
+            })
+            .collect();
+        let field = Field::new(&markers).unwrap();
+        for place in [[0.1, 0.2], [-0.77, 0.3], [0.999, -0.999], [0.5, 0.5]] {
+            let found = field.at(place.map(|along| along * size)).unwrap().normal;
+            assert!((found - value(place)).abs() < 1e-9, "{size:e}: {found}");
+        }
+        let grid = field.grid(9);
+        assert_eq!(grid.len(), 81);
+        for one in grid {
+            let expected = value(one.place.map(|along| along / size));
+            assert!((one.normal - expected).abs() < 1e-9);
+        }
+    }
+}

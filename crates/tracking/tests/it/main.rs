@@ -3,7 +3,6 @@
 
 mod any_number;
 mod calibration;
-mod extremes;
 mod field;
 mod finder;
 mod matching;

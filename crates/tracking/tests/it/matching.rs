@@ -197,3 +197,45 @@ fn few_none_and_impossible_markers() {
     assert_eq!(tracks[0].status, Status::Lost);
     assert_eq!(tracks[3].status, Status::Tracked);
 }
+
+#[test]
+fn lattices_of_any_size_are_followed() {
+    for unit in [1e-150, 1e-9, 1e150] {
+        let scaled = |markers: &[Marker]| -> Vec<Marker> {
+            let scaled = markers.iter().map(|marker| Marker {
+                centroid_px: marker.centroid_px.map(|at| at * unit),
+                size_px2: marker.size_px2 * unit * unit,
+                ..*marker
+            });
+            scaled.collect()
+        };
+        let rest = lattice(&mut Random(5));
+        let moved = pressed(&rest, SPACING / 3.0);
+        let tracks = match_markers(&scaled(&rest), &scaled(&moved));
+        assert_none_wrong(&tracks);
+        assert_eq!(counts(&tracks), [90, 0, 0, 0, 0], "{unit:e}");
+    }
+}
+
+#[test]
+fn hues_change_the_shorter_way() {
+    for (from, to, turn) in [
+        (0.999_999, 0.0, 1e-6),
+        (0.0, 0.999_999, -1e-6),
+        (0.25, 0.75, -0.5),
+        (0.75, 0.25, -0.5),
+        (0.4, 0.6, 0.2),
+    ] {
+        let of = |hue_turns| Marker {
+            hue_turns,
+            ..marker([0.0; 2], 1)
+        };
+        let track = Track {
+            rest: Some(of(from)),
+            pressed: Some(of(to)),
+            status: Status::Tracked,
+        };
+        let found = track.change().unwrap().hue_turns;
+        assert!((found - turn).abs() < 1e-15, "{from} to {to}: {found}");
+    }
+}

@@ -276,26 +276,3 @@ fn laws_of_another_number_of_markers_are_refused() {
         assert!(estimate.is_err(), "{told}");
     }
 }
-
-#[test]
-fn presses_that_cannot_be_are_refused() {
-    let (truth, _, mut noise) = calibrated(0, 0);
-    let good = plane(&truth, 1.0, &mut noise);
-    let at_rest = truth.at_rest(None);
-    let fit = fit(None, WIDE);
-    let refused = |press: KnownPress| fit.calibrated(&at_rest, &[press]).map(|_| ()).unwrap_err();
-    for number in [f64::NAN, f64::INFINITY, -1.0, 1e300] {
-        let mut bad = good.clone();
-        bad.relative_curvature = number;
-        refused(bad);
-        let mut bad = good.clone();
-        bad.indentation = number;
-        refused(bad);
-        let mut bad = good.clone();
-        bad.at = [number.min(1e299), f64::NAN];
-        refused(bad);
-    }
-    let mut few = good;
-    few.seen.pop();
-    assert!(matches!(refused(few), PressError::BadSetting(_)));
-}

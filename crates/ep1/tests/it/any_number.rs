@@ -13,8 +13,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
         -2.0..2.0_f64,
-        Just(0.0),
-        Just(-0.0),
+        proptest::sample::select(&[0.0, -0.0, -1.0, f64::NAN, f64::INFINITY, f64::MAX, 5e-324][..]),
     ]
 }
 

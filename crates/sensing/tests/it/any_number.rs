@@ -14,10 +14,25 @@ fn number() -> impl Strategy<Value = f64> {
         any::<u64>().prop_map(f64::from_bits),
         -2.0..2.0_f64,
         (-12.0..3.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
-        Just(0.0),
-        Just(-0.0),
+        proptest::sample::select(&LIMITS[..]),
     ]
 }
+
+/// Numbers on both sides of the limits of sensors' settings.
+const LIMITS: [f64; 12] = [
+    f64::NAN,
+    f64::INFINITY,
+    -1.0,
+    0.0,
+    -0.0,
+    5e-324,
+    1e-16,
+    1e-8,
+    1.0 + f64::EPSILON,
+    3.0,
+    3.15,
+    f64::MAX,
+];
 
 fn is_tame(value: f64) -> bool {
     value.abs() <= 1e150
@@ -112,8 +127,13 @@ proptest! {
             }
         }
         if let Some(encoder) = made_if(size > 0.0 && size.is_finite(), Encoder::new(size)) {
-            let read = encoder.read(&mut stream, &Vector2::new(place[0], place[1]));
-            prop_assert!(read.iter().all(|angle| angle.is_finite()), "{encoder:?}: {read}");
+            let turned = Vector2::new(place[0], place[1]);
+            let read = encoder.read(&mut stream, &turned);
+            for (read, angle) in read.iter().zip(&turned) {
+                // If the step is finer than the last place of the angle, the reading is the angle itself.
+                let bound = size + 2.0 * f64::EPSILON * angle.abs();
+                prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
+            }
         }
     }
 
@@ -123,7 +143,10 @@ proptest! {
         azimuth in -3.2..3.2_f64,
         far in [number(), number()],
     ) {
-        let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * angle;
+        let (sin, cos) = libm::sincos(azimuth);
+        let displacement = Vector2::new(cos, sin) * angle;
+        let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
+        prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
         // The nearer to the opposite side, the less a direction tells.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
@@ -149,5 +172,24 @@ fn displacements_too_small_to_be_squared_are_on_the_cap_and_large_ones_are_not()
         let read = |share: f64| pads.read(&placement, &(Vector2::new(share, 0.0) * radius));
         assert!(read(0.5).is_ok() && read(1e-100).is_ok());
         assert_eq!(read(1.1).unwrap_err().angle_rad, 1.1);
+        assert!(read(f64::NAN).is_err());
+    }
+}
+
+#[test]
+fn rates_err_by_the_stated_share() {
+    for (distribution, std) in [
+        (Distribution::Gaussian, 0.02),
+        (Distribution::Uniform, 0.02 / 3f64.sqrt()),
+    ] {
+        let error = AngularVelocityError::new(distribution, 0.02).unwrap();
+        let mut stream = Stream::new(7, 0, Channel::Position);
+        let squares: f64 = (0..10_000)
+            .map(|_| error.draw(&mut stream, 5.0).norm_squared())
+            .sum();
+        // Five standard deviations of a root mean square of as many Gaussian draws.
+        let share = (squares / 20_000.0).sqrt() / (5.0 * std);
+        assert!((share - 1.0).abs() < 0.025, "{distribution:?}: {share}");
+        assert!((error.relative_std() - std).abs() < 1e-15);
     }
 }

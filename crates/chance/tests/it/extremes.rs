@@ -1,3 +1,0 @@
-//! Probabilities from certain to impossible, degrees of freedom from none to more than can be counted.
-
-mod tails;

@@ -1,3 +1,0 @@
-//! Tails of distributions against closed forms.
-
-mod extremes;

@@ -1,4 +1,0 @@
-//! Entry points at their extremes, a row each.
-
-mod asked;
-mod exact;

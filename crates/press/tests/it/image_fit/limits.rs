@@ -1,0 +1,369 @@
+//! Sensors of any size, presses at the limits of what pictures resolve, and the names of errors.
+
+use palpate_press::{KnownPress, Rest};
+
+use super::*;
+
+const MARKERS: usize = 81;
+const EXACT: [f64; 5] = [0.0; 5];
+/// True errors of the camera model: of the image's centre (px) and of the pixels per radian (share).
+const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
+
+/// A press on a sensor.
+#[derive(Clone, Copy)]
+struct Press {
+    /// Unit of length; the skin's radius is 20 units.
+    unit: f64,
+    /// Standard deviations of the uncertain parameters of the sensor, as in [`Ideal::fit`].
+    known: [f64; 5],
+    /// Stated noise, relative to [`STDS`].
+    stated: f64,
+    /// Curvature of the object, relative to the sensor's.
+    object: f64,
+    /// Place of the contact along x, in units of length.
+    x: f64,
+    /// Indentation, in radii of the sensor.
+    depth: f64,
+}
+
+const PRESS: Press = Press {
+    unit: 1.0,
+    known: EXACT,
+    stated: 1.0,
+    object: 0.25,
+    x: 2.5,
+    depth: 0.05,
+};
+
+impl Press {
+    fn fit(&self) -> ImageFit<Ideal> {
+        ImageFit {
+            misalignment_std: 0.0,
+            ..Ideal::new(self.unit).fit(None, self.known)
+        }
+    }
+
+    /// Pictures without noise, for these errors of the camera model and these displacements of the discs.
+    fn seen(&self, common: &[f64; 5], moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<Seen>> {
+        let misalignments = &[[0.0; 2]; MARKERS];
+        let sensor = SensorState {
+            common,
+            misalignments,
+        };
+        let pictures = Ideal::new(self.unit).pictures(&sensor, moved).unwrap();
+        let variances = STDS.map(|std| (self.stated * std) * (self.stated * std));
+        let covariance = Matrix4::from_diagonal(&variances.into());
+        let seen = |picture| Seen {
+            picture,
+            covariance,
+        };
+        let pictures = pictures.into_iter();
+        pictures.map(|picture| picture.map(seen)).collect()
+    }
+
+    fn at_rest(&self) -> Vec<Option<Seen>> {
+        self.seen(&EXACT, &[[MarkerDisplacement::default(); 2]; MARKERS])
+    }
+
+    fn rest(&self) -> Rest {
+        self.fit().at_rest(&self.at_rest()).unwrap()
+    }
+
+    fn moved(&self) -> Vec<[MarkerDisplacement; 2]> {
+        let ideal = Ideal::new(self.unit);
+        let (skin, markers) = (ideal.skin(), ideal.markers());
+        let [magenta, yellow] = ideal.bodies(None, [0.0; 2]).map(|body| {
+            let depth = self.depth * skin.radius();
+            let contact = skin.contact(&body, self.object * skin.curvature(), depth);
+            markers.displacements(&contact.unwrap(), [self.x * self.unit, 0.0])
+        });
+        magenta.into_iter().zip(yellow).map(Into::into).collect()
+    }
+
+    fn pressed(&self) -> Vec<Option<Seen>> {
+        self.seen(&EXACT, &self.moved())
+    }
+
+    fn estimate(
+        &self,
+        seen: &[Option<Seen>],
+        known: Option<Measured>,
+    ) -> Result<PressEstimate, PressError> {
+        self.fit().estimate(&self.rest(), seen, known)
+    }
+
+    fn relative_curvature(&self) -> f64 {
+        (1.0 + self.object) / (RADIUS * self.unit)
+    }
+
+    /// The press with its true parameters, for these errors of the camera model.
+    fn known(&self, common: &[f64; 5]) -> KnownPress {
+        KnownPress {
+            seen: self.seen(common, &self.moved()),
+            relative_curvature: self.relative_curvature(),
+            at: [self.x * self.unit, 0.0],
+            indentation: self.depth * RADIUS * self.unit,
+        }
+    }
+
+    /// Cramér–Rao bound of the curvature, relative to the sensor's.
+    fn bound(&self) -> f64 {
+        let press = self.known(&EXACT);
+        let at = (press.relative_curvature, press.at, press.indentation);
+        let bound = self.fit().std_bound(&self.rest(), &press.seen, None, at);
+        bound.unwrap() * RADIUS * self.unit
+    }
+}
+
+/// Pictures that show only the first `count` markers.
+fn few(count: usize) -> Vec<Option<Seen>> {
+    let seen = PRESS.pressed().into_iter().enumerate();
+    seen.map(|(marker, seen)| seen.filter(|_| marker < count))
+        .collect()
+}
+
+fn name<T>(result: Result<T, PressError>) -> &'static str {
+    result.err().map_or("none", |error| error.name())
+}
+
+#[test]
+fn presses_without_error_are_found_within_a_thousandth_of_a_standard_deviation() {
+    let mut presses = vec![];
+    for unit in [1e-30, 1.0, 1e30] {
+        presses.extend([EXACT, ROUGHLY].map(|known| Press {
+            unit,
+            known,
+            ..PRESS
+        }));
+    }
+    for object in [-0.9, 0.0, 5.0, 20.0] {
+        presses.extend([0.01, 0.05].map(|depth| Press {
+            object,
+            depth,
+            ..PRESS
+        }));
+    }
+    presses.extend([1e-20, 100.0].map(|stated| Press { stated, ..PRESS }));
+    // Markers lie up to 8 from the apex.
+    presses.extend([0.0, 1e-300, 15.0].map(|x| Press { x, ..PRESS }));
+    presses.push(Press {
+        object: -0.99,
+        depth: 0.001,
+        ..PRESS
+    });
+    for press in presses {
+        let found = press.estimate(&press.pressed(), None).unwrap();
+        let off = found.most_likely_curvature - press.relative_curvature();
+        let bound = 1e-3 * found.relative_curvature.std + 1e-12 * press.relative_curvature();
+        assert!(off.abs() <= bound, "{off:e} > {bound:e}: {found:?}");
+    }
+}
+
+#[test]
+fn needles_have_no_upper_bound() {
+    let needle = Press {
+        object: 1e3,
+        depth: 0.01,
+        ..PRESS
+    };
+    for (press, seen) in [(needle, needle.pressed()), (PRESS, few(2))] {
+        let found = press.estimate(&seen, None).unwrap();
+        let interval = found.relative_curvature.interval;
+        assert!(interval.holds(press.relative_curvature()) && interval.high.is_none());
+    }
+}
+
+#[test]
+fn pictures_without_a_press_have_named_errors() {
+    let of = |press: Press| name(press.estimate(&press.pressed(), None));
+    for (object, depth, stated) in [(5.0, 0.001, 1.0), (0.25, 0.05, 1e9)] {
+        let press = Press {
+            object,
+            depth,
+            stated,
+            ..PRESS
+        };
+        assert_eq!(of(press), "no-contact");
+    }
+    assert_eq!(of(Press { x: 20.0, ..PRESS }), "off-markers");
+    assert_eq!(of(Press { x: 40.0, ..PRESS }), "undetermined");
+    let read = |seen: &[Option<Seen>]| name(PRESS.estimate(seen, None));
+    assert_eq!(read(&PRESS.at_rest()), "no-contact");
+    assert_eq!(read(&[PRESS.pressed()[40]; MARKERS]), "other-body");
+    assert_eq!(read(&few(0)), "too-few-markers");
+    let fit = ImageFit {
+        shift_std: 1.0,
+        ..PRESS.fit()
+    };
+    let found = fit.estimate(&PRESS.rest(), &few(1), None);
+    assert_eq!(name(found), "too-few-markers");
+}
+
+#[test]
+fn settings_out_of_range_have_named_errors() {
+    for (factor, expected) in [
+        (f64::NAN, "not-finite"),
+        (1e60, "not-finite"),
+        (0.0, "bad-setting"),
+        (-1.0, "bad-setting"),
+    ] {
+        let mut seen = PRESS.pressed();
+        seen[7].as_mut().unwrap().covariance *= factor;
+        assert_eq!(name(PRESS.estimate(&seen, None)), expected);
+        assert_eq!(name(PRESS.fit().at_rest(&seen)), expected);
+    }
+    for (value, std, expected) in [
+        (0.0, 0.0, "no-indentation"),
+        (f64::NAN, 0.0, "out-of-range"),
+        (1.0, f64::NAN, "bad-setting"),
+        (1.0, -1.0, "bad-setting"),
+        (1.0, 1e100, "none"),
+    ] {
+        let known = Some(Measured { value, std });
+        assert_eq!(name(PRESS.estimate(&PRESS.pressed(), known)), expected);
+    }
+    let at_rest = |fit: ImageFit<Ideal>| name(fit.at_rest(&PRESS.at_rest()));
+    for bad in [f64::NAN, -1.0, 1e-101, 1e101] {
+        let common_stds = vec![bad; 5];
+        assert_eq!(
+            at_rest(ImageFit {
+                common_stds,
+                ..PRESS.fit()
+            }),
+            "bad-setting"
+        );
+        assert_eq!(
+            at_rest(ImageFit {
+                shift_std: bad,
+                ..PRESS.fit()
+            }),
+            "bad-setting"
+        );
+    }
+    let common_stds = vec![0.01; 4];
+    assert_eq!(
+        at_rest(ImageFit {
+            common_stds,
+            ..PRESS.fit()
+        }),
+        "out-of-range"
+    );
+}
+
+/// With 81 markers, the prior moves the estimate by about 1e-5 of the error.
+#[test]
+fn camera_errors_are_found_on_sensors_of_any_size() {
+    for unit in [1e-30, 1.0, 1e30] {
+        let press = Press {
+            unit,
+            known: ROUGHLY,
+            ..PRESS
+        };
+        let still = [[MarkerDisplacement::default(); 2]; MARKERS];
+        let seen = press.seen(&DEPARTED, &still);
+        let alone = press.fit().at_rest(&seen).unwrap();
+        let by_press = press.fit().calibrated(&seen, &[press.known(&DEPARTED)]);
+        for rest in [alone, by_press.unwrap()] {
+            for number in 2..5 {
+                let off = (rest.common[number] - DEPARTED[number]) / ROUGHLY[number];
+                assert!(off.abs() < 1e-4, "{unit:e}: {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bounds_are_in_proportion_to_units_and_errors() {
+    let usual = PRESS.bound();
+    for (unit, stated) in [(1e-30, 1.0), (1e30, 1.0), (1.0, 1e-9), (1.0, 1e9)] {
+        let bound = Press {
+            unit,
+            stated,
+            ..PRESS
+        }
+        .bound();
+        assert!((bound / stated / usual - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn impossible_known_presses_have_named_errors() {
+    let by = |change: &dyn Fn(&mut KnownPress)| {
+        let mut known = PRESS.known(&EXACT);
+        change(&mut known);
+        let press = Press {
+            known: ROUGHLY,
+            ..PRESS
+        };
+        press.fit().calibrated(&PRESS.at_rest(), &[known])
+    };
+    for bad in [f64::NAN, 0.0, -1.0, 1e51] {
+        let found = by(&|press| press.relative_curvature = bad);
+        assert_eq!(name(found), "bad-setting");
+    }
+    for bad in [f64::NAN, 1e51] {
+        assert_eq!(name(by(&|press| press.at[0] = bad)), "out-of-range");
+    }
+    for (bad, expected) in [
+        (f64::NAN, "out-of-range"),
+        (-1.0, "out-of-range"),
+        (0.0, "no-indentation"),
+        (RADIUS, "too-deep"),
+    ] {
+        assert_eq!(name(by(&|press| press.indentation = bad)), expected);
+    }
+    assert_eq!(name(by(&|press| press.seen.truncate(80))), "bad-setting");
+    let found = by(&|press| press.seen[7].as_mut().unwrap().picture[2] = f64::NAN);
+    assert_eq!(name(found), "not-finite");
+    let found = by(&|press| press.relative_curvature *= 2.0);
+    assert_eq!(name(found), "contradicting-press");
+    // A press without visible markers changes nothing.
+    let rest = by(&|press| press.seen = few(0)).unwrap();
+    assert!(rest.common.iter().all(|more| more.abs() < 1e-6));
+}
+
+#[test]
+fn impossible_estimates_have_named_errors() {
+    let (rest, seen) = (PRESS.rest(), PRESS.pressed());
+    let good = PRESS.estimate(&seen, None).unwrap();
+    let bound = |curvature, x, depth| {
+        let at = (curvature, [x; 2], depth);
+        name(PRESS.fit().std_bound(&rest, &seen, None, at))
+    };
+    for (curvature, expected) in [
+        (0.0, "conforming"),
+        (1e-9, "too-wide"),
+        (f64::NAN, "out-of-range"),
+        (-1.0, "out-of-range"),
+    ] {
+        let estimate = PressEstimate {
+            most_likely_curvature: curvature,
+            ..good.clone()
+        };
+        assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
+        let doubts = PRESS.fit().doubts(&rest, &seen, None, &estimate);
+        assert_eq!(name(doubts), expected);
+    }
+    for (depth, expected) in [
+        (f64::NAN, "out-of-range"),
+        (RADIUS, "too-deep"),
+        (0.0, "no-indentation"),
+    ] {
+        let mut estimate = good.clone();
+        estimate.indentation.value = depth;
+        assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
+        let doubts = PRESS.fit().doubts(&rest, &seen, None, &estimate);
+        assert_eq!(name(doubts), expected);
+    }
+    assert_eq!(bound(f64::NAN, 0.0, 1.0), "bad-setting");
+    assert_eq!(bound(0.06, f64::NAN, 1.0), "out-of-range");
+    assert_eq!(bound(0.06, 0.0, 0.0), "out-of-range");
+    assert_eq!(bound(1e-9, 0.0, 1.0), "too-wide");
+    let at = (0.06, [0.0; 2], 1.0);
+    let found = PRESS.fit().std_bound(&rest, &few(0), None, at);
+    assert_eq!(name(found), "undetermined");
+    let beyond = PRESS.fit().beyond(&rest, &seen, &good).unwrap();
+    assert!(beyond.iter().flatten().all(|more| more.normal.abs() < 1e-3));
+    let doubts = PRESS.fit().doubts(&rest, &seen, None, &good);
+    assert_eq!(doubts.unwrap(), []);
+}

@@ -1,5 +1,0 @@
-//! Entry points at their extremes, a row each.
-
-mod made;
-mod noise;
-mod pads;
