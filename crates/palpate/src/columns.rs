@@ -26,6 +26,20 @@ pub struct Column {
     pub values: Values,
 }
 
+impl Column {
+    /// Name without the unit of length of its table: `x` of `x_mm`, `rotation_x_rad` of itself.
+    pub fn stem(&self, length_unit: LengthUnit) -> &str {
+        let length = length_unit.as_str();
+        let endings = [
+            format!("_per_{length}2"),
+            format!("_per_{length}"),
+            format!("_{length}"),
+        ];
+        let stem = endings.iter().find_map(|end| self.name.strip_suffix(end));
+        stem.unwrap_or(&self.name)
+    }
+}
+
 /// Values of a column, one per row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {

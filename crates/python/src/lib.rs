@@ -31,7 +31,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("SHAPE_CLASSES", PyTuple::new(module.py(), classes)?)?;
     error::register(module)?;
     module.add_class::<record::Record>()?;
-    module.add_class::<table::Table>()?;
     module.add_class::<figure::Figure>()?;
     module.add_class::<estimate::Batch>()?;
     module.add_class::<estimate::RollEstimate>()?;

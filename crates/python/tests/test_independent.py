@@ -110,12 +110,12 @@ def test_the_half_space_against_a_hankel_integral(poisson):
     truth = study.trace().contacts
     relative = 1 / 20 + 1 / 30
     contact = np.sqrt(1.2 / relative)
-    near = truth["radial_position_mm"] < 15
+    near = truth["radial_position"] < 15
     expected = [
         displacement(abs(radius), 2.0, contact, 1.2, poisson)
-        for radius in truth["radial_position_mm"][near]
+        for radius in truth["radial_position"][near]
     ]
-    found = truth["normal_displacement_mm"][near]
+    found = truth["normal_displacement"][near]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
     # And back: from such displacements to the object.
     layout = palpate.Layout(20.0)

@@ -8,7 +8,7 @@ import pytest
 
 # What only a program with files and a terminal has use for.
 OF_FILES = {
-    "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "out", "restart", "shard",
+    "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "out", "quiet", "restart", "shard",
 }
 
 # Names that Python has taken, or that say more in a call.

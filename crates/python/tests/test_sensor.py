@@ -49,7 +49,7 @@ def test_from_two_frames_to_an_object():
     for depth in depths:
         frames.append(plane.with_(**{"scene.motion.indentation": depth}).trace(0, 0))
     # Displacement of the marker under the contact, which is not the indentation at its depth.
-    inward = [float(np.max(one.contacts["normal_displacement_mm"])) for one in frames]
+    inward = [float(np.max(one.contacts["normal_displacement"])) for one in frames]
     focal = 0.5 * scene["sensor"]["size_px"] / np.radians(scene["sensor"]["field_deg"])
     calibration = palpate.calibrate_frames(
         frames[0].rest, [one.pressed for one in frames], normal=inward, source="size",

@@ -23,13 +23,10 @@ Lengths are in whatever unit the caller has, angles in radians where a name does
 positive where the object is convex. All errors are a PalpateError, which is a ValueError.
 """
 
-from collections.abc import Mapping
-
 from . import _native
 from ._native import *
 from ._scenes import scene, surface
+from ._table import Table
 
-Mapping.register(_native.Table)
-
-__all__ = ["scene", "surface"]
+__all__ = ["Table", "scene", "surface"]
 __all__ += _native.__all__

@@ -5,15 +5,14 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::figure::Figure;
-use crate::table::Table;
 
 pub(super) fn table<'py>(
     py: Python<'py>,
     rows: &Rows,
     study: &Study,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let table = Table::new(rows.to_csv(), study.config.length_unit)?;
-    Ok(Bound::new(py, table)?.into_any())
+    let table = crate::table::table(py, &rows.to_csv(), study.config.length_unit)?;
+    Ok(table.into_bound(py))
 }
 
 pub(super) fn figure<'py>(

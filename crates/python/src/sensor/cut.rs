@@ -4,7 +4,7 @@ use palpate::CutPattern;
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::table::Table;
+use crate::table::table;
 
 /// Flat pattern that a skin is cut from.
 #[pyclass(frozen, module = "palpate")]
@@ -29,10 +29,10 @@ pub(crate) struct Pattern {
     rms_fold_strain: f64,
     /// Table of the strain of folding over the half of a gore, from its middle meridian.
     #[pyo3(get)]
-    strain: Py<Table>,
+    strain: Py<PyAny>,
     /// Table of its greatest value and its root mean square for 3 to 12 gores.
     #[pyo3(get)]
-    strain_by_gores: Py<Table>,
+    strain_by_gores: Py<PyAny>,
 }
 
 #[pymethods]
@@ -46,8 +46,8 @@ impl Pattern {
         markers: usize,
         greatest_fold_strain: f64,
         rms_fold_strain: f64,
-        strain: Py<Table>,
-        strain_by_gores: Py<Table>,
+        strain: Py<PyAny>,
+        strain_by_gores: Py<PyAny>,
     ) -> Self {
         Self {
             svg,
@@ -97,7 +97,7 @@ pub(crate) fn pattern_of<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let cut = CutPattern::of(study).map_err(error::config)?;
     let unit = study.config.length_unit;
-    let table = |csv: String| Py::new(py, Table::new(csv, unit)?);
+    let table = |csv: String| table(py, &csv, unit);
     let pattern = Pattern {
         svg: cut.svg,
         dxf: cut.dxf,

@@ -11,7 +11,7 @@ use crate::json::to_python;
 use crate::pixels::{frame, pixels};
 use crate::record::{Made, Record};
 use crate::study::Study;
-use crate::table::Table;
+use crate::table::table;
 
 impl Made for TrackedPress {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -24,7 +24,7 @@ impl Made for TrackedPress {
 pub(crate) struct Tracked {
     /// Table of one row per marker: place and hue at rest, how they changed, and its fate.
     #[pyo3(get)]
-    markers: Py<Table>,
+    markers: Py<PyAny>,
     /// How many markers had which fate: `at_rest`, `tracked`, `lost`, `merged`, `split`, `new`, `cut_at_rest`.
     #[pyo3(get)]
     fates: Py<PyAny>,
@@ -39,10 +39,10 @@ pub(crate) struct Tracked {
     difference: Py<PyAny>,
     /// Table of the displacements of the markers that were tracked; None without a calibration or `method="image"`.
     #[pyo3(get)]
-    readings: Option<Py<Table>>,
+    readings: Option<Py<PyAny>>,
     /// Displacements on a grid between the markers; None without a calibration or `method="image"`.
     #[pyo3(get)]
-    field: Option<Py<Table>>,
+    field: Option<Py<PyAny>>,
     /// The PressEstimate from them; None without a calibration or `method="image"`.
     #[pyo3(get)]
     estimate: Option<Py<PyAny>>,
@@ -53,13 +53,13 @@ impl Tracked {
     #[staticmethod]
     #[allow(clippy::too_many_arguments)]
     fn _restored(
-        markers: Py<Table>,
+        markers: Py<PyAny>,
         fates: Py<PyAny>,
         warnings: Vec<String>,
         overlay: Py<PyAny>,
         difference: Py<PyAny>,
-        readings: Option<Py<Table>>,
-        field: Option<Py<Table>>,
+        readings: Option<Py<PyAny>>,
+        field: Option<Py<PyAny>>,
         estimate: Option<Py<PyAny>>,
     ) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Tracked {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, own) = (slf.py(), slf.get());
-        let table = |table: &Option<Py<Table>>| table.as_ref().map(|table| table.clone_ref(py));
+        let table = |table: &Option<Py<PyAny>>| table.as_ref().map(|table| table.clone_ref(py));
         let state = (
             own.markers.clone_ref(py),
             own.fates.clone_ref(py),
@@ -193,10 +193,7 @@ pub(crate) fn track(
     let (tracked, [drawn, difference], read): (TrackedFrames, _, Option<Read>) =
         seen.map_err(error::recorded)?;
     let mut made = Tracked {
-        markers: Py::new(
-            py,
-            Table::new(tracked.table().to_csv(), Default::default())?,
-        )?,
+        markers: table(py, &tracked.table().to_csv(), Default::default())?,
         fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
         warnings: tracked.warnings(),
         overlay: pixels(py, drawn)?,
@@ -212,8 +209,8 @@ pub(crate) fn track(
         unit,
     }) = read
     {
-        made.readings = Some(Py::new(py, Table::new(readings.to_csv(), unit)?)?);
-        made.field = Some(Py::new(py, Table::new(field.to_csv(), unit)?)?);
+        made.readings = Some(table(py, &readings.to_csv(), unit)?);
+        made.field = Some(table(py, &field.to_csv(), unit)?);
         made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());
     }
     Ok(made)

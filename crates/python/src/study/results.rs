@@ -9,13 +9,13 @@ use palpate::config::{self, LengthUnit};
 use palpate::report::{Study as Scored, claims_csv, figures, score};
 use palpate::{Files, ReportError, figure, resolved};
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict};
+use pyo3::types::PyDict;
 
 use super::runs::Found;
 use super::trace::Trace;
 use crate::error;
 use crate::figure::Figure;
-use crate::table::Table;
+use crate::table::{csv_of, table};
 
 const CONFIG: &str = "run.toml";
 const CELLS: &str = "cells.csv";
@@ -26,8 +26,6 @@ const WARNINGS: &str = "warnings.txt";
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
 /// Results of a study that was run.
-///
-/// Data frames read the table of its cells through the Arrow PyCapsule interface, as of a Table.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Results {
     of: Arc<palpate::Study>,
@@ -38,16 +36,16 @@ pub(crate) struct Results {
     study: Py<PyAny>,
     /// Table of one row per cell and quantity: swept values, truth, mean, bias, errors, quantiles.
     #[pyo3(get)]
-    cells: Py<Table>,
+    cells: Py<PyAny>,
     /// Table of the trials that gave no number, by cell and kind.
     #[pyo3(get)]
-    failures: Py<Table>,
+    failures: Py<PyAny>,
     /// Table of the maps, or profiles, of trial 0 of each cell; None unless the config's `outputs` ask for it.
     #[pyo3(get)]
-    map: Option<Py<Table>>,
+    map: Option<Py<PyAny>>,
     /// Table of all trials, a row per observation or failure; None unless the run was asked for it.
     #[pyo3(get)]
-    trials_out: Option<Py<Table>>,
+    trials_out: Option<Py<PyAny>>,
     /// Lines that warn of cells in which the theory or the estimator does not hold.
     #[pyo3(get)]
     warnings: Vec<String>,
@@ -103,15 +101,15 @@ impl Results {
         let study = py.import("palpate")?.getattr("Study")?;
         let study = study.call((text(CONFIG)?,), Some(&named))?;
         let unit = of.config.length_unit;
-        let table = |csv: String| Py::new(py, Table::new(csv, unit)?);
+        let table = |csv: &String| table(py, csv, unit);
         let warnings = files.get(WARNINGS).map_or("", String::as_str).lines();
         Ok(Self {
             of: Arc::new(of),
             study: study.unbind(),
-            cells: table(text(CELLS)?)?,
-            failures: table(text(FAILURES)?)?,
-            map: files.get(MAP).cloned().map(table).transpose()?,
-            trials_out: trials.map(table).transpose()?,
+            cells: table(&text(CELLS)?)?,
+            failures: table(&text(FAILURES)?)?,
+            map: files.get(MAP).map(table).transpose()?,
+            trials_out: trials.as_ref().map(table).transpose()?,
             warnings: warnings.map(str::to_owned).collect(),
             files,
         })
@@ -175,9 +173,9 @@ impl Results {
 
     /// Table of how the papers' claims score that the config names: the `claims.csv` of `palpate report`. Raises RunError.
     #[getter]
-    fn claims(&self) -> PyResult<Table> {
+    fn claims(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let study = Scored::read(self.in_memory()).map_err(refused)?;
-        Table::new(claims_csv(&score(&[study])), LengthUnit::Unit)
+        table(py, &claims_csv(&score(&[study])), LengthUnit::Unit)
     }
 
     /// Draws a plot: that of this name in the config, by default its first, or one of these keys of a `[[plot]]`:
@@ -241,16 +239,6 @@ impl Results {
         self.files.clone()
     }
 
-    /// The table of its cells as a stream of the Arrow C data interface, in a capsule.
-    #[pyo3(signature = (requested_schema=None))]
-    fn __arrow_c_stream__<'py>(
-        &self,
-        py: Python<'py>,
-        requested_schema: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyCapsule>> {
-        self.cells.get().__arrow_c_stream__(py, requested_schema)
-    }
-
     #[staticmethod]
     fn _restored(
         py: Python<'_>,
@@ -269,7 +257,7 @@ impl Results {
     )> {
         let own = slf.get();
         let trials = own.trials_out.as_ref();
-        let trials = trials.map(|trials| trials.get().csv().to_owned());
+        let trials = trials.map(|trials| csv_of(slf.py(), trials)).transpose()?;
         let restored = slf.get_type().getattr("_restored")?;
         Ok((restored, (own.files.clone(), trials)))
     }
@@ -278,11 +266,11 @@ impl Results {
         self.files == other.files
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let cells = self.of.cell_count();
-        let rows = self.cells.get().height();
+        let rows = self.cells.getattr(py, "height")?;
         let name = &self.of.config.name;
-        format!("<Results of {name:?}: {cells} cells, {rows} rows>")
+        Ok(format!("<Results of {name:?}: {cells} cells, {rows} rows>"))
     }
 
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use super::runs::of_trace;
 use crate::error;
 use crate::figure::Figure;
-use crate::table::Table;
+use crate::table::{csv_of, table};
 use crate::watch::watched_alone;
 
 /// One pass of a cell, written down.
@@ -20,13 +20,13 @@ pub(crate) struct Trace {
     what: String,
     /// Truth: contacts, or markers.
     #[pyo3(get)]
-    contacts: Py<Table>,
+    contacts: Py<PyAny>,
     /// Readings of the sensor, in the form that `palpate estimate` accepts.
     #[pyo3(get)]
-    readings: Py<Table>,
+    readings: Py<PyAny>,
     /// How a camera sees each marker; None without one.
     #[pyo3(get)]
-    markers: Option<Py<Table>>,
+    markers: Option<Py<PyAny>>,
     /// Frame at rest that a camera rendered, (h, w, 3) of uint8; None without one.
     #[pyo3(get)]
     rest: Option<Py<PyAny>>,
@@ -45,7 +45,7 @@ impl Trace {
         let unit = study.config.length_unit;
         let traced = watched_alone(py, None, move |_| trace(&study, cell, trial))?;
         let traced = traced.map_err(of_trace)?;
-        let table = |rows: palpate::Table| Py::new(py, Table::new(rows.to_csv(), unit)?);
+        let table = |rows: palpate::Table| table(py, &rows.to_csv(), unit);
         let (mut markers, mut frames) = (None, None);
         if let Some(seen) = traced.seen {
             markers = Some(table(seen.markers)?);
@@ -72,14 +72,14 @@ impl Trace {
     /// Figures of a press that a camera saw: displacements along the skin, and their profile. Raises RunError where there is
     /// no camera.
     #[getter]
-    fn figures(&self) -> PyResult<Vec<Figure>> {
+    fn figures(&self, py: Python<'_>) -> PyResult<Vec<Figure>> {
         if self.markers.is_none() {
             let message = "only a press that a camera sees has figures";
             return Err(error::RunError::new_err(message));
         }
         let files = Files::in_memory([
-            ("trace.csv", self.contacts.get().csv()),
-            ("readings.csv", self.readings.get().csv()),
+            ("trace.csv", csv_of(py, &self.contacts)?),
+            ("readings.csv", csv_of(py, &self.readings)?),
         ]);
         let drawn = press_figures(&files);
         let drawn = drawn.map_err(|error| error::RunError::new_err(error.to_string()))?;
@@ -89,9 +89,9 @@ impl Trace {
     #[staticmethod]
     fn _restored(
         what: String,
-        contacts: Py<Table>,
-        readings: Py<Table>,
-        markers: Option<Py<Table>>,
+        contacts: Py<PyAny>,
+        readings: Py<PyAny>,
+        markers: Option<Py<PyAny>>,
         rest: Option<Py<PyAny>>,
         pressed: Option<Py<PyAny>>,
     ) -> Self {

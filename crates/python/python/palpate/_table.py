@@ -1,0 +1,53 @@
+"""Tables of results."""
+
+from __future__ import annotations
+
+import typing
+
+if typing.TYPE_CHECKING:
+    from typing import Any
+
+    from numpy.typing import NDArray
+
+
+class Table(dict[str, "NDArray[Any]"]):
+    """Arrays of one value per row by the names of their columns, numbers as float64 with NaN for an empty field.
+
+    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take it as it is. Names do not tell the unit of length:
+    ``units`` has the unit of each column, None where it has none, or each row its own.
+    """
+
+    def __init__(self, arrays: dict[str, NDArray[Any]], units: dict[str, str | None], text: str) -> None:
+        super().__init__(arrays)
+        self.units = units
+        self._text = text
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.values())))
+
+    def to_csv(self) -> str:
+        """The table as CSV: the bytes that the command line writes, with units in the names."""
+        return self._text
+
+    def __missing__(self, name: str) -> NDArray[Any]:
+        raise KeyError(f"no column {name!r}; there are {', '.join(self)}")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Table) and self._text == other._text
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"<Table of {self.height} rows: {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        # Here, so that importing palpate stays quick.
+        import csv
+        import io
+
+        from . import _show
+
+        header, *rows = csv.reader(io.StringIO(self._text))
+        return _show.table(header, rows[:20], len(rows))
