@@ -181,7 +181,7 @@ fn gores() -> Claim {
     let mut claim = Claim::new(18, says, "skin of 4, 6 or 8 gores", |row| {
         gore_count(row).is_some_and(|count| COUNTS.contains(&count))
     });
-    for quantity in ["greatest_fold_strain", "rms_fold_strain"] {
+    for (quantity, headline) in [("greatest_fold_strain", "{list%}"), ("rms_fold_strain", "")] {
         for count in COUNTS {
             claim = claim.needs(format!("{quantity} of {count} gores"), move |row| {
                 row.quantity() == quantity && gore_count(row) == Some(count)
@@ -193,7 +193,7 @@ fn gores() -> Claim {
             .of(quantity)
             .named(|row| format!("{} gores", gore_count(row).unwrap_or_default()))
             .reports(format!("the {words} is {{list%}}"))
-            .headline("{range%}")
+            .headline(headline)
             .steps(&["scene.probe.layout"], gore_count, mean)
             .of(quantity)
             .bound(Below(1.0))
@@ -218,7 +218,10 @@ fn fisheye() -> Claim {
     ];
     let is_area = |row: &Row<'_>| row.quantity() == "marker_area" && polar(row).is_some();
     let mut claim = Claim::new(19, says, "marker_area at a polar angle", is_area);
-    for (lens, bound) in [("fisheye", AtMost(1.25)), ("pinhole", Above(1.25))] {
+    for (lens, bound, headline) in [
+        ("fisheye", AtMost(1.25), "ratio {range}"),
+        ("pinhole", Above(1.25), "pinhole {range}"),
+    ] {
         claim = claim
             .groups(&["scene.view"], |group| {
                 let (smallest, largest) = range(group.iter().filter_map(mean))?;
@@ -231,7 +234,7 @@ fn fisheye() -> Claim {
                 "the largest image area of a marker under the {lens} is {{range}} \
                 times the smallest"
             ))
-            .headline("{range}")
+            .headline(headline)
             .rows(polar)
             .when(move |row| row.text("scene.sensor.lens") == Some(lens))
             .reports("over polar angles of {range}°");
