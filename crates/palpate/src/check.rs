@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Parts, Scene, Scenes};
+use palpate_scene::{Ladder, Need, Parts, Scene, Scenes};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
@@ -55,7 +55,7 @@ pub struct Check {
 pub struct CellGroup {
     /// Number of the cells.
     pub cells: usize,
-    /// Models that each of them needs and why, one line each.
+    /// Models that each of them needs and why, and warnings, one line each.
     pub needs: Vec<String>,
     /// Means that scenes of this kind may need and these do not: "integrator".
     pub needless: Vec<&'static str>,
@@ -232,7 +232,13 @@ fn groups(
     let mut places: HashMap<Vec<String>, usize> = HashMap::new();
     let mut firsts = Vec::new();
     for (place, one) in scenes.iter().enumerate() {
-        let needs = one.trial.scene.needs();
+        let needs: Vec<String> = one
+            .trial
+            .scene
+            .needs()
+            .iter()
+            .map(Need::to_string)
+            .collect();
         match places.get(&needs) {
             Some(&known) => groups[known].cells += 1,
             None => {

@@ -71,7 +71,8 @@ pub use map::Map;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Arch, CutPattern, Ladder, Rung, Scene, Scenes, SeenPress, Trace, marker_places, recorded,
+    Arch, CutPattern, Ladder, Need, Rung, Scene, Scenes, SeenPress, Trace, Warning, marker_places,
+    recorded,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, glossary};

@@ -512,11 +512,11 @@ impl Simulation<'_> {
     }
 }
 
-/// Lines of what a scene needs that warn.
+/// Warnings of a scene as lines.
 fn warnings_of(scene: &Scene) -> Vec<String> {
-    let mut needs = scene.needs();
-    needs.retain(|line| line.starts_with("warning: "));
-    needs
+    let needs = scene.needs().into_iter();
+    let warnings = needs.filter(|need| need.warning().is_some());
+    warnings.map(|need| need.to_string()).collect()
 }
 
 /// Results of the trials of a [`Simulation`].

@@ -223,7 +223,7 @@ fn no_field(record: &Bound<'_, Record>, name: &str) -> PyResult<String> {
 /// Field as it is handed out.
 fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     let py = value.py();
-    if let Ok(table) = value.cast::<PyDict>() {
+    if let Ok(table) = value.cast_exact::<PyDict>() {
         return Ok(Bound::new(py, Record::restored(table.clone(), None))?.into_any());
     }
     let Ok(list) = value.cast::<PyList>() else {

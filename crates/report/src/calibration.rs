@@ -71,33 +71,10 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// Kind of a part of the scene of a row, which may be swept by labels.
+/// Kind of a part of the scene of a row; its label where a sweep puts something unknown there.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
-    let of_path = format!("{path}.kind");
-    let Some(axis) = study.cells().axis(path) else {
-        return study.text(row, &of_path);
-    };
-    let label = axis.text(row);
-    let word = |value: &'a toml::Value, key: &str| value.as_table()?.get(key)?.as_str();
-    let swept = study.config().get("sweep")?.as_array()?.iter();
-    let values = swept.flat_map(|sweep| swept_values(sweep, path));
-    let mut kinds = values.filter_map(|value| Some((value, word(value, "kind")?)));
-    let found = kinds.find(|(value, kind)| word(value, "label").unwrap_or(kind) == label);
-    Some(found.map_or(label, |(_, kind)| kind))
-}
-
-/// Values that a sweep gives to a field.
-fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
-    let values = || sweep.get("values")?.as_array();
-    let values = values().map_or(&[][..], Vec::as_slice).iter();
-    let is_it = |name: &toml::Value| name.as_str() == Some(path);
-    if sweep.get("path").is_some_and(is_it) {
-        return values.collect();
-    }
-    let paths = || sweep.get("paths")?.as_array();
-    let place = paths().and_then(|paths| paths.iter().position(is_it));
-    let of_place = |value: &'a toml::Value| value.as_array()?.get(place?);
-    values.filter_map(of_place).collect()
+    let kind = study.text(row, &format!("{path}.kind"));
+    kind.or_else(|| study.text(row, path))
 }
 
 /// Mean of each of the shares.

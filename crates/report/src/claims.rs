@@ -1,28 +1,19 @@
 //! Published claims, each held against the tables of a study that tests it.
 
-mod angular_velocity;
-mod edge;
-mod effective_radius;
-mod evidence;
-mod finding;
-mod fisheye;
-mod gaussian_profile;
-mod gores;
-mod hue;
+mod bound;
+mod check;
+mod claim;
+mod numbers;
 mod pads;
 mod patches;
 mod presses;
-mod regimes;
-mod roll_length;
-mod second_fit;
-mod shape_classes;
-mod slopes;
+mod rolls;
+mod row;
+mod sensors;
 mod straight_line;
-mod turned_cylinder;
-mod wrist;
 
 use crate::Study;
-use finding::Finding;
+use claim::{Claim, Finding};
 use palpate_study::Table;
 use std::fmt;
 
@@ -47,15 +38,21 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Outcome of holding one claim against the tables of one study.
+/// Verdict on one claim by the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
     /// Number of the claim.
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// Claim of the paper, in short; empty if no claim has this number.
+    /// Claim in at most six words; empty, as the next two, if no claim has this number.
+    pub title: String,
+    /// Published value, in short.
+    pub published: String,
+    /// Claim of the paper, in a sentence.
     pub paper_says: String,
+    /// Measured value beside the published one; empty if the claim is not testable.
+    pub headline: String,
     /// Finding in the tables, with units; empty if the claim is not testable.
     pub measured: String,
     /// The verdict.
@@ -66,128 +63,15 @@ pub struct Score {
 
 /// Whether a published claim has this number.
 pub fn is_claim(number: u32) -> bool {
-    CLAIMS.iter().any(|claim| claim.number == number)
+    all().iter().any(|claim| claim.number == number)
 }
 
-/// A claim and the function that reads the tables for it: a finding, or what they lack.
-struct Claim {
-    number: u32,
-    paper_says: &'static str,
-    judge: fn(&Study) -> Result<Finding, String>,
+/// All claims.
+fn all() -> Vec<Claim> {
+    let claims = rolls::claims().into_iter().chain(pads::claims());
+    let claims = claims.chain(patches::claims()).chain(presses::claims());
+    claims.chain(sensors::claims()).collect()
 }
-
-const CLAIMS: [Claim; 22] = [
-    Claim {
-        number: 1,
-        paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
-        judge: angular_velocity::grows_as_rcr_falls,
-    },
-    Claim {
-        number: 2,
-        paper_says: "On a sphere the length of the roll does not matter for noise in angular velocity.",
-        judge: angular_velocity::length_does_not_matter,
-    },
-    Claim {
-        number: 3,
-        paper_says: "On a paraboloid the error grows rapidly with the length of the roll; c = 5 cannot be estimated at a reasonable length even without noise.",
-        judge: roll_length::grows_rapidly,
-    },
-    Claim {
-        number: 4,
-        paper_says: "Paraboloids of c from 1 to 0.01 are estimated within about 15 %.",
-        judge: roll_length::within_15_percent,
-    },
-    Claim {
-        number: 5,
-        paper_says: "The error grows with the size of the pads, more so at low relative curvature.",
-        judge: pads::error_grows_with_pitch,
-    },
-    Claim {
-        number: 6,
-        paper_says: "In many cases the estimate is zero curvature for R₂ above 5 cm and pads coarser than 0.1 mm (R₁ = 1 cm).",
-        judge: pads::zeros,
-    },
-    Claim {
-        number: 7,
-        paper_says: "A longer roll reduces the error from pads.",
-        judge: pads::longer_rolls_help,
-    },
-    Claim {
-        number: 8,
-        paper_says: "With 0.5 mm pads a roll of 0.5 rad gives a reasonable estimate for spheres from 5 to 0.2 cm (R₁ = 1 cm).",
-        judge: pads::half_millimetre_pads,
-    },
-    Claim {
-        number: 9,
-        paper_says: "The second iteration of fitting a smoothing spline increases the accuracy dramatically.",
-        judge: second_fit::improves_dramatically,
-    },
-    Claim {
-        number: 10,
-        paper_says: "The classes of shape are well estimated for noise of 5 % of the inter-finger distance or less.",
-        judge: shape_classes::well_estimated_up_to_5_percent,
-    },
-    Claim {
-        number: 11,
-        paper_says: "For noise of 10 % only the sphere is classified accurately; the mean curvature is still good on the other surfaces, the Gaussian curvature worse.",
-        judge: shape_classes::only_the_sphere_at_10_percent,
-    },
-    Claim {
-        number: 12,
-        paper_says: "With noise of 5 % the segmentation of the saddle by shape corresponds nearly perfectly with the actual surface.",
-        judge: shape_classes::saddle_segmentation_nearly_perfect,
-    },
-    Claim {
-        number: 13,
-        paper_says: "Noisy data show tensor-product effects on cylinders: a cylinder turned against the fingers is fitted worse.",
-        judge: turned_cylinder::is_fitted_worse,
-    },
-    Claim {
-        number: 14,
-        paper_says: "A marker's hue is linear in its normal displacement, its centroid in the tangential one.",
-        judge: hue::and_centroid_are_linear,
-    },
-    Claim {
-        number: 15,
-        paper_says: "A Gaussian fits the displacement that Hertz's theory gives under a layer of skin with R² of 0.96.",
-        judge: gaussian_profile::fits_the_filtered_profile,
-    },
-    Claim {
-        number: 16,
-        paper_says: "The estimated effective radius converges to the true 26.7, 20 and 16 mm by an indentation of 1.4 mm; below 1 mm noise dominates.",
-        judge: effective_radius::converges,
-    },
-    Claim {
-        number: 17,
-        paper_says: "Contact is at a point where the relative curvature is positive, ill-defined where it is zero, at the edge where it is negative; so a small sensor is the most versatile.",
-        judge: regimes::go_by_relative_curvature,
-    },
-    Claim {
-        number: 18,
-        paper_says: "A skin cut into 6 or 8 gores is distorted less than one of 4.",
-        judge: gores::more_distort_less,
-    },
-    Claim {
-        number: 19,
-        paper_says: "The fisheye lens gives all markers a similar area in the image.",
-        judge: fisheye::keeps_the_area,
-    },
-    Claim {
-        number: 20,
-        paper_says: "An edge can be sensed, but not its radius.",
-        judge: edge::is_a_bound,
-    },
-    Claim {
-        number: 21,
-        paper_says: "A wrist sensor's contact error of 0.54 mm (2.7 % of a probe of R₁ = 10 mm across) acts like pads of that size.",
-        judge: wrist::acts_like_pads,
-    },
-    Claim {
-        number: 22,
-        paper_says: "A marker's hue changes by 0.0258 turns per millimetre of indentation, its centroid by 7.0 px per millimetre of shift, in frames of 265 px.",
-        judge: slopes::are_the_published,
-    },
-];
 
 /// Scores the claims that each study names, in order of the claims' numbers, then of the studies.
 ///
@@ -213,38 +97,44 @@ const CLAIMS: [Claim; 22] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn score(studies: &[Study]) -> Vec<Score> {
-    let mut scores: Vec<Score> = studies
-        .iter()
-        .flat_map(|study| {
-            study
-                .claims()
-                .iter()
-                .map(move |number| judge(study, *number))
-        })
-        .collect();
+    let claims = all();
+    let of_study = |study| {
+        let numbers = Study::claims(study).iter();
+        numbers
+            .map(|number| of_claim(&claims, study, *number))
+            .collect::<Vec<_>>()
+    };
+    let mut scores: Vec<Score> = studies.iter().flat_map(of_study).collect();
     scores.sort_by_key(|score| score.claim);
     scores
 }
 
-fn judge(study: &Study, number: u32) -> Score {
-    let claim = CLAIMS.iter().find(|claim| claim.number == number);
-    let outcome = match claim {
-        Some(claim) => (claim.judge)(study),
-        None => Err("no function scores a claim of this number".to_owned()),
+fn of_claim(claims: &[Claim], study: &Study, number: u32) -> Score {
+    let claim = claims.iter().find(|claim| claim.number == number);
+    let finding = match claim {
+        Some(claim) => claim.finding(study),
+        None => Err("no claim has this number".to_owned()),
     };
-    let (verdict, measured, why) = match outcome {
-        Ok(found) if found.holds => (Verdict::Holds, found.measured, found.why),
-        Ok(found) => (Verdict::Differs, found.measured, found.why),
-        Err(reason) => (Verdict::NotTestable, String::new(), reason),
+    let verdict = match &finding {
+        Ok(finding) if finding.holds => Verdict::Holds,
+        Ok(_) => Verdict::Differs,
+        Err(_) => Verdict::NotTestable,
     };
-    let paper_says = claim.map_or("", |claim| claim.paper_says).to_owned();
+    let finding = finding.unwrap_or_else(|lack| Finding {
+        why: lack,
+        ..Finding::default()
+    });
+    let text = |of: fn(&Claim) -> &str| claim.map_or("", of).to_owned();
     Score {
         claim: number,
         study: study.name().to_owned(),
-        paper_says,
-        measured,
+        title: text(|claim| claim.title),
+        published: text(|claim| claim.published),
+        paper_says: text(|claim| claim.paper_says),
+        headline: finding.headline,
+        measured: finding.measured,
         verdict,
-        why,
+        why: finding.why,
     }
 }
 

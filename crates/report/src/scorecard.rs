@@ -5,23 +5,66 @@ use crate::{Score, Verdict};
 const WIDTH: usize = 100;
 const INDENT: usize = 14;
 
-/// The scores as text of at most 100 columns, with a line of totals at the end; empty without scores.
+/// One line per score, under a header: number, claim, published value, measured value, verdict and study; then a line
+/// of totals. Empty without scores.
 ///
 /// ```
-/// use palpate_report::{Score, Verdict, scorecard_text};
+/// use palpate_report::{Score, Verdict, scorecard_lines};
 ///
 /// let score = Score {
 ///     claim: 19,
 ///     study: "lenses".to_owned(),
+///     title: "Fisheye keeps the marker area even".to_owned(),
+///     published: "similar area".to_owned(),
 ///     paper_says: "The fisheye lens gives all markers a similar area in the image.".to_owned(),
+///     headline: "ratio 1.2".to_owned(),
 ///     measured: "The largest area is 1.2 times the smallest.".to_owned(),
 ///     verdict: Verdict::Holds,
 ///     why: "Holds if the ratio is at most 1.5.".to_owned(),
 /// };
-/// let text = scorecard_text(&[score]);
-/// assert!(text.starts_with("Claim 19  HOLDS  (lenses)\n"));
-/// assert!(text.ends_with("1 hold, 0 differ, 0 not testable\n"));
+/// assert_eq!(
+///     scorecard_lines(&[score]),
+///     "No.  Claim                               Published     Measured   Verdict  Study\n \
+///       19  Fisheye keeps the marker area even  similar area  ratio 1.2  holds    lenses\n\n\
+///      1 hold, 0 differ, 0 not testable\n"
+/// );
 /// ```
+pub fn scorecard_lines(scores: &[Score]) -> String {
+    if scores.is_empty() {
+        return String::new();
+    }
+    let header = ["No.", "Claim", "Published", "Measured", "Verdict", "Study"].map(str::to_owned);
+    let cells = |score: &Score| {
+        let texts = [&score.title, &score.published, &score.headline].map(Clone::clone);
+        let [title, published, measured] = texts;
+        let (number, verdict) = (format!("{:>3}", score.claim), score.verdict.to_string());
+        [
+            number,
+            title,
+            published,
+            measured,
+            verdict,
+            score.study.clone(),
+        ]
+    };
+    let mut lines = vec![header];
+    lines.extend(scores.iter().map(cells));
+    let length = |text: &String| text.chars().count();
+    let width = |column: usize| lines.iter().map(|cells| length(&cells[column])).max();
+    let widths = [0, 1, 2, 3, 4, 5].map(|column| width(column).unwrap_or(0));
+    let mut text = String::new();
+    for cells in &lines {
+        let padded = cells
+            .iter()
+            .zip(widths)
+            .map(|(cell, width)| format!("{cell:<width$}"));
+        text += padded.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text + "\n" + &totals(scores)
+}
+
+/// The scores in sentences of at most 100 columns: claim, finding and rule; then the line of totals. Empty without scores.
 pub fn scorecard_text(scores: &[Score]) -> String {
     if scores.is_empty() {
         return String::new();
@@ -41,19 +84,18 @@ pub fn scorecard_text(scores: &[Score]) -> String {
         }
         text.push('\n');
     }
+    text + &totals(scores)
+}
+
+fn totals(scores: &[Score]) -> String {
     let count = |verdict: Verdict| {
         scores
             .iter()
             .filter(|score| score.verdict == verdict)
             .count()
     };
-    text += &format!(
-        "{} hold, {} differ, {} not testable\n",
-        count(Verdict::Holds),
-        count(Verdict::Differs),
-        count(Verdict::NotTestable)
-    );
-    text
+    let [hold, differ, open] = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable].map(count);
+    format!("{hold} hold, {differ} differ, {open} not testable\n")
 }
 
 /// A named paragraph with a hanging indent.
@@ -83,31 +125,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_line_is_wider_than_100_columns_and_no_word_is_lost() {
+    fn no_line_of_the_details_is_wider_than_100_columns_and_no_word_is_lost() {
         let words = "µ ".repeat(300) + &"word ".repeat(200);
         let score = |verdict| Score {
             claim: 1,
             study: "s".to_owned(),
+            title: "Title".to_owned(),
+            published: "1".to_owned(),
             paper_says: words.clone(),
+            headline: "2".to_owned(),
             measured: String::new(),
             verdict,
             why: "because".to_owned(),
         };
-        let text = scorecard_text(&[score(Verdict::Holds), score(Verdict::NotTestable)]);
+        let scores = [score(Verdict::Holds), score(Verdict::NotTestable)];
+        let text = scorecard_text(&scores);
         assert!(
             text.lines().all(|line| line.chars().count() <= WIDTH),
             "{text}"
         );
         assert_eq!(text.matches("word").count(), 400);
-        assert!(
-            text.ends_with("1 hold, 0 differ, 1 not testable\n"),
-            "{text}"
-        );
         assert!(!text.contains("measured"));
-    }
-
-    #[test]
-    fn nothing_scored_is_nothing_said() {
-        assert_eq!(scorecard_text(&[]), "");
+        let totals = "1 hold, 0 differ, 1 not testable\n";
+        for text in [text, scorecard_lines(&scores)] {
+            assert!(text.ends_with(totals), "{text}");
+        }
+        assert_eq!([scorecard_lines(&[]), scorecard_text(&[])], ["", ""]);
     }
 }

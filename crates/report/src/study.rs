@@ -176,21 +176,43 @@ impl Study {
     }
 
     /// Number at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
-    /// swept, else the config's. `None` if there is no finite number.
+    /// swept, that of the labelled table if a sweep replaces a part of the scene, else the config's. `None` if there is
+    /// no finite number.
     pub fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
-            None => number(self.setting(path)?),
+            None => number(self.value(row, path)?),
         }
     }
 
-    /// Text at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
-    /// swept, else the config's. `None` if there is no text.
+    /// Text at a dotted `path` of the config in the cell of `row`, from the same places as [`Self::number`]. `None` if
+    /// there is no text.
     pub fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
-            None => self.setting(path)?.as_str(),
+            None => self.value(row, path)?.as_str(),
         }
+    }
+
+    /// Value at a dotted path that is no axis of the table.
+    fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
+        let (parent, key) = path.rsplit_once('.')?;
+        match self.cells.axis(parent) {
+            Some(axis) => self.labelled(parent, axis.text(row))?.get(key),
+            None => self.setting(path),
+        }
+    }
+
+    /// Table with a label (or, without one, of a kind) among those that the sweeps put at `path`.
+    fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
+        let sweeps = self.config.get("sweep")?.as_array()?.iter();
+        let mut tables = sweeps
+            .flat_map(|sweep| swept_values(sweep, path))
+            .filter_map(toml::Value::as_table);
+        tables.find(|table| {
+            let name = table.get("label").or_else(|| table.get("kind"));
+            name.and_then(toml::Value::as_str) == Some(label)
+        })
     }
 
     pub(crate) fn run_toml(&self) -> PathBuf {
@@ -203,6 +225,20 @@ impl Study {
             .and_then(toml::Value::as_str)
             .unwrap_or_default()
     }
+}
+
+/// Values that a sweep gives to a field, alone or together with other fields.
+fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
+    let values = || sweep.get("values")?.as_array();
+    let values = values().map_or(&[][..], Vec::as_slice).iter();
+    let is_it = |name: &toml::Value| name.as_str() == Some(path);
+    if sweep.get("path").is_some_and(is_it) {
+        return values.collect();
+    }
+    let paths = || sweep.get("paths")?.as_array();
+    let place = paths().and_then(|paths| paths.iter().position(is_it));
+    let of_place = |value: &'a toml::Value| value.as_array()?.get(place?);
+    values.filter_map(of_place).collect()
 }
 
 /// A TOML number of either kind, if it is finite.

@@ -6,6 +6,7 @@ use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProb
 
 use crate::map::MapTable;
 use crate::marker_sphere::{LAYOUT, MarkerSphere, of_optics};
+use crate::need::Need;
 use crate::plan::PlanError;
 use crate::trials::{Outcome, Trials};
 
@@ -15,7 +16,7 @@ pub struct MeasuredSensor {
     quantities: &'static [Quantity],
     /// Values of the quantities, in their order; `None` where the camera does not see the place.
     values: Vec<Option<f64>>,
-    needs: Vec<String>,
+    needs: Vec<Need>,
 }
 
 impl MeasuredSensor {
@@ -44,21 +45,25 @@ impl MeasuredSensor {
     pub fn new(config: &BareFingertipConfig) -> Result<Self, PlanError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
-        let mut needs = vec![format!("{markers} markers, touching nothing")];
+        let mut needs = vec![format!("{markers} markers, touching nothing").into()];
         let mut values = Vec::new();
         let has_discs = sphere.discs.is_some();
         let has_folds = if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
                 .map_err(|error| PlanError::at(format!("{LAYOUT}.gores"), error))?;
             values.extend([strain.greatest(), strain.rms()].map(Some));
-            needs.push(format!("strain of folding {gores} gores: closed form"));
+            needs.push(format!("strain of folding {gores} gores: closed form").into());
             true
         } else {
             false
         };
         if has_discs {
             values.push(area(&sphere, config)?);
-            needs.push("image area of a marker: closed form, no pixels".to_owned());
+            needs.push(
+                "image area of a marker: closed form, no pixels"
+                    .to_owned()
+                    .into(),
+            );
         }
         if !has_folds && !has_discs {
             let message = "has neither `discs` nor a layout with gores: there is nothing to tell";
@@ -96,7 +101,7 @@ impl Trials for MeasuredSensor {
         self.values.get(quantity).copied().flatten()
     }
 
-    fn needs(&self) -> Vec<String> {
+    fn needs(&self) -> Vec<Need> {
         self.needs.clone()
     }
 

@@ -49,7 +49,6 @@ pub use calibration::{
 pub use calibration_file::{calibration_toml, parse_calibration, read_calibration};
 pub use calibration_report::{CalibrationReport, Fitted};
 pub use camera_rest::{Residual, RestCamera, calibrate_camera, parse_camera, read_camera};
-pub use doubted::ToldDoubt;
 pub use error::RecordedError;
 pub use file::RecordedFile;
 pub use form::{Decimal, Delimiter, Form, column_names};

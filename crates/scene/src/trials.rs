@@ -5,6 +5,7 @@ use palpate_study::config::LengthUnit;
 
 use crate::ladder::Ladder;
 use crate::map::MapTable;
+use crate::need::Need;
 use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 
@@ -107,8 +108,8 @@ pub trait Trials {
         None
     }
 
-    /// The models that the scene needs and why, one line each.
-    fn needs(&self) -> Vec<String>;
+    /// The models that the scene needs and why, and warnings.
+    fn needs(&self) -> Vec<Need>;
 
     /// Measures the models by which the truth can be computed; `None` where there is nothing to choose.
     ///

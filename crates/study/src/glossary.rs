@@ -123,7 +123,7 @@ subjects! {
         "never-enough": "Of two objects: no number of trials tells them apart, since a trial is as likely to put them in the wrong order.";
     }
     "Doubts about estimates" {
-        "doubts": "Ways in which readings contradict the model of an estimate, each with the probability that chance makes readings contradict it as much.";
+        "warnings": "Reasons to distrust an estimate, each with a code, a text and numbers. A p_value among the numbers is the probability that readings contradict the model as much by chance.";
         "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
         "large-residuals": "Doubt about an estimate: the residuals are larger than the stated noise makes them.";
         "common-shift": "Doubt about rolls: all contacts moved by a part in common, which no rotation makes, as by probes that slip or drift.";

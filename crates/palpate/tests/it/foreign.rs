@@ -46,6 +46,6 @@ pub(crate) fn mean_curvature(estimate: &Value) -> f64 {
 pub(crate) fn warnings(estimate: &Value) -> Vec<&str> {
     let all = estimate["warnings"].as_array().unwrap();
     all.iter()
-        .map(|warning| warning.as_str().unwrap())
+        .map(|warning| warning["text"].as_str().unwrap())
         .collect()
 }

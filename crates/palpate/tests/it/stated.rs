@@ -53,7 +53,7 @@ fn told(desk: &Desk, command: &str) -> String {
     }
     let json: Value = serde_json::from_str(&ended.stdout).unwrap();
     let warnings = json["warnings"].as_array().unwrap().iter();
-    let lines = warnings.map(|warning| format!("warning: {}\n", warning.as_str().unwrap()));
+    let lines = warnings.map(|warning| format!("warning: {}\n", warning["text"].as_str().unwrap()));
     assert_eq!(ended.stderr, lines.collect::<String>());
     json["warnings"].to_string()
 }
@@ -163,10 +163,10 @@ fn a_stated_indentation_that_the_readings_contradict_is_doubted() {
     for (indentation, is_doubted) in [("1.5", false), ("1", true), ("2", true), ("3", true)] {
         let ended = desk(PRESS).palpate(&format!("{SENSOR} --indentation {indentation}"));
         let json: Value = serde_json::from_str(&ended.stdout).unwrap();
-        let doubts = json["doubts"].as_array().unwrap();
-        let is_it = |doubt: &Value| doubt["name"] == "other-indentation";
+        let warnings = json["warnings"].as_array().unwrap();
+        let is_it = |warning: &Value| warning["code"] == "other-indentation";
         assert_eq!(
-            doubts.iter().any(is_it),
+            warnings.iter().any(is_it),
             is_doubted,
             "{indentation}: {json}"
         );
@@ -179,7 +179,15 @@ fn noise_that_is_stated_a_little_too_small_is_told() {
         "{SENSOR} --normal-std 0.0385 --tangential-std 0.0155"
     ));
     let json: Value = serde_json::from_str(&ended.stdout).unwrap();
-    assert_eq!(json["doubts"][0]["name"], "large-residuals", "{json}");
+    let codes = json["warnings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|warning| &warning["code"]);
+    assert!(
+        codes.into_iter().any(|code| code == "large-residuals"),
+        "{json}"
+    );
     let said = json["warnings"].to_string();
     assert!(said.contains("times the noise that is given"), "{said}");
 }
@@ -412,7 +420,7 @@ fn the_json_has_a_version() {
     ] {
         let printed = desk(readings).palpate(command).printed();
         let json: Value = serde_json::from_str(&printed).unwrap();
-        assert_eq!(json["format_version"], 1, "{command}");
+        assert_eq!(json["format_version"], 2, "{command}");
     }
 }
 

@@ -111,8 +111,7 @@ class RollEstimate(Record):
     std_from: str
     unresolved_probes: list[Record]
     p_value: float | None
-    doubts: list[Record]
-    warnings: list[str]
+    warnings: list[Record]
     covariance: _Floats
 
 class _Run(Record):
@@ -250,8 +249,7 @@ class GlideEstimate(Record):
     grid: int
     regions: list[Record]
     p_value: float | None
-    doubts: list[Record]
-    warnings: list[str]
+    warnings: list[Record]
     covariance: _Floats
     map: _Map
     map_csv: str
@@ -281,8 +279,7 @@ class PressEstimate(Record):
     noise: Record
     r_squared: float
     contact_seen: bool
-    doubts: list[Record]
-    warnings: list[str]
+    warnings: list[Record]
 
 @final
 class RollBatch:

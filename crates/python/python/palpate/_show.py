@@ -70,7 +70,7 @@ def _rows(record: Any) -> list[tuple[str, str]]:
         words = _words(value)
         if words is not None:
             rows.append((key, words))
-    rows.extend(("warning", warning) for warning in fields.get("warnings", []))
+    rows.extend(("warning", warning["text"]) for warning in fields.get("warnings", []))
     return rows
 
 

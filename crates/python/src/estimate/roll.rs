@@ -20,7 +20,7 @@ use crate::watch::{Watch, pool, watched};
 
 record!(
     RollEstimate,
-    "Curvature of an object at a point, from small rolls.\n\nFields: what `palpate estimate roll` prints, among them `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`residual_rms`, `std_from`, `unresolved_probes`, `p_value`, `doubts` and `warnings`; and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN where nothing tells the noise."
+    "Curvature of an object at a point, from small rolls.\n\nFields: what `palpate estimate roll` prints, among them `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`residual_rms`, `std_from`, `unresolved_probes`, `p_value` and `warnings`\n(each with `code`, `text` and `numbers`); and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN where nothing tells the noise."
 );
 
 impl Made for recorded::RollEstimate {

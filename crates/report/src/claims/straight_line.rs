@@ -1,6 +1,6 @@
 //! A straight line through readings.
 
-use super::evidence::near;
+use super::bound::near;
 
 /// Place along x: the mean of the readings there, and their standard deviation.
 #[derive(Debug, Clone, Copy)]

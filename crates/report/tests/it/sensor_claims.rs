@@ -42,10 +42,11 @@ fn claim_14_holds_for_straight_lines_of_any_slope() {
     holds(
         &of_lines(&lines(hue, |_, shift| 7.0 * shift)),
         &[
-            "; the slope is 1.03 times below the published one of 0.02583 turns/mm",
-            "Hue against indentation: R² 1, slope 0.02 (dish of 80 mm), 0.025 (plane), 0.03 (ball of 80 mm) turns/mm",
-            "which differ by ±20 %",
-            "Centroid against shift: R² 1, slope 7 (dish of 80 mm)",
+            "R² of the hue at three or more indentations is 1",
+            "slopes of the hue are 0.02 (dish of 80 mm), 0.025 (plane), 0.03 (ball of 80 mm) turns/mm",
+            "the published slope of 0.02583 turns/mm is 0.861 to 1.29 times as steep",
+            "R² of the centroid at three or more shifts is 1",
+            "slopes of the centroid are 7 (dish of 80 mm)",
             "px/mm",
         ],
     );
@@ -58,7 +59,7 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
     let bent = |at: usize, depth: f64| mean(if at == 2 && depth < 1.0 { 0.0 } else { depth });
     differs(
         &of_lines(&lines(bent, |_, shift| 7.0 * shift)),
-        &["R² 0.75 to 1"],
+        &["indentations is 0.75 to 1"],
     );
     let sagging = |at: usize, shift: f64| {
         if at == 1 {
@@ -67,7 +68,7 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
             shift
         }
     };
-    differs(&of_lines(&lines(straight, sagging)), &["R² 0.98"]);
+    differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
     // Sums of squares 0.0002 of the means, and 3 × 0.005² of the scatter: R² = 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
@@ -75,11 +76,11 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
     };
     differs(
         &of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
-        &["R² 0.727,"],
+        &["indentations is 0.727;"],
     );
     differs(
         &of_lines(&lines(|_, _| mean(0.0), |_, shift| 7.0 * shift)),
-        &["R² 0, slope 0"],
+        &["indentations is 0;", "slopes of the hue are 0 (dish"],
     );
 }
 
@@ -92,7 +93,7 @@ fn claim_14_allows_the_paper_s_scatter_of_hues() {
     };
     holds(
         &of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
-        &["R² 0.914,"],
+        &["indentations is 0.914;"],
     );
 }
 
@@ -107,7 +108,7 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
     };
     untestable(
         &few("hue_change", "indentation"),
-        &["hue_change", "three indentations"],
+        &["the hue at three or more indentations"],
     );
     // Hues, but no shift anywhere.
     let mut cells = Cells::new("scene.motion.indentation_mm");
@@ -115,7 +116,7 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
         cells.push(depth, "hue_change", mean(depth.parse().unwrap()), "");
         cells.push(depth, "centroid_shift", mean(0.1), "");
     }
-    untestable(&of_lines(&cells), &["centroid_shift", "three shifts"]);
+    untestable(&of_lines(&cells), &["the centroid at three or more shifts"]);
 }
 
 // ---- 22: slopes of those lines
@@ -141,8 +142,8 @@ fn claim_22_holds_where_one_sensor_has_both_slopes() {
     holds(
         &slopes([0.005166, 0.02583], [4.2, 6.3]),
         &[
-            "Of the hue's 0.02583 turns/mm: 20 % (as designed), 100 % (nearer camera).",
-            "Of the centroid's 7 px/mm: 60 % (as designed), 90 % (nearer camera).",
+            "published 0.02583 turns/mm, 20 % (as designed), 100 % (nearer camera)",
+            "published 7 px/mm, 60 % (as designed), 90 % (nearer camera)",
         ],
     );
 }
@@ -151,11 +152,7 @@ fn claim_22_holds_where_one_sensor_has_both_slopes() {
 fn claim_22_differs_where_no_sensor_has_both() {
     differs(
         &slopes([0.005166, 0.02583], [7.0, 4.2]),
-        &[
-            "20 % (as designed)",
-            "60 % (nearer camera)",
-            "reach 100 % (nearer camera) of the hue's and 100 % (as designed) of the centroid's",
-        ],
+        &["20 % (as designed)", "60 % (nearer camera)"],
     );
     // One and a fifth is still alike, and more is not.
     holds(&slopes([0.0, 0.0309], [0.0, 7.0]), &["120 %"]);
@@ -181,7 +178,8 @@ fn claim_18_wants_both_strains_to_fall() {
     holds(
         &gores(&published, &rms),
         &[
-            "Folding 4, 6, 8 gores strains them by at most 47 %, 30 %, 22 %, by 20 %, 10 %, 5 % in the rms",
+            "greatest fold strain is 47 % (4 gores), 30 % (6 gores), 22 % (8 gores)",
+            "the rms fold strain is 20 % (4 gores), 10 % (6 gores), 5 % (8 gores)",
         ],
     );
     for strains in [
@@ -190,19 +188,20 @@ fn claim_18_wants_both_strains_to_fall() {
         [(4, 0.2), (6, 0.1), (8, 0.3)],
     ] {
         differs(&gores(&published, &strains), &["47 %"]);
-        differs(&gores(&strains, &rms), &["20 %, 10 %, 5 %"]);
+        differs(
+            &gores(&strains, &rms),
+            &["20 % (4 gores), 10 % (6 gores), 5 % (8 gores)"],
+        );
     }
 }
 
 #[test]
-fn claim_18_needs_each_number_of_gores_once() {
+fn claim_18_needs_each_number_of_gores() {
     let all = [(4, 0.4), (6, 0.3), (8, 0.2)];
     let missing = &["no greatest_fold_strain of 8 gores"];
     untestable(&gores(&all[..2], &all), missing);
     let missing = &["no rms_fold_strain of 4 gores"];
     untestable(&gores(&all, &[]), missing);
-    let twice = [(4, 0.4), (4, 0.4), (6, 0.3), (8, 0.2)];
-    untestable(&gores(&twice, &all), &["several rows", "of 4 gores"]);
 }
 
 // ---- 19: the fisheye
@@ -228,24 +227,24 @@ fn claim_19_wants_an_even_fisheye_beside_an_uneven_pinhole() {
     let uneven = ("pinhole", [Some(100.0), Some(154.0), None]);
     holds(
         &areas(&[even, uneven]),
-        &["fisheye 1.2 over polar angles of 0 to 60°; pinhole 1.54 over polar angles of 0 to 30°"],
+        &[
+            "fisheye is 1.2 times the smallest; over polar angles of 0 to 60°",
+            "pinhole is 1.54 times the smallest; over polar angles of 0 to 30°",
+        ],
     );
     let stretched = ("fisheye", [100.0, 105.0, 126.0].map(Some));
-    differs(&areas(&[stretched, uneven]), &["fisheye 1.26"]);
+    differs(&areas(&[stretched, uneven]), &["fisheye is 1.26"]);
     let as_even = ("pinhole", [100.0, 110.0, 125.0].map(Some));
-    differs(&areas(&[even, as_even]), &["pinhole 1.25"]);
+    differs(&areas(&[even, as_even]), &["pinhole is 1.25"]);
 }
 
 #[test]
 fn claim_19_needs_both_lenses_at_several_angles() {
     let even = ("fisheye", [100.0, 105.0, 120.0].map(Some));
-    untestable(&areas(&[even]), &["marker_area of a pinhole"]);
+    untestable(&areas(&[even]), &["under the pinhole"]);
     let lone = ("pinhole", [Some(100.0), None, None]);
-    untestable(&areas(&[even, lone]), &["marker_area of a pinhole"]);
+    untestable(&areas(&[even, lone]), &["under the pinhole"]);
     // What has no area has no ratio.
     let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
-    untestable(
-        &areas(&[none, ("pinhole", even.1)]),
-        &["marker_area of a fisheye"],
-    );
+    untestable(&areas(&[none, ("pinhole", even.1)]), &["under the fisheye"]);
 }

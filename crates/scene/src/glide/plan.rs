@@ -13,6 +13,7 @@ use super::method::AnyMethod;
 use super::scene::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};
 use super::sensor::{GlideSensor, SensorKind};
 
+use crate::need::{Need, Warning};
 use crate::plan::{PlanError, pad_layout, shape};
 use palpate_study::config::{
     EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
@@ -35,12 +36,12 @@ impl GlideScene {
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
         let method = AnyMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
-        let mut needs = vec![need(&glider)];
-        needs.extend(noise.need());
-        needs.push(sensor.need());
-        needs.extend(tip.map(|tip| of_tips(&tip, sensor.normals)));
-        needs.push(method.need());
-        needs.extend(beyond(config));
+        let models = [Some(need(&glider)), noise.need(), Some(sensor.need())].into_iter();
+        let models = models
+            .chain([tip.map(|tip| of_tips(&tip, sensor.normals))])
+            .chain([Some(method.need())]);
+        let warning = beyond(config).map(Need::from);
+        let needs = models.flatten().map(Need::from).chain(warning).collect();
         Ok(Self {
             seed,
             config: config.clone(),
@@ -302,7 +303,7 @@ fn grid(
 }
 
 /// A warning where the grid reaches beyond the contacts.
-fn beyond(config: &GlideConfig) -> Option<String> {
+fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let lowest = motion
         .finger_positions
@@ -315,7 +316,12 @@ fn beyond(config: &GlideConfig) -> Option<String> {
         .copied()
         .fold(f64::NEG_INFINITY, f64::max);
     let reach = (0.5 * motion.patch_length).min(-lowest).min(highest);
-    (config.evaluate.half_width > reach * (1.0 + 1e-9)).then(|| {
-        "warning: the grid reaches beyond the contacts, where the fit is a guess".to_owned()
+    let half_width = config.evaluate.half_width;
+    (half_width > reach * (1.0 + 1e-9)).then(|| {
+        Warning::new(
+            "grid-beyond-contacts",
+            "the grid reaches beyond the contacts, where the fit is a guess",
+            [("half_width", half_width), ("reach", reach)],
+        )
     })
 }

@@ -10,6 +10,7 @@ use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 use super::method::AnyMethod;
 use crate::ladder::Ladder;
 use crate::map::MapTable;
+use crate::need::Need;
 use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
@@ -37,7 +38,7 @@ pub struct GlideScene {
     pub(super) tip: Option<RoundTip>,
     pub(super) method: AnyMethod,
     pub(super) grid: TrueGrid,
-    pub(super) needs: Vec<String>,
+    pub(super) needs: Vec<Need>,
 }
 
 /// A contact of a finger.
@@ -186,7 +187,7 @@ impl Trials for GlideScene {
         most.map(ShapeClass::name)
     }
 
-    fn needs(&self) -> Vec<String> {
+    fn needs(&self) -> Vec<Need> {
         self.needs.clone()
     }
 

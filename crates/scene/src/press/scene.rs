@@ -18,6 +18,7 @@ use super::seen::CameraPress;
 use super::soft_body::SoftBody;
 use crate::ladder::Ladder;
 use crate::map::MapTable;
+use crate::need::{Need, Warning};
 use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
@@ -73,7 +74,7 @@ pub struct PressScene {
     pub(super) bounds: Option<Bounds>,
     pub(super) rungs: PressRungs,
     /// Needs of the scene: its model, sensor and noise in words.
-    pub(super) needs: Vec<String>,
+    pub(super) needs: Vec<Need>,
     /// Estimate from readings without noise, once it was asked for.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
@@ -380,16 +381,18 @@ impl Trials for PressScene {
         })
     }
 
-    fn needs(&self) -> Vec<String> {
+    fn needs(&self) -> Vec<Need> {
         let mut needs = self.needs.clone();
         let estimate = self.truth.is_ok().then(|| self.exact());
-        needs.extend(estimate.and_then(|estimate| match estimate {
+        let warning = estimate.and_then(|estimate| match estimate {
             Ok(estimate) => far_off(estimate, self.pressed.object.curvature),
-            Err(error) => Some(format!(
-                "warning: even without noise the estimate fails as `{}`: {error}",
-                error.name()
-            )),
-        }));
+            Err(error) => {
+                let name = error.name();
+                let text = format!("even without noise the estimate fails as `{name}`: {error}");
+                Some(Warning::new("no-estimate", text, []))
+            }
+        });
+        needs.extend(warning.map(Need::from));
         needs
     }
 
@@ -446,7 +449,7 @@ fn finite(value: f64) -> Option<f64> {
 const FAR_OFF: [f64; 2] = [0.5, 0.05];
 
 /// A warning where an estimate without noise is far off the object's curvature.
-fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
+fn far_off(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     let estimated = estimate.object_curvature();
     let [far, beside] = FAR_OFF.map(|share| share * (estimate.sensor_curvature + object));
     let off = (estimated.value - object).abs();
@@ -455,10 +458,15 @@ fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
     }
     match off > far || !estimated.interval.holds(object) {
         true => {
-            let [found, object] = [estimated.value, object].map(Number::rounded);
-            Some(format!(
-                "warning: even without noise the estimated curvature is {found}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
-            ))
+            let numbers = [
+                ("estimated_curvature", estimated.value),
+                ("true_curvature", object),
+            ];
+            let [found, object] = numbers.map(|(_, number)| Number::rounded(number));
+            let text = format!(
+                "even without noise the estimated curvature is {found}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
+            );
+            Some(Warning::new("biased-estimate", text, numbers))
         }
         false => unexplained(estimate),
     }
@@ -469,12 +477,11 @@ fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
 const LEAST_EXPLAINED: f64 = 0.95;
 
 /// A warning where the fit to readings without noise leaves much of them unexplained: with noise it may go anywhere.
-fn unexplained(estimate: &PressEstimate) -> Option<String> {
+fn unexplained(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < LEAST_EXPLAINED).then(|| {
-        format!(
-            "warning: even without noise the estimator explains only {:.0} % of the variance of the normal displacements: what it assumes of body, contact or readings does not hold here",
-            100.0 * explained.max(0.0)
-        )
+        let percent = 100.0 * explained.max(0.0);
+        let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: what it assumes of body, contact or readings does not hold here");
+        Warning::new("unexplained-readings", text, [("r_squared", explained)])
     })
 }

@@ -9,6 +9,7 @@ use super::method::assumed_body;
 use super::pressed::Pressed;
 use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
+use crate::need::{Need, Warning};
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig,
@@ -21,22 +22,21 @@ pub(super) fn of_model(
     pressed: &Pressed,
     skin: &Skin,
     contact: &Result<Contact<'_>, PressError>,
-) -> Vec<String> {
-    let mut needs = vec![
-        match choice.model.reference() {
-            PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
-            PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
-                "Hertz contact on a half-space, at the markers' depth: closed form"
-            }
-            PressModelConfig::BondedLayer { .. } => {
-                "incompressible layer bonded to a rigid core: the contact is solved for"
-            }
+) -> Vec<Need> {
+    let mut model = match choice.model.reference() {
+        PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
+        PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
+            "Hertz contact on a half-space, at the markers' depth: closed form"
         }
-        .to_owned(),
-    ];
-    if choice.tolerance.is_some() {
-        needs[0] += &format!(" ({})", choice.reason);
+        PressModelConfig::BondedLayer { .. } => {
+            "incompressible layer bonded to a rigid core: the contact is solved for"
+        }
     }
+    .to_owned();
+    if choice.tolerance.is_some() {
+        model += &format!(" ({})", choice.reason);
+    }
+    let mut needs = vec![Need::from(model)];
     let regime = ContactRegime::of(skin.curvature(), pressed.object.curvature);
     match contact {
         Ok(contact) => {
@@ -47,7 +47,7 @@ pub(super) fn of_model(
                 }
                 ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
             };
-            needs.push(format!("{} contact{what}", regime.name()));
+            needs.push(format!("{} contact{what}", regime.name()).into());
             let is_layer = matches!(choice.model, PressModelConfig::BondedLayer { .. });
             let large = large_contact(
                 contact.relative_curvature,
@@ -55,18 +55,21 @@ pub(super) fn of_model(
                 skin.radius(),
                 is_layer,
             );
-            needs.extend(large.map(|large| format!("warning: {large}")));
+            needs.extend(large.map(Need::from));
             if pressed.shift.abs() > contact.radius {
-                let [shift, radius] = [pressed.shift, contact.radius].map(Number::rounded);
-                needs.push(format!(
-                    "warning: the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
-                ));
+                let numbers = [("shift", pressed.shift), ("contact_radius", contact.radius)];
+                let [shift, radius] = numbers.map(|(_, number)| Number::rounded(number));
+                let text = format!(
+                    "the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
+                );
+                needs.push(Warning::new("large-shift", text, numbers).into());
             }
         }
-        Err(error) => needs.push(format!(
-            "warning: no press; every trial fails as `{}`: {error}",
-            error.name()
-        )),
+        Err(error) => {
+            let name = error.name();
+            let text = format!("no press; every trial fails as `{name}`: {error}");
+            needs.push(Warning::new("no-press", text, []).into());
+        }
     }
     needs
 }
@@ -77,7 +80,7 @@ pub(crate) fn large_contact(
     contact_radius: f64,
     sensor_radius: f64,
     is_layer: bool,
-) -> Option<String> {
+) -> Option<Warning> {
     let of_sensor = contact_radius / sensor_radius;
     let of_object = contact_radius * (relative_curvature - sensor_radius.recip());
     let (share, whose) = match of_object > of_sensor {
@@ -95,12 +98,13 @@ pub(crate) fn large_contact(
         ),
         Err(_) => format!("it is wider than the {whose}"),
     };
-    Some(format!(
+    let text = format!(
         "the contact's radius is {share:.2} of the {whose}'s, past {LARGE_CONTACT}: {reason}"
-    ))
+    );
+    Some(Warning::new("large-contact", text, [("share", share)]))
 }
 
-const EXACT_TANGENTIAL: &str = "warning: displacements along the skin have no error and outweigh all \
+const EXACT_TANGENTIAL: &str = "displacements along the skin have no error and outweigh all \
     others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
 
 /// The errors of what is read, and the sensor that reads it.
@@ -110,14 +114,19 @@ pub(super) fn of_readings(
     tangential: bool,
     markers: usize,
     config: &PressConfig,
-) -> Vec<String> {
+) -> Vec<Need> {
     let is_seen = matches!(sensor, PressSensor::Camera(Ok(seen)) if seen.is_random());
     let none = || (!is_seen).then(|| "no noise: no random numbers are drawn".to_owned());
-    let mut needs: Vec<String> = noise.need().or_else(none).into_iter().collect();
+    let mut needs: Vec<Need> = noise
+        .need()
+        .or_else(none)
+        .map(Need::from)
+        .into_iter()
+        .collect();
     needs.extend(of_sensor(markers, sensor, tangential, config));
     let is_direct = matches!(sensor, PressSensor::Direct);
     if is_direct && tangential && noise.normal.is_random() && !noise.tangential.is_random() {
-        needs.push(EXACT_TANGENTIAL.to_owned());
+        needs.push(Warning::new("exact-tangential-displacements", EXACT_TANGENTIAL, []).into());
     }
     needs
 }
@@ -127,7 +136,7 @@ fn of_sensor(
     sensor: &PressSensor,
     tangential: bool,
     config: &PressConfig,
-) -> Vec<String> {
+) -> Vec<Need> {
     let plural = if markers == 1 { "" } else { "s" };
     let with = if tangential { "with" } else { "without" };
     let averaged = |frames: u32| match frames {
@@ -137,9 +146,10 @@ fn of_sensor(
     let (rung, camera) = match &config.sensor {
         PressSensorConfig::Direct { frames, .. } => {
             let frames = averaged(*frames);
-            return vec![format!(
+            let sensor = format!(
                 "direct sensor: {markers} marker{plural}, {with} displacements along the skin{frames}"
-            )];
+            );
+            return vec![sensor.into()];
         }
         PressSensorConfig::Projected(camera) => (
             "projected sensor: the camera's picture of each marker in closed form, no pixels"
@@ -159,23 +169,23 @@ fn of_sensor(
         NormalFrom::Size => "size",
         NormalFrom::Both => "hue and size",
     };
-    let mut needs = vec![format!(
-        "{rung}: {markers} marker{plural}, {with} displacements along the skin{}",
-        averaged(camera.frames)
-    )];
-    needs.push(format!(
-        "normal displacements from the {from} of markers, calibrated by {} presses on a plane",
-        camera.calibration.presses
-    ));
+    let (frames, presses) = (averaged(camera.frames), camera.calibration.presses);
+    let models = [
+        format!("{rung}: {markers} marker{plural}, {with} displacements along the skin{frames}"),
+        format!(
+            "normal displacements from the {from} of markers, calibrated by {presses} presses on a plane"
+        ),
+    ];
+    let mut needs: Vec<Need> = models.map(Need::from).into();
     if let PressSensor::Camera(Ok(seen)) = sensor {
         let rest = seen.sensor.rest.iter().flatten().count();
         if rest < markers {
-            needs.push(format!(
-                "warning: the camera sees {rest} of {markers} markers"
-            ));
+            let text = format!("the camera sees {rest} of {markers} markers");
+            let numbers = [("visible", rest as f64), ("markers", markers as f64)];
+            needs.push(Warning::new("hidden-markers", text, numbers).into());
         }
     }
-    needs.extend(camera_noise(&config.noise));
+    needs.extend(camera_noise(&config.noise).map(Need::from));
     needs
 }
 
@@ -206,7 +216,7 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
 }
 
 /// The estimator, and what is doubtful about it.
-pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<String> {
+pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<Need> {
     let (what, has_depth) = assumed_body(&config.estimator);
     let priors = config.estimator.priors();
     let indentation = match priors.indentation {
@@ -221,21 +231,19 @@ pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<St
         NoiseKnown::Stated => "noise as stated",
         NoiseKnown::Found => "noise found from the residuals",
     };
-    let mut needs = vec![format!(
-        "least-squares fit of {what}, {indentation}{baseline}, {noise}"
-    )];
+    let fit = format!("least-squares fit of {what}, {indentation}{baseline}, {noise}");
+    let mut needs = vec![Need::from(fit)];
     if let Err(error) = &method.fit {
-        needs.push(format!(
-            "warning: no estimator; every trial fails as `{}`: {error}",
-            error.name()
-        ));
+        let name = error.name();
+        let text = format!("no estimator; every trial fails as `{name}`: {error}");
+        needs.push(Warning::new("no-estimator", text, []).into());
     }
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     let at_surface = matches!(config.model, PressModelConfig::Hertz { .. });
     if at_surface && has_depth && marker_depth > 0.0 {
+        let text = "the model moves markers as at the surface, the estimator takes them to be at their depth";
         needs.push(
-            "warning: the model moves markers as at the surface, the estimator takes them to be at their depth"
-                .to_owned(),
+            Warning::new("markers-at-surface", text, [("marker_depth", marker_depth)]).into(),
         );
     }
     needs

@@ -1,40 +1,52 @@
-//! Doubts about an estimate, as they are told.
+//! Warnings of ways in which readings contradict the model.
 
 use palpate_number::Number;
-use serde::Serialize;
 
-/// A way in which the readings contradict the model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ToldDoubt {
-    /// Name, as `large-residuals`; help of the command lists those of its estimates.
-    name: &'static str,
-    /// Probability of readings that contradict it as much where the model holds.
-    p_value: f64,
-}
+use crate::need::Warning;
 
-macro_rules! told {
+macro_rules! warns {
     ($($doubt:ty),+) => {$(
-        impl From<$doubt> for ToldDoubt {
+        impl From<$doubt> for Warning {
             fn from(doubt: $doubt) -> Self {
-                Self {
-                    name: doubt.name(),
-                    p_value: doubt.p_value(),
-                }
+                Self::new(doubt.name(), doubt.to_string(), [("p_value", doubt.p_value())])
             }
         }
     )+};
 }
 
-told!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);
+warns!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);
+
+/// Warnings with the p-values of contradictions, and a warning of each contradiction that has none.
+pub(super) fn with_p_values(
+    mut warnings: Vec<Warning>,
+    contradictions: impl Iterator<Item = Warning>,
+) -> Vec<Warning> {
+    for contradiction in contradictions {
+        let same = warnings
+            .iter_mut()
+            .filter(|one| one.code == contradiction.code);
+        let numbered = same.map(|one| {
+            let numbers = contradiction.numbers.iter();
+            numbers.for_each(|(name, number)| {
+                one.numbers.entry(name).or_insert(*number);
+            });
+        });
+        if numbered.count() == 0 {
+            warnings.push(contradiction);
+        }
+    }
+    warnings
+}
 
 /// Probability by chance of residuals as large, below which there is always a warning.
 const ALWAYS_WARNED: f64 = 1e-6;
 
 /// The warning of a fit so poor that noise does not explain it, where no doubt says so.
-pub(super) fn poor_fit(p_value: Option<f64>, has_doubts: bool) -> Option<String> {
+pub(super) fn poor_fit(p_value: Option<f64>, has_doubts: bool) -> Option<Warning> {
     let p_value = p_value.filter(|p_value| *p_value < ALWAYS_WARNED && !has_doubts)?;
-    let p_value = Number::rounded(p_value);
-    Some(format!(
-        "the residuals are larger than the stated noise makes them (p-value {p_value}): the readings contradict the model or the noise"
-    ))
+    let shown = Number::rounded(p_value);
+    let text = format!(
+        "the residuals are larger than the stated noise makes them (p-value {shown}): the readings contradict the model or the noise"
+    );
+    Some(Warning::new("poor-fit", text, [("p_value", p_value)]))
 }

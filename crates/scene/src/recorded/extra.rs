@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 pub(super) struct Extras {
     /// Names of the columns, as the file has them.
     pub(super) names: Vec<String>,
-    /// Rows as CSV, one after the other.
+    /// Fields of all rows, one after the other.
     text: String,
-    /// Where each row ends in the text.
+    /// Where each field ends in the text.
     ends: Vec<usize>,
 }
 
@@ -19,37 +19,29 @@ impl Extras {
         Self { names, text, ends }
     }
 
-    /// Adds a row, which a function writes as CSV.
-    pub(super) fn push(&mut self, write: impl FnOnce(&mut String)) {
-        if !self.names.is_empty() {
-            write(&mut self.text);
+    /// Adds the fields of a row.
+    pub(super) fn push<'a>(&mut self, fields: impl Iterator<Item = &'a str>) {
+        for field in fields {
+            self.text.push_str(field);
             self.ends.push(self.text.len());
         }
     }
 
-    /// Bytes of all rows.
+    /// Bytes of all rows, each field with a delimiter.
     pub(super) const fn bytes(&self) -> usize {
-        self.text.len()
+        self.text.len() + self.ends.len()
     }
 
     /// Fields of a row; none where there are no such columns.
     pub(super) fn row(&self, row: usize) -> Vec<String> {
-        let Some(&end) = self.ends.get(row) else {
-            return Vec::new();
-        };
-        let before = row.checked_sub(1).and_then(|before| self.ends.get(before));
-        let text = &self.text[before.copied().unwrap_or(0)..end];
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .from_reader(text.as_bytes());
-        let record = reader.records().next().and_then(Result::ok);
-        let fields = record.unwrap_or_default();
-        // A row of one empty field is a blank line.
-        let fields = fields
-            .iter()
-            .map(str::to_owned)
-            .chain(std::iter::repeat(String::new()));
-        fields.take(self.names.len()).collect()
+        let first = row * self.names.len();
+        let ends = self.ends.iter().skip(first).take(self.names.len());
+        let before = first
+            .checked_sub(1)
+            .and_then(|before| self.ends.get(before));
+        let mut start = before.copied().unwrap_or_default();
+        let field = |end: &usize| self.text[std::mem::replace(&mut start, *end)..*end].to_owned();
+        ends.map(field).collect()
     }
 
     /// Fields of a row by the names of their columns.

@@ -10,7 +10,7 @@ use palpate_ep2::{
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use super::Value;
-use super::doubted::{ToldDoubt, poor_fit};
+use super::doubted::{poor_fit, with_p_values};
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
@@ -22,6 +22,7 @@ use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
 use crate::glide::AnyMethod;
+use crate::need::Warning;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
@@ -234,6 +235,23 @@ impl<'r> FittedGlide<'r> {
             Some(_) => of_wrong_normals(agreement.doubts),
             None => agreement.doubts,
         };
+        let words = words(&doubts, &of_noise, directions.is_some(), &recorded.origin);
+        let distant = alone(self.contacts(), unit, &recorded.origin);
+        let lengths = of_normals(self.contacts());
+        let warnings = Warning::of("finger-distance", self.spacing())
+            .into_iter()
+            .chain(words)
+            .chain(poor_fit(p_value, !doubts.is_empty()))
+            .chain(Warning::of("unknown-fit", unknown))
+            .chain(Warning::of("unknown-noise", self.few()))
+            .chain(Warning::of("distant-contact", distant))
+            .chain(of_noise.iter().cloned())
+            .chain(lengths.filter_map(|text| Warning::of("normals", Some(text))))
+            .chain(Warning::of("contradicting-normals", directions))
+            .chain(Warning::of("repeated-rows", copies(recorded)))
+            .chain(Warning::of("finger-numbers", recorded.note.clone()))
+            .collect();
+        let warnings = with_p_values(warnings, doubts.iter().copied().map(Warning::from));
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
@@ -285,26 +303,7 @@ impl<'r> FittedGlide<'r> {
                 .map(|one| PatchRegion::of(one, unit))
                 .collect(),
             p_value,
-            warnings: self
-                .spacing()
-                .into_iter()
-                .chain(words(
-                    &doubts,
-                    &of_noise,
-                    directions.is_some(),
-                    &recorded.origin,
-                ))
-                .chain(poor_fit(p_value, !doubts.is_empty()))
-                .chain(unknown)
-                .chain(self.few())
-                .chain(alone(self.contacts(), unit, &recorded.origin))
-                .chain(of_noise.iter().cloned())
-                .chain(of_normals(self.contacts()))
-                .chain(directions)
-                .chain(copies(recorded))
-                .chain(recorded.note.clone())
-                .collect(),
-            doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
+            warnings,
             covariance: stds.map(|stds| {
                 let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
                 [

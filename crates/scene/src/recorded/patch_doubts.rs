@@ -8,6 +8,7 @@ use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 use super::origin::Origin;
 use super::stated::{LARGE_RESIDUALS, row};
 use crate::glide::AnyMethod;
+use crate::need::Warning;
 
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
 const FAR_OFF: f64 = 3.0;
@@ -74,7 +75,7 @@ pub(super) fn noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
     unit: LengthUnit,
-) -> Vec<String> {
+) -> Vec<Warning> {
     let mut estimator = estimator.clone();
     let (GlideEstimatorConfig::Penalised {
         position_std,
@@ -113,11 +114,15 @@ pub(super) fn noise(
         let freedom = (left * readings as f64).max(1.0);
         let ratio = (1.0 + 3.0 / (2.0 * freedom).sqrt()).max(LARGE_RESIDUALS);
         let near = found / ratio..=found * ratio;
+        let code = match found > stated {
+            true => "large-residuals",
+            false => "small-residuals",
+        };
+        let numbers = [("stated_std", stated), ("found_std", found)];
         let [stated_shown, found] = [stated, found].map(Number::rounded);
         (!near.contains(&stated)).then(|| {
-            format!(
-                "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
-            )
+            let text = format!("the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}");
+            Warning::new(code, text, numbers)
         })
     })
     .collect()
@@ -139,18 +144,21 @@ pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
 /// Warnings of doubts; those about the noise and about directions are left to warnings that say more, where there are such.
 pub(super) fn words(
     doubts: &[Doubt],
-    of_noise: &[String],
+    of_noise: &[Warning],
     has_directions: bool,
     origin: &Origin,
-) -> impl Iterator<Item = String> {
+) -> impl Iterator<Item = Warning> {
     doubts.iter().filter_map(move |doubt| match doubt {
         Doubt::LargeResiduals { .. } if !of_noise.is_empty() => None,
         Doubt::ContradictingNormals { .. } if has_directions => None,
-        Doubt::StrayContact { contact, p_value } => Some(format!(
-            "the contact of {} contradicts the others (chance does as much in {} of glides)",
-            row(*contact, origin),
-            Share(*p_value)
-        )),
-        _ => Some(doubt.to_string()),
+        Doubt::StrayContact { contact, p_value } => Some(Warning {
+            text: format!(
+                "the contact of {} contradicts the others (chance does as much in {} of glides)",
+                row(*contact, origin),
+                Share(*p_value)
+            ),
+            ..Warning::from(*doubt)
+        }),
+        _ => Some(Warning::from(*doubt)),
     })
 }

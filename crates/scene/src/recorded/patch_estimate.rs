@@ -8,9 +8,9 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
-use super::doubted::ToldDoubt;
 use super::extra::Extras;
 use crate::map::MapTable;
+use crate::need::Warning;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -91,10 +91,8 @@ pub struct GlideEstimate {
     /// Probability that noise of the stated size takes the contacts at least as far from the surface where the model holds;
     /// `null` where noise is found and not stated, and of two-pass.
     pub(super) p_value: Option<f64>,
-    /// Ways in which the contacts contradict the model.
-    pub(super) doubts: Vec<ToldDoubt>,
-    /// Doubts, in words.
-    pub(super) warnings: Vec<String>,
+    /// Ways in which the contacts contradict the model, each with its p-value, and other reasons to distrust the estimate.
+    pub(super) warnings: Vec<Warning>,
     #[serde(skip)]
     pub(super) covariance: Option<[[f64; 2]; 2]>,
 }

@@ -21,6 +21,7 @@ use super::sensed::{Sensed, TrackedPress};
 use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::tracked::{Frame, TrackedFrames};
 use super::wording::Wording;
+use crate::need::Warning;
 use crate::plan::PlanError;
 use crate::press::{PicturePlan, Pictures, pressed};
 use crate::tracks::errors_of;
@@ -127,14 +128,17 @@ pub fn estimate_pictures(
     if let Some(contradiction) = &contradiction {
         widened.doubts = contradiction.doubts(widened.doubts);
     }
-    let missing = seen.missing.into_iter();
     let blemished = meant.is_blemished() && !widened.doubts.is_empty();
-    let warnings = missing
-        .chain(doubt)
-        .chain(options.other_body())
-        .chain(blemished.then(|| BLEMISHED.to_owned()))
+    let warnings = Warning::of("missing-markers", seen.missing)
+        .into_iter()
+        .chain(Warning::of("other-camera", doubt))
+        .chain(Warning::of("ignored-layer", options.other_body()))
+        .chain(Warning::of(
+            "uneven-pictures",
+            blemished.then_some(BLEMISHED),
+        ))
         .chain(widened.warnings(scene.frames))
-        .chain(contradiction.map(|contradiction| contradiction.words))
+        .chain(contradiction.map(Contradiction::warning))
         .chain(measured.and_then(|(_, warning)| warning))
         .collect();
     let object = scene.object(&widened, &moved, (warnings, is_contradicted), &sensed)?;
@@ -207,7 +211,7 @@ impl Scene<'_> {
     }
 
     /// The stated indentation, and the warning that goes with it.
-    fn indentation(&self, wording: Wording) -> Option<(Measured, Option<String>)> {
+    fn indentation(&self, wording: Wording) -> Option<(Measured, Option<Warning>)> {
         let std = self.options.press.estimator.priors().indentation_std;
         let value = self.options.indentation?;
         Some(stated::indentation(value, std, self.unit(), wording))
@@ -274,7 +278,7 @@ impl Scene<'_> {
         &self,
         widened: &Widened,
         moved: &[Option<MarkerDisplacement>],
-        (mut warnings, is_contradicted): (Vec<String>, bool),
+        (mut warnings, is_contradicted): (Vec<Warning>, bool),
         sensed: &Sensed,
     ) -> Result<PressedObject, RecordedError> {
         let Widened {

@@ -12,6 +12,7 @@ use super::repeated::repeated;
 use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::suspicion::{Sensor, along_skin, of_press};
 use super::wording::Wording;
+use crate::need::Warning;
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
 
@@ -136,17 +137,23 @@ pub fn estimate_press(
         indentation.is_some(),
     );
     let warnings = [
-        suspicion(recorded, options, unit),
-        at_surface(options, wording),
-        mistake,
-        contradiction.map(|contradiction| contradiction.words),
+        Warning::of("unit-or-sign", suspicion(recorded, options, unit)),
+        Warning::of("unstated-depth", at_surface(options, wording)),
+        Warning::of("swapped-columns", mistake),
+        contradiction.map(Contradiction::warning),
         stated.and_then(|(_, warning)| warning),
         left_out,
-        (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
-        copies(recorded),
-        estimate
-            .only_marker
-            .map(|marker| stated::alone(marker, &recorded.origin)),
+        Warning::of(
+            "unseen-contact",
+            (!estimate.is_seen).then_some(stated::UNSEEN),
+        ),
+        Warning::of("repeated-rows", copies(recorded)),
+        Warning::of(
+            "lone-marker",
+            estimate
+                .only_marker
+                .map(|marker| stated::alone(marker, &recorded.origin)),
+        ),
     ]
     .into_iter()
     .flatten()
@@ -316,7 +323,7 @@ pub(super) fn too_large(
     estimate: &PressEstimate,
     sensor_radius: f64,
     is_layer: bool,
-) -> Option<String> {
+) -> Option<Warning> {
     large_contact(
         estimate.most_likely_curvature,
         estimate.contact_radius.value,
@@ -329,7 +336,7 @@ fn warnings(
     recorded: &PressReadings,
     estimate: &PressEstimate,
     options: &PressOptions,
-) -> impl Iterator<Item = String> {
+) -> impl Iterator<Item = Warning> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     let large = too_large(estimate, options.sensor_radius, is_layer);
     let each = if estimate.tangential_std.is_some() {
@@ -345,16 +352,15 @@ fn warnings(
     let is_noise = is_stated && residuals.is_none();
     let unexplained = (estimate.r_squared < LITTLE && !is_noise).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
-        format!(
-            "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"
-        )
+        let text = format!("the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body");
+        Warning::new("unexplained-readings", text, [("r_squared", estimate.r_squared)])
     });
     let is_gaussian = matches!(options.estimator, PressEstimatorConfig::Gaussian { .. });
     large
         .into_iter()
         .chain(residuals)
         .chain(unexplained)
-        .chain(is_gaussian.then(|| NO_BODY.to_owned()))
+        .chain(Warning::of("gaussian-body", is_gaussian.then_some(NO_BODY)))
 }
 
 /// Warning of a fit to a Gaussian.

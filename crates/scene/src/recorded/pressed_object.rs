@@ -6,7 +6,8 @@ use palpate_press::{ContactRegime, Doubt, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
-use super::doubted::{ToldDoubt, poor_fit};
+use super::doubted::{poor_fit, with_p_values};
+use crate::need::Warning;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -104,9 +105,8 @@ pub struct PressedObject {
     /// Whether the displacements show a contact of themselves. Else the interval is that of all contacts of the stated
     /// indentation, on the markers, that they leave.
     pub(super) contact_seen: bool,
-    /// Ways in which the readings contradict the model.
-    pub(super) doubts: Vec<ToldDoubt>,
-    pub(super) warnings: Vec<String>,
+    /// Ways in which the readings contradict the model, each with its p-value, and other reasons to distrust the estimate.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// Description of readings and of what they do not tell, beside an estimate.
@@ -121,7 +121,7 @@ pub(super) struct Described {
     pub(super) stresses: [Option<Value>; 2],
     pub(super) wrong_markers: Vec<Row>,
     pub(super) doubts: Vec<Doubt>,
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl PressedObject {
@@ -139,6 +139,7 @@ impl PressedObject {
         let p_value = estimate.goodness.map(|goodness| goodness.p_value);
         let mut warnings = described.warnings;
         warnings.extend(poor_fit(p_value, !described.doubts.is_empty()));
+        let doubts = described.doubts.into_iter().map(Warning::from);
         Self {
             format_version: described.format_version,
             method: described.method,
@@ -175,8 +176,7 @@ impl PressedObject {
             },
             r_squared: estimate.r_squared,
             contact_seen: estimate.is_seen,
-            doubts: described.doubts.into_iter().map(ToldDoubt::from).collect(),
-            warnings,
+            warnings: with_p_values(warnings, doubts),
         }
     }
 }

@@ -10,10 +10,11 @@ use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use serde::{Serialize, Serializer};
 
-use super::doubted::{ToldDoubt, poor_fit};
+use super::doubted::poor_fit;
 use super::repeated::repeated;
 use super::roll::{RollOptions, RollReadings};
 use super::suspicion::{of_flatness, of_pitch, of_rotation_noise, of_small_residuals};
+use crate::need::Warning;
 
 /// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
 #[derive(Clone, Debug)]
@@ -47,10 +48,8 @@ struct Told {
     /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where no
     /// noise is stated.
     p_value: Option<f64>,
-    /// Ways in which the readings contradict the model.
-    doubts: Vec<ToldDoubt>,
-    /// Doubts and mistakes that the readings look like, in words.
-    warnings: Vec<String>,
+    /// Ways in which the readings contradict the model, each with its p-value, and mistakes that the readings look like.
+    warnings: Vec<Warning>,
 }
 
 impl PartialEq for RollAgreement {
@@ -128,27 +127,26 @@ impl Estimated {
         let p_value = goodness.map(|goodness| goodness.p_value);
         let small =
             goodness.and_then(|goodness| of_small_residuals(self.residual, goodness, noise, *unit));
-        let in_words = doubts.iter().map(|doubt| self.words(*doubt, goodness));
-        let suspicion = self.suspicion.clone().into_iter();
-        let warnings = suspicion
-            .chain(in_words)
+        let contradictions = doubts.iter().map(|doubt| self.warning(*doubt, goodness));
+        let pitch = of_pitch(readings, noise.shift_resolution, *unit);
+        let rotations = of_rotation_noise(readings, noise);
+        let warnings = Warning::of("unit-or-sign", self.suspicion.clone())
+            .into_iter()
+            .chain(contradictions)
             .chain(poor_fit(p_value, !doubts.is_empty()))
-            .chain(small)
-            .chain(flat)
-            .chain(of_pitch(readings, noise.shift_resolution, *unit))
-            .chain(of_rotation_noise(readings, noise))
-            .chain(self.copies.clone())
-            .chain(self.note.clone())
+            .chain(Warning::of("small-residuals", small))
+            .chain(Warning::of("flat-object", flat))
+            .chain(Warning::of("pitch", pitch))
+            .chain(Warning::of("rotation-noise", rotations))
+            .chain(Warning::of("repeated-rows", self.copies.clone()))
+            .chain(Warning::of("probe-numbers", self.note.clone()))
             .collect();
-        Told {
-            p_value,
-            doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
-            warnings,
-        }
+        Told { p_value, warnings }
     }
 
-    fn words(&self, doubt: Doubt, goodness: Option<GoodnessOfFit>) -> String {
-        match (doubt, goodness) {
+    fn warning(&self, doubt: Doubt, goodness: Option<GoodnessOfFit>) -> Warning {
+        let warning = Warning::from(doubt);
+        let text = match (doubt, goodness) {
             (Doubt::LargeResiduals { .. }, Some(goodness)) if goodness.chi_squared.is_finite() => {
                 let ratio = (goodness.chi_squared / goodness.freedom.max(1) as f64).sqrt();
                 format!(
@@ -160,7 +158,8 @@ impl Estimated {
                 let probe = self.probes[probe];
                 format!("probe {probe} contradicts the others")
             }
-            _ => doubt.to_string(),
-        }
+            _ => return warning,
+        };
+        Warning { text, ..warning }
     }
 }

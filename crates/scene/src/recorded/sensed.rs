@@ -17,6 +17,7 @@ use super::pressed_object::{PressedObject, Row};
 use super::stated;
 use super::tracked::{Fates, TrackedFrames};
 use super::wording::Wording;
+use crate::need::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
 
@@ -177,7 +178,7 @@ impl Sensed {
     }
 
     /// Warnings of doubts about a press of the markers in these rows.
-    pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<String> {
+    pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<Warning> {
         stated::doubts(doubts, is_contradicted, &self.origin).collect()
     }
 
@@ -265,8 +266,9 @@ impl Sensed {
             extras: Extras::default(),
         };
         let mut object = estimate_press(&readings, options)?;
-        object.warnings.extend(self.scale.clone());
-        object.warnings.extend(self.gain(options));
+        let scale = Warning::of("camera-scale", self.scale.clone());
+        let gain = Warning::of("uncertain-gain", self.gain(options));
+        object.warnings.extend(scale.into_iter().chain(gain));
         Ok(self.pressed_by(object))
     }
 }

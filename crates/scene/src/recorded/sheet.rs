@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
-use palpate_study::push_row;
 use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
 
 use super::error::RecordedError;
@@ -111,12 +110,7 @@ impl Sheet {
                 after_gaps.push(lines.len());
             }
             lines.push(record.line);
-            extras.push(|text| {
-                let fields = others
-                    .iter()
-                    .map(|&index| tidy(&record.fields[index]).to_owned());
-                push_row(text, &fields.collect::<Vec<_>>());
-            });
+            extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
             match extras.bytes() > MOST_EXTRA_MIB << 20 {
                 true => Err(table.file.error(format!(
                     "the columns that are not asked for take more than {MOST_EXTRA_MIB} MiB"

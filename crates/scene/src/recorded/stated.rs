@@ -9,10 +9,11 @@ use palpate_press::{Doubt, Measured, PressError, PressEstimate};
 use super::origin::Origin;
 use super::pressed_object::Row;
 use super::wording::Wording;
+use crate::need::Warning;
 
 /// Version of the format of the JSON that estimates from recorded readings have: it rises when a key goes, or
 /// changes its meaning, and stays when a key is added.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// Share of a stated indentation that is its standard deviation where none is stated.
 pub const INDENTATION_SHARE: f64 = 0.02;
@@ -34,17 +35,18 @@ pub(super) fn indentation(
     std: f64,
     unit: &str,
     wording: Wording,
-) -> (Measured, Option<String>) {
+) -> (Measured, Option<Warning>) {
     if std > 0.0 {
         return (Measured { value, std }, None);
     }
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
-    let warning = format!(
+    let text = format!(
         "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed ({})",
         Number::rounded(std),
         wording.name("indentation_std")
     );
+    let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);
     (Measured { value, std }, Some(warning))
 }
 
@@ -99,6 +101,19 @@ impl Contradiction {
         Some(Self { words, p_value })
     }
 
+    pub(super) fn warning(self) -> Warning {
+        let code = match self.is_told() {
+            true => "other-indentation",
+            false => "unchecked-indentation",
+        };
+        let numbers = self.p_value.map(|p_value| ("p_value", p_value));
+        Warning {
+            code,
+            text: self.words,
+            numbers: numbers.into_iter().collect(),
+        }
+    }
+
     /// Whether the readings alone tell an indentation.
     pub(super) const fn is_told(&self) -> bool {
         self.p_value.is_some()
@@ -122,7 +137,7 @@ pub(super) fn left_out(
     distances: &[f64],
     contact_radius: f64,
     is_told: bool,
-) -> Option<String> {
+) -> Option<Warning> {
     let stated = if is_told {
         "the indentation or the sensor"
     } else {
@@ -139,7 +154,7 @@ pub(super) fn left_out(
     };
     let (count, all) = (wrong.len(), distances.len());
     let left = format!("{count} of {all} markers contradict the others and are left out");
-    Some(match wrong.iter().find(of_contact) {
+    let text = match wrong.iter().find(of_contact) {
         Some(row) => {
             let line = row
                 .line
@@ -150,7 +165,9 @@ pub(super) fn left_out(
             )
         }
         None => left,
-    })
+    };
+    let numbers = [("left_out", count as f64), ("markers", all as f64)];
+    Some(Warning::new("wrong-markers", text, numbers))
 }
 
 /// The warning where only the stated indentation says that there is a contact.
@@ -177,23 +194,26 @@ pub(super) fn doubts(
     doubts: &[Doubt],
     is_contradicted: bool,
     origin: &Origin,
-) -> impl Iterator<Item = String> {
+) -> impl Iterator<Item = Warning> {
     doubts.iter().filter_map(move |doubt| match doubt {
         Doubt::OtherIndentation { .. } if is_contradicted => None,
         Doubt::LargeResiduals { .. } => None,
         Doubt::SlippedMarker { marker, .. } => {
             let row = row(*marker, origin);
-            Some(format!(
-                "the marker of {row} contradicts the others, by too little to be left out"
-            ))
+            Some(Warning {
+                text: format!(
+                    "the marker of {row} contradicts the others, by too little to be left out"
+                ),
+                ..Warning::from(*doubt)
+            })
         }
-        _ => Some(doubt.to_string()),
+        _ => Some(Warning::from(*doubt)),
     })
 }
 
 /// The warning of residuals that the stated noise does not explain, or that are smaller than it says. `freedom` is
 /// about the number of equations beyond the unknowns.
-pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> {
+pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<Warning> {
     let ratio = estimate.reduced_chi_squared.sqrt();
     // Where the noise of some readings is found, its standard deviation by chance is about 1/√(2 freedom).
     let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
@@ -202,13 +222,17 @@ pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> 
         None => ratio > LARGE_RESIDUALS.max(chance),
     };
     if is_large {
-        return Some(format!(
-            "the residuals are {} times the noise that is given: intervals are too narrow",
-            Number::rounded(ratio)
-        ));
+        let times = Number::rounded(ratio);
+        let text = format!(
+            "the residuals are {times} times the noise that is given: intervals are too narrow"
+        );
+        return Some(Warning::new("large-residuals", text, [("ratio", ratio)]));
     }
     (ratio * LARGE_RESIDUALS < 1.0 && freedom >= MANY).then(|| {
         let times = Number::rounded(ratio.recip());
-        format!("the noise that is given is {times} times the residuals: intervals are too wide")
+        let text = format!(
+            "the noise that is given is {times} times the residuals: intervals are too wide"
+        );
+        Warning::new("small-residuals", text, [("ratio", ratio)])
     })
 }

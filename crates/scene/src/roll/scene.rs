@@ -18,6 +18,7 @@ use super::rotation_sensor::RotationSensor;
 use super::sensor::RollSensor;
 use crate::ladder::Ladder;
 use crate::map::MapTable;
+use crate::need::{Need, Warning};
 use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
@@ -291,15 +292,17 @@ impl RollScene {
 
 impl RollScene {
     /// Warning of an object so flat that rounding of the readings is most of what they differ by from those of a plane.
-    fn rounding_warning(&self) -> Option<String> {
+    fn rounding_warning(&self) -> Option<Warning> {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
         // What is flatter is a plane.
         (1e-3..1e12).contains(&error).then(|| {
-            format!(
-                "warning: the object is so flat that rounding of the readings errs by {} times its curvature",
-                Number::rounded(error)
+            let share = Number::rounded(error);
+            Warning::new(
+                "flat-object",
+                format!("the object is so flat that rounding of the readings errs by {share} times its curvature"),
+                [("relative_error", error)],
             )
         })
     }
@@ -338,36 +341,37 @@ impl Trials for RollScene {
         self.truths().get(quantity).copied()
     }
 
-    fn needs(&self) -> Vec<String> {
+    fn needs(&self) -> Vec<Need> {
         let choice = self.roller.choice();
         let bound = choice.error_bound.map_or_else(String::new, |bound| {
             format!(", error at most {bound:.0e} of the contact's scale")
         });
-        let mut lines = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
-        lines.extend(self.noise.need());
-        lines.push(self.sensor.need());
+        let mut models = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
+        models.extend(self.noise.need());
+        models.push(self.sensor.need());
         if self.rolls.iter().any(|roll| roll.terrain.is_some()) {
-            lines.push(
+            models.push(
                 "clearance of every trial: the probe passes close to other parts of the object"
                     .to_owned(),
             );
         }
-        lines.extend(self.rotation_sensor.need());
-        lines.push(format!("least squares over {} probes", self.rolls.len()));
-        lines.extend(self.rounding_warning());
+        models.extend(self.rotation_sensor.need());
+        models.push(format!("least squares over {} probes", self.rolls.len()));
+        let mut needs: Vec<Need> = models.into_iter().map(Need::from).collect();
+        needs.extend(self.rounding_warning().map(Need::from));
         let half_turn = std::f64::consts::PI * self.roller.probe().radius();
-        if self.truth.arc_length > half_turn {
-            lines.push(
-                "warning: the contact passes half way round the probe, where a shift no longer \
-                 tells the length of the roll"
-                    .to_owned(),
-            );
+        let arc_length = self.truth.arc_length;
+        if arc_length > half_turn {
+            let text = "the contact passes half way round the probe, where a shift no longer tells the length of the roll";
+            let numbers = [("arc_length", arc_length), ("half_turn", half_turn)];
+            needs.push(Warning::new("half-turn", text, numbers).into());
         }
-        let furthest = Vector2::new(self.truth.arc_length, 0.0);
+        let furthest = Vector2::new(arc_length, 0.0);
         if let Err(error) = self.sensor.noiseless().begin(0, 0).read(&furthest) {
-            lines.push(format!("warning: {error}: trials fail as `beyond-pads`"));
+            let text = format!("{error}: trials fail as `beyond-pads`");
+            needs.push(Warning::new("beyond-pads", text, [("arc_length", arc_length)]).into());
         }
-        lines
+        needs
     }
 
     fn ladder(&self) -> Result<Option<Ladder>, PlanError> {

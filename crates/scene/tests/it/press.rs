@@ -296,6 +296,12 @@ fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() 
     assert_eq!(of(r#"{ kind = "gaussian" }"#), None);
 }
 
+/// Lines of what a scene needs.
+fn needs_of(scene: &Scene) -> String {
+    let needs = scene.needs().into_iter().map(|need| need.to_string());
+    needs.collect::<Vec<_>>().join("\n")
+}
+
 #[test]
 fn presses_that_cannot_be_are_failures_with_a_name() {
     for (object, motion, name) in [
@@ -310,7 +316,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
             .replace("indentation = 1.0 }", &format!("indentation = {motion} }}"));
         let scene = scene_of(&text);
         assert_eq!(outcomes(&scene, 0).unwrap_err(), name, "{object} {motion}");
-        let needs = scene.needs().join("\n");
+        let needs = needs_of(&scene);
         assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
         assert!(needs.len() < 1000, "{needs}");
         // What is known is still told.
@@ -331,7 +337,7 @@ fn presses_that_tell_nothing_are_told() {
             &format!("indentation = 1.0{more} }}"),
         )
     };
-    let needs = |text: &str| scene_of(text).needs().join("\n");
+    let needs = |text: &str| needs_of(&scene_of(text));
     let off = "every trial fails as `off-markers`: the contact lies";
     assert!(needs(&moved(", contact_deg = [180, 0]", "")).contains(off));
     assert!(needs(&moved(", contact_deg = [120, 0]", "")).contains(off));
@@ -370,7 +376,7 @@ fn what_a_scene_needs_is_told() {
             "indentation = 1.0 }",
             &format!("indentation = {indentation} }}"),
         );
-        scene_of(&text).needs().join("\n")
+        needs_of(&scene_of(&text))
     };
     let plain = needs(PLANE, "1.0", "");
     for line in [

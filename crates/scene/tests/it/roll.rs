@@ -370,7 +370,7 @@ fn a_probe_inside_the_object_is_refused_before_the_run() {
         noisy
             .needs()
             .iter()
-            .any(|line| line.starts_with("clearance of every trial"))
+            .any(|line| line.to_string().starts_with("clearance of every trial"))
     );
     let failures = (0..40).filter_map(|trial| noisy.trial(trial, &mut |_, _| ()).err());
     let failures: Vec<_> = failures.filter(|name| *name == "overlapping").collect();

@@ -202,7 +202,7 @@ fn a_bare_indentation_has_a_standard_deviation() {
     let (bare, stated) = (told(0.0), told(0.02 * INDENTATION));
     assert_eq!(bare["object_curvature"], stated["object_curvature"]);
     assert_eq!(stated["warnings"], serde_json::json!([]));
-    let warning = bare["warnings"][0].as_str().unwrap();
+    let warning = bare["warnings"][0]["text"].as_str().unwrap();
     assert!(
         warning.contains("without a standard deviation: 2 % of it, 0.03 mm"),
         "{warning}"

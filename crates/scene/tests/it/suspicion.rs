@@ -23,7 +23,7 @@ const WORDS: [&str; 6] = [
 fn warnings(estimate: &impl serde::Serialize) -> Vec<String> {
     let json = serde_json::to_value(estimate).unwrap();
     let all = json["warnings"].as_array().unwrap().iter();
-    all.map(|warning| warning.as_str().unwrap().to_owned())
+    all.map(|warning| warning["text"].as_str().unwrap().to_owned())
         .filter(|warning| WORDS.iter().any(|words| warning.contains(words)))
         .collect()
 }
@@ -341,8 +341,9 @@ fn of_contacts(
 
 fn doubts(estimate: &GlideEstimate) -> Vec<String> {
     let json = serde_json::to_value(estimate).unwrap();
-    let all = json["doubts"].as_array().unwrap().iter();
-    all.map(|doubt| doubt["name"].as_str().unwrap().to_owned())
+    let all = json["warnings"].as_array().unwrap().iter();
+    all.filter(|warning| warning["numbers"]["p_value"].is_number())
+        .map(|warning| warning["code"].as_str().unwrap().to_owned())
         .collect()
 }
 

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use palpate_report::{
-    Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_text,
+    Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_lines,
+    scorecard_text,
 };
 
 use crate::cli::{PlotArgs, ReportArgs};
@@ -89,7 +90,9 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     }
     let page = page(&studies).map_err(Failure::work)?;
     out.write(page.as_bytes())?;
-    out.print(&scorecard_text(&score(&studies)))?;
+    let scores = score(&studies);
+    out.print(&scorecard_text(&scores))?;
+    out.print(&scorecard_lines(&scores))?;
     out.print(&format!("page -> {}", args.out.display()))
 }
 

@@ -7,6 +7,7 @@ use palpate_press::{
 
 use super::super::camera_rest::{CONTRADICTED, DOUBTED};
 use super::super::tracked::Frame;
+use crate::need::Warning;
 use crate::press::{PictureLaw, PictureMethod, Pictures};
 
 /// An estimate, and what it is an estimate from.
@@ -83,21 +84,23 @@ impl Widened {
     }
 
     /// Warnings of errors that are wider than those that are stated.
-    pub(super) fn warnings(&self, frames: [&Frame; 2]) -> Vec<String> {
+    pub(super) fn warnings(&self, frames: [&Frame; 2]) -> Vec<Warning> {
         let [at_rest, pressed] = self.scatter;
-        let warning = |scatter: f64, frame: &Frame, cause: &str| {
+        let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
             (scatter > 1.0).then(|| {
                 let doubt = match scatter * scatter > CONTRADICTED {
                     true => ", and the curvature is not to be trusted",
                     false => "",
                 };
                 let scattered = scattered(frame, scatter);
-                format!("{scattered}; uncertainties are as much wider{doubt}: {cause}")
+                let text = format!("{scattered}; uncertainties are as much wider{doubt}: {cause}");
+                Warning::new(code, text, [("ratio", scatter)])
             })
         };
         let [rest, press] = frames;
-        let of_rest = warning(at_rest, rest, OF_REST);
+        let of_rest = warning("scatter-at-rest", at_rest, rest, OF_REST);
         let of_press = warning(
+            "large-residuals",
             if pressed > at_rest { pressed } else { 1.0 },
             press,
             "are the body and the indentation those of the sensor?",

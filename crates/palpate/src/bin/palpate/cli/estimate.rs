@@ -39,8 +39,8 @@ probe each row is one; of time series, each that a blank line or a time that doe
 `unresolved_probes`, as `columns`.
 
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null where none is
-stated or too few probes leave any. Errors of pads are no independent noise: theirs is rather too large. `doubts` are
-the ways in which the readings contradict the model, each with its p-value: large-residuals, common-shift (a slip or a
+stated or too few probes leave any. Errors of pads are no independent noise: theirs is rather too large. `warnings` have a
+`code`, a `text` and `numbers`. With a `p_value` among the numbers they are ways in which the readings contradict the model: large-residuals, common-shift (a slip or a
 first contact that is off), twist (frames that are turned against each other), varying-curvature (rolls too long for
 the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that
 they tell together. Where probes roll as far to as fro, a curvature that changes along them cancels: it makes
@@ -49,8 +49,8 @@ they tell together. Where probes roll as far to as fro, a curvature that changes
 `interval95` is 1.96 standard deviations to either side where noise is stated. Where none is, they follow from the residuals,
 of 2n - 3 degrees of freedom with n probes, and it is as many as Student's t says: 2.57 with 4 probes, 2.16 with 8.
 
-The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell the doubts, and where the readings contradict what is stated: noise (or a pitch)
+The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell these contradictions, and where the readings contradict what is stated: noise (or a pitch)
 that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
 do not tell noise that is too large, nor a gain of all shifts or rotations, nor a radius that is wrong in the right
 unit: it errs the curvature by the error of 1/R.
@@ -78,13 +78,13 @@ The JSON tells the curvature in the middle of the patch and the regions of one s
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
 `p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
-where noise is found and not stated, and of two-pass. `doubts` are the ways in which the contacts contradict the
-model, each with its p-value: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
+where noise is found and not stated, and of two-pass. `warnings` have a `code`, a `text` and `numbers`. With a
+`p_value` among the numbers they are ways in which the contacts contradict the model: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
 displaced-finger, stray-contact, and of the method quadric not-a-quadric; 1 glide in 200 has each by chance, 1 in 2,000 the last. A wrong radius of tips makes
 none of them.
 
-The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell the doubts, and where the readings contradict what is stated: the noise of positions and
+The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell these contradictions, and where the readings contradict what is stated: the noise of positions and
 of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
 length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
@@ -130,11 +130,12 @@ radii in case the object is convex and one in case it is concave, in which null 
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
 `wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
 only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
-leave; where one marker alone shows it, a warning names that marker. `doubts` are the ways in which the readings contradict the model, each with its p-value:
+leave; where one marker alone shows it, a warning names that marker. `warnings` have a `code`,
+a `text` and `numbers`. With a `p_value` among the numbers they are ways in which the readings contradict the model:
 large-residuals, other-body, not-round, other-indentation, slipped-marker (of which the interval then holds what the others
 tell too); 1 press in 200 has each by chance, and 1 in 50 one of the middle three by all that they tell together.
 
-The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: the indentation, by
 the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the shape of
 what presses, by how residuals depend on distance and direction; units and signs, where displacements and places would

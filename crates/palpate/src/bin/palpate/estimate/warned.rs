@@ -8,7 +8,7 @@ use crate::failure::Failure;
 pub(crate) fn warn(estimate: &impl Serialize) -> Result<(), Failure> {
     let json = serde_json::to_value(estimate).map_err(Failure::work)?;
     let warnings = json["warnings"].as_array().into_iter().flatten();
-    for warning in warnings.filter_map(|warning| warning.as_str()) {
+    for warning in warnings.filter_map(|warning| warning["text"].as_str()) {
         eprintln!("warning: {warning}");
     }
     Ok(())

@@ -1,0 +1,189 @@
+//! One comparison of a claim: values of rows, the bound that they must meet, and a sentence that reports both.
+
+use super::bound::Bound;
+use super::numbers::{percent, range, short, span};
+use super::row::Row;
+use crate::group::by_key;
+
+/// Whether a check decides on its claim.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// It decides, and without values the claim cannot be tested.
+    Decides,
+    /// It decides where it has values.
+    DecidesIfPresent,
+    /// It is only reported.
+    Reports,
+}
+
+/// Number of the compared values that must meet the bound.
+#[derive(Clone, Copy)]
+pub(super) enum Portion {
+    All,
+    Share(f64),
+    One,
+}
+
+pub(super) type Keep = Box<dyn Fn(&Row<'_>) -> bool>;
+pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
+
+/// One comparison.
+pub(super) struct Check {
+    pub(super) keep: Vec<Keep>,
+    /// Values of rows, each with the row that stands for it.
+    pub(super) values: Values,
+    /// Name of a value by its row; values of one name are compared and shown as one range.
+    pub(super) name: Option<fn(&Row<'_>) -> String>,
+    /// Makes one number of the values of one name.
+    pub(super) merge: Option<fn(&[f64]) -> f64>,
+    /// Values that are compared; the others are only shown.
+    pub(super) judged: Option<fn(&Row<'_>) -> bool>,
+    /// Value that is left out.
+    pub(super) without: Option<f64>,
+    pub(super) bound: Option<Bound>,
+    pub(super) portion: Portion,
+    pub(super) role: Role,
+    pub(super) says: String,
+    pub(super) headline: &'static str,
+}
+
+/// Result of a check.
+pub(super) struct Outcome {
+    pub(super) decides: bool,
+    pub(super) holds: bool,
+    /// Sentence with the values.
+    pub(super) measured: String,
+    /// Sentence with the bound.
+    pub(super) rule: String,
+    /// Main value for the scorecard, if this check has it.
+    pub(super) headline: String,
+    /// Names of values within one percent of their limit.
+    pub(super) close: Vec<String>,
+}
+
+/// Values of one name, as a range.
+struct Item {
+    name: String,
+    range: (f64, f64),
+    judged: bool,
+    met: bool,
+}
+
+impl Check {
+    /// Result for the rows of a claim: none if there is nothing to report, an error if the check cannot decide.
+    pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
+        let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
+        let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
+        let items = self.items(&rows);
+        let judged: Vec<&Item> = items.iter().filter(|item| item.judged).collect();
+        if judged.is_empty() {
+            let says = filled(self.rule_part(), |_, _| Some("…".to_owned()));
+            return match self.role {
+                Role::Decides => Err(format!("the table lacks the rows to find that {says}")),
+                _ => Ok(None),
+            };
+        }
+        let met = judged.iter().filter(|item| item.met).count();
+        let holds = match self.portion {
+            Portion::All => met == judged.len(),
+            Portion::Share(share) => met as f64 >= share * judged.len() as f64,
+            Portion::One => met > 0,
+        };
+        let decides = self.role != Role::Reports;
+        let limit = self.bound.and_then(Bound::limit).filter(|_| decides);
+        let is_close = |item: &&&Item| {
+            let is_near = |limit: f64| (item.range.1 / limit - 1.0).abs() <= 0.01;
+            !item.name.is_empty() && limit.is_some_and(is_near)
+        };
+        let close = judged.iter().filter(is_close);
+        let shown = |text: &str| filled(text, |key, show| shown(key, &items, &judged, met, show));
+        Ok(Some(Outcome {
+            decides,
+            holds,
+            measured: shown(&self.says.replace('|', "")),
+            rule: self.rule(),
+            headline: shown(self.headline),
+            close: close.map(|item| item.name.clone()).collect(),
+        }))
+    }
+
+    fn items(&self, rows: &[Row<'_>]) -> Vec<Item> {
+        let values = (self.values)(rows).into_iter();
+        let values = values.filter(|(_, value)| self.without != Some(*value));
+        let named: Vec<(String, Vec<(Row<'_>, f64)>)> = match self.name {
+            Some(name) => by_key(values.map(|value| (name(&value.0), value))),
+            None => values.map(|value| (String::new(), vec![value])).collect(),
+        };
+        let item = |(name, values): (String, Vec<(Row<'_>, f64)>)| {
+            let numbers: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
+            let merged = self.merge.map(|merge| merge(&numbers));
+            let range = merged.map_or_else(|| range(numbers), |number| Some((number, number)))?;
+            let is_met = |bound: Bound| bound.holds(range.0) && bound.holds(range.1);
+            Some(Item {
+                name,
+                range,
+                judged: self.judged.is_none_or(|judged| judged(&values[0].0)),
+                met: self.bound.is_none_or(is_met),
+            })
+        };
+        named.into_iter().filter_map(item).collect()
+    }
+
+    fn rule_part(&self) -> &str {
+        self.says.split('|').next().unwrap_or_default()
+    }
+
+    /// The sentence with the bound instead of values.
+    fn rule(&self) -> String {
+        let counts = self.says.contains("{count}");
+        let says = filled(self.rule_part(), |_, show| match self.portion {
+            Portion::All if counts => Some("all".to_owned()),
+            Portion::Share(share) if counts => Some(format!("at least {} of the", percent(share))),
+            Portion::One if counts => Some("some".to_owned()),
+            _ => self.bound.map(|bound| bound.words(show)),
+        });
+        match self.portion {
+            Portion::One if !counts => format!("in at least one case {says}"),
+            _ => says,
+        }
+    }
+}
+
+/// Text for a place in a sentence; none for one that is not known.
+fn shown(
+    key: &str,
+    items: &[Item],
+    judged: &[&Item],
+    met: usize,
+    show: fn(f64) -> String,
+) -> Option<String> {
+    let ranges = || range(judged.iter().flat_map(|item| [item.range.0, item.range.1]));
+    let listed = |item: &Item| match (span(item.range, show), item.name.as_str()) {
+        (values, "") => values,
+        (values, name) => format!("{values} ({name})"),
+    };
+    match key {
+        "count" => Some(format!("{met} of {}", judged.len())),
+        "n" => Some(items.len().to_string()),
+        "range" => ranges().map(|range| span(range, show)),
+        "max" => ranges().map(|(_, high)| show(high)),
+        "list" => Some(items.iter().map(listed).collect::<Vec<_>>().join(", ")),
+        _ => None,
+    }
+}
+
+/// A sentence with its places in braces filled; those that end in `%` show percent.
+fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<String>) -> String {
+    let mut parts = sentence.split('{');
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (key, rest) = part.split_once('}').unwrap_or((part, ""));
+        let shown = match key.strip_suffix('%') {
+            Some(key) => text(key, percent),
+            None => text(key, short),
+        };
+        filled += &shown.unwrap_or_default();
+        filled += rest;
+    }
+    filled
+}

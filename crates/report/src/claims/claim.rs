@@ -1,0 +1,300 @@
+//! A claim as data: which rows of a table it is about, and the checks that decide on it.
+
+use super::bound::{Bound, near, within};
+use super::check::{Check, Keep, Outcome, Portion, Role};
+use super::row::{Row, groups, sorted};
+use crate::{Study, words};
+
+/// A published claim and its checks. Methods that narrow a check act on the one that was added last.
+pub(super) struct Claim {
+    pub(super) number: u32,
+    /// Claim in at most six words.
+    pub(super) title: &'static str,
+    /// Published value, in short.
+    pub(super) published: &'static str,
+    pub(super) paper_says: &'static str,
+    rows: Keep,
+    /// Words for the rows.
+    what: &'static str,
+    numbers: &'static [&'static str],
+    needs: Vec<(String, Keep)>,
+    checks: Vec<Check>,
+    remark: &'static str,
+}
+
+/// Finding of a claim in a study.
+#[derive(Default)]
+pub(super) struct Finding {
+    pub(super) holds: bool,
+    pub(super) measured: String,
+    pub(super) headline: String,
+    pub(super) why: String,
+}
+
+impl Claim {
+    /// A claim about the rows that `rows` accepts, which are `what`.
+    pub(super) fn new(
+        number: u32,
+        [title, published, paper_says]: [&'static str; 3],
+        what: &'static str,
+        rows: impl Fn(&Row<'_>) -> bool + 'static,
+    ) -> Self {
+        Self {
+            number,
+            title,
+            published,
+            paper_says,
+            rows: Box::new(rows),
+            what,
+            numbers: &[],
+            needs: Vec::new(),
+            checks: Vec::new(),
+            remark: "",
+        }
+    }
+
+    /// Paths at which all of the rows need a number.
+    pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
+        Self { numbers, ..self }
+    }
+
+    /// Rows without which the claim cannot be tested, and words for them.
+    pub(super) fn needs(
+        mut self,
+        what: impl Into<String>,
+        is_it: impl Fn(&Row<'_>) -> bool + 'static,
+    ) -> Self {
+        self.needs.push((what.into(), Box::new(is_it)));
+        self
+    }
+
+    /// Sentences behind the rule.
+    pub(super) fn remark(self, remark: &'static str) -> Self {
+        Self { remark, ..self }
+    }
+
+    /// A check of values that rows give, each with the row that stands for it.
+    pub(super) fn values(
+        mut self,
+        values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
+    ) -> Self {
+        self.checks.push(Check {
+            keep: Vec::new(),
+            values: Box::new(values),
+            name: None,
+            merge: None,
+            judged: None,
+            without: None,
+            bound: None,
+            portion: Portion::All,
+            role: Role::Decides,
+            says: String::new(),
+            headline: "",
+        });
+        self
+    }
+
+    /// A check of each row's value.
+    pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
+        self.values(move |rows| {
+            let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
+            values.collect()
+        })
+    }
+
+    /// A check of one value per group of rows that differ only in the paths `free`.
+    pub(super) fn groups(
+        self,
+        free: &'static [&'static str],
+        value: impl Fn(&[Row<'_>]) -> Option<f64> + 'static,
+    ) -> Self {
+        self.values(move |rows| {
+            let groups = groups(rows, free).into_iter();
+            let values = groups.filter_map(|group| Some((group[0], value(&group)?)));
+            values.collect()
+        })
+    }
+
+    /// A check of the ratios of `y` between rows that follow each other in `x` and differ only in the paths `free`.
+    pub(super) fn steps(
+        self,
+        free: &'static [&'static str],
+        x: impl Fn(&Row<'_>) -> Option<f64> + 'static,
+        y: impl Fn(&Row<'_>) -> Option<f64> + 'static,
+    ) -> Self {
+        self.values(move |rows| {
+            let mut ratios = Vec::new();
+            for group in groups(rows, free) {
+                for pair in sorted(&group, &x, &y).windows(2) {
+                    let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+                    let ratio = if near(y0, y1) || y0 == y1 {
+                        1.0
+                    } else {
+                        y1 / y0
+                    };
+                    ratios.extend((!near(x0, x1)).then_some((group[0], ratio)));
+                }
+            }
+            ratios
+        })
+    }
+
+    /// A check of the ratios of `value` between two rows that differ only in the paths `free`; the second stands for it.
+    pub(super) fn pairs(
+        self,
+        free: &'static [&'static str],
+        is_pair: impl Fn(&Row<'_>, &Row<'_>) -> bool + 'static,
+        value: impl Fn(&Row<'_>) -> Option<f64> + 'static,
+    ) -> Self {
+        self.values(move |rows| {
+            let mut ratios = Vec::new();
+            for group in groups(rows, free) {
+                for one in &group {
+                    let others = group.iter().filter(|other| is_pair(one, other));
+                    let ratio = |other: &Row<'_>| Some(value(one)? / value(other)?);
+                    ratios.extend(others.filter_map(|other| Some((*other, ratio(other)?))));
+                }
+            }
+            ratios
+        })
+    }
+
+    fn last(mut self, change: impl FnOnce(&mut Check)) -> Self {
+        self.checks.last_mut().map(change);
+        self
+    }
+
+    /// Only rows that `keep` accepts.
+    pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
+        self.last(|check| check.keep.push(Box::new(keep)))
+    }
+
+    /// Only rows of a quantity.
+    pub(super) fn of(self, quantity: &'static str) -> Self {
+        self.when(move |row| row.quantity() == quantity)
+    }
+
+    /// Only rows in which a number is within a bound.
+    pub(super) fn only(
+        self,
+        number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
+        bound: Bound,
+    ) -> Self {
+        self.when(within(number, bound))
+    }
+
+    /// Leaves out values of `value`.
+    pub(super) fn without(self, value: f64) -> Self {
+        self.last(|check| check.without = Some(value))
+    }
+
+    /// Names for the values; those of one name are compared and shown as one range.
+    pub(super) fn named(self, name: fn(&Row<'_>) -> String) -> Self {
+        self.last(|check| check.name = Some(name))
+    }
+
+    /// Makes one number of the values of one name.
+    pub(super) fn merged(self, merge: fn(&[f64]) -> f64) -> Self {
+        self.last(|check| check.merge = Some(merge))
+    }
+
+    /// Compares only the values of these rows; the others are shown.
+    pub(super) fn judging(self, judged: fn(&Row<'_>) -> bool) -> Self {
+        self.last(|check| check.judged = Some(judged))
+    }
+
+    /// The bound, which all values must meet.
+    pub(super) fn bound(self, bound: Bound) -> Self {
+        self.last(|check| check.bound = Some(bound))
+    }
+
+    /// The bound must be met by this share of the values.
+    pub(super) fn in_share(self, share: f64) -> Self {
+        self.last(|check| check.portion = Portion::Share(share))
+    }
+
+    /// The bound must be met by one of the values.
+    pub(super) fn in_one(self) -> Self {
+        self.last(|check| check.portion = Portion::One)
+    }
+
+    /// The check is left out where it has no values.
+    pub(super) fn if_present(self) -> Self {
+        self.last(|check| check.role = Role::DecidesIfPresent)
+    }
+
+    /// The sentence of a check that decides, without its end. In the finding `{count}` stands for the number of judged
+    /// values that meet the bound, `{n}` for the number of all, `{range}` and `{max}` for judged values, `{list}` for all
+    /// values (in percent with a `%` before the brace). In the rule the place becomes the bound; what follows a `|` is in
+    /// the finding alone.
+    pub(super) fn says(self, says: impl Into<String>) -> Self {
+        self.last(|check| check.says = says.into())
+    }
+
+    /// The sentence of a check that is only reported.
+    pub(super) fn reports(self, says: impl Into<String>) -> Self {
+        self.says(says).last(|check| check.role = Role::Reports)
+    }
+
+    /// The main value for the scorecard, with the same places as the sentence.
+    pub(super) fn headline(self, headline: &'static str) -> Self {
+        self.last(|check| check.headline = headline)
+    }
+
+    /// Finding in a study, or what the study lacks.
+    pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
+        let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
+        if rows.is_empty() {
+            return Err(format!("the table has no {}", self.what));
+        }
+        let lacks = |path: &&&str| rows.iter().any(|row| row.number(path).is_none());
+        if let Some(path) = self.numbers.iter().find(lacks) {
+            return Err(format!("no number for {path} in the table or the config"));
+        }
+        let lacks = |need: &&(String, Keep)| !rows.iter().any(|row| need.1(row));
+        if let Some((what, _)) = self.needs.iter().find(lacks) {
+            return Err(format!("the table has no {what}"));
+        }
+        let outcomes = self.checks.iter().map(|check| check.outcome(&rows));
+        let outcomes = outcomes.collect::<Result<Vec<_>, _>>()?;
+        let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
+        let (measured, headline) = (
+            joined(&outcomes, |one| &one.measured),
+            joined(&outcomes, |one| &one.headline),
+        );
+        let deciding = outcomes.iter().filter(|outcome| outcome.decides);
+        let mut why = format!("Holds if {}.", joined(deciding.clone(), |one| &one.rule));
+        if !self.remark.is_empty() {
+            why += &format!(" {}", self.remark);
+        }
+        let close: Vec<&str> = outcomes
+            .iter()
+            .flat_map(|one| &one.close)
+            .map(String::as_str)
+            .collect();
+        if !close.is_empty() {
+            why += &format!(
+                " The verdict is close: within 1 % of a limit is {}.",
+                close.join("; ")
+            );
+        }
+        Ok(Finding {
+            holds: deciding.clone().all(|outcome| outcome.holds),
+            measured: words::sentence(&[], &measured),
+            headline,
+            why,
+        })
+    }
+}
+
+/// Texts of outcomes that are not empty, as one.
+fn joined<'a>(
+    outcomes: impl IntoIterator<Item = &'a Outcome>,
+    text: fn(&Outcome) -> &String,
+) -> String {
+    let texts = outcomes.into_iter().map(|one| text(one).as_str());
+    texts
+        .filter(|text| !text.is_empty())
+        .collect::<Vec<_>>()
+        .join("; ")
+}

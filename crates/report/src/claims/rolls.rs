@@ -1,0 +1,396 @@
+//! Claims 1 to 4, 20 and 21 about single rolls (1996 paper, section 4.1). Lengths are in probe radii R₁.
+
+use super::bound::Bound::{Above, AtLeast, AtMost, Between};
+use super::bound::{is, near, within};
+use super::claim::Claim;
+use super::numbers::{greatest, percent, range, short};
+use super::row::{Row, probe_radius, roll_angle, size, sorted};
+use crate::study;
+
+const RADIUS: &str = "scene.probe.radius";
+const NOISE: &str = "scene.noise.angular_velocity.fraction";
+const ARC: &str = "scene.motion.arc_length";
+
+/// Claims about rolls.
+pub(super) fn claims() -> [Claim; 6] {
+    [
+        relative_curvature(),
+        length_on_sphere(),
+        length_on_paraboloid(),
+        paraboloids(),
+        edge(),
+        wrist(),
+    ]
+}
+
+/// A claim about the curvature of convex objects.
+pub(super) fn of_convex(number: u32, texts: [&'static str; 3]) -> Claim {
+    Claim::new(
+        number,
+        texts,
+        "normal_curvature_u of a convex object",
+        is_convex,
+    )
+    .numbers(&[RADIUS])
+}
+
+fn is_convex(row: &Row<'_>) -> bool {
+    row.quantity() == "normal_curvature_u"
+        && row.statistic("truth").is_some_and(|truth| truth > 0.0)
+}
+
+fn mean_error(row: &Row<'_>) -> Option<f64> {
+    row.statistic("relative_mean_abs_error")
+}
+
+pub(super) fn rms_error(row: &Row<'_>) -> Option<f64> {
+    row.statistic("relative_rms_error")
+}
+
+pub(super) fn size_in_words(row: &Row<'_>) -> String {
+    format!("R₂ = {} R₁", short(size(row).unwrap_or_default()))
+}
+
+fn noise(row: &Row<'_>) -> Option<f64> {
+    row.number(NOISE)
+}
+
+fn is_noisy(row: &Row<'_>) -> bool {
+    is_convex(row) && noise(row) != Some(0.0)
+}
+
+fn relative_curvature() -> Claim {
+    let gain = |row: &Row<'_>| Some(mean_error(row)? / noise(row)?);
+    let says = [
+        "Error grows as relative curvature falls",
+        "dramatic from R₂ = 50 R₁",
+        "The error for a given noise in angular velocity grows as the relative curvature falls, \
+         dramatically from R₂ of about 50 R₁ up.",
+    ];
+    Claim::new(1, says, "normal_curvature_u of a convex object", is_noisy)
+        .numbers(&[RADIUS, NOISE])
+        .steps(&["scene.object", "scene.probe"], size, mean_error)
+        .bound(Above(1.0))
+        .says("the mean error rises in {count} steps to a lower relative curvature")
+        .rows(gain)
+        .only(size, AtLeast(50.0))
+        .bound(AtLeast(10.0))
+        .says("it is {range} × the noise for R₂ ≥ 50 R₁")
+        .headline("{range} × the noise")
+        .rows(gain)
+        .only(size, AtMost(5.0))
+        .bound(AtMost(2.0))
+        .says("it is {range} × the noise for R₂ ≤ 5 R₁")
+        // Independent uniform errors of eight probes, four of which measure each direction.
+        .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
+        .when(has_eight_uniform_probes)
+        .only(noise, AtMost(0.01))
+        .bound(Between(0.95, 1.05))
+        .if_present()
+        .says("up to 1 % noise the rms error is {range} × the predicted noise × (1 + 1/RCR)/√12")
+}
+
+/// Whether the noise is uniform and drawn once per probe, and two probes roll in each of ±u and ±v as in the paper.
+fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
+    const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
+    let word = |path: &str| row.study.setting(path).and_then(toml::Value::as_str);
+    let is_paper = |directions: &toml::Value| {
+        let directions = directions.as_array().into_iter().flatten();
+        directions.map(study::number).eq(DIRECTIONS.map(Some))
+    };
+    let directions = row.study.setting("scene.motion.directions_deg");
+    word("scene.noise.angular_velocity.kind") == Some("uniform")
+        && word("scene.noise.angular_velocity.when").is_none_or(|when| when == "per-probe")
+        && directions.is_none_or(is_paper)
+}
+
+fn length_on_sphere() -> Claim {
+    let says = [
+        "Roll length does not affect spheres",
+        "no effect",
+        "On a sphere the length of the roll does not matter for noise in angular velocity.",
+    ];
+    Claim::new(2, says, "normal_curvature_u of a sphere", |row| {
+        is_noisy(row) && row.text("scene.object.kind") == Some("sphere")
+    })
+    .numbers(&[RADIUS, NOISE])
+    .groups(&["scene.motion"], |group| {
+        let lengths = range(group.iter().filter_map(roll_angle))?;
+        let (low, high) = range(group.iter().filter_map(mean_error))?;
+        (!near(lengths.0, lengths.1) && high > 0.0).then(|| (high - low) / high)
+    })
+    .bound(AtMost(0.05))
+    .says(
+        "the mean error changes by {max%} between rolls of different length| ({n} combinations of \
+        radius and noise)",
+    )
+    .headline("{max%} change")
+    .rows(roll_angle)
+    .reports("the rolls are {range} rad long")
+}
+
+// ---- Paraboloids z = −c r², at equal arc lengths
+
+fn c(row: &Row<'_>) -> Option<f64> {
+    Some(row.number("scene.object.c")? * probe_radius(row)?)
+}
+
+fn arc_length(row: &Row<'_>) -> Option<f64> {
+    Some(row.number(ARC)? / probe_radius(row)?)
+}
+
+fn c_in_words(row: &Row<'_>) -> String {
+    format!("c = {}", short(c(row).unwrap_or_default()))
+}
+
+fn is_noiseless(row: &Row<'_>) -> bool {
+    noise(row).unwrap_or(0.0) == 0.0
+}
+
+fn of_paraboloids(number: u32, texts: [&'static str; 3]) -> Claim {
+    of_convex(number, texts).numbers(&[RADIUS, "scene.object.c", ARC])
+}
+
+fn length_on_paraboloid() -> Claim {
+    let says = [
+        "Long rolls spoil paraboloids",
+        "rapid growth; c = 5 fails",
+        "On a paraboloid the error grows rapidly with the length of the roll; c = 5 cannot be estimated at a \
+         reasonable length even without noise.",
+    ];
+    of_paraboloids(3, says)
+        .rows(mean_error)
+        .when(is_noiseless)
+        .only(arc_length, is(0.1))
+        .named(c_in_words)
+        .reports("without noise the error at an arc length of 0.1 R₁ is {list%}")
+        .rows(mean_error)
+        .when(is_noiseless)
+        .only(arc_length, is(0.3))
+        .named(c_in_words)
+        .reports("at 0.3 R₁ it is {list%}")
+        .steps(&[ARC], arc_length, |row| {
+            mean_error(row).filter(|error| *error > 0.0 && *error < 0.5)
+        })
+        .when(is_noiseless)
+        .when(|row| {
+            [0.1, 0.3]
+                .iter()
+                .any(|length| within(arc_length, is(*length))(row))
+        })
+        .bound(AtLeast(3.0))
+        .says("tripling the length multiplies errors that stay below 50 % by {range}")
+        .headline("× {range} per tripling")
+        .rows(mean_error)
+        .when(is_noiseless)
+        .only(arc_length, is(0.1))
+        .only(c, is(5.0))
+        .bound(Above(0.15))
+        .says("c = 5 is off by {range%} already at 0.1 R₁")
+}
+
+fn paraboloids() -> Claim {
+    let says = [
+        "Paraboloids are estimated within 15 %",
+        "about 15 %",
+        "Paraboloids of c from 1 to 0.01 are estimated within about 15 %.",
+    ];
+    let end = |c_end: f64| move |row: &Row<'_>| is_noiseless(row) && within(c, is(c_end))(row);
+    of_paraboloids(4, says)
+        .needs("noiseless roll on a paraboloid of c = 1", end(1.0))
+        .needs("noiseless roll on a paraboloid of c = 0.01", end(0.01))
+        .rows(mean_error)
+        .when(is_noiseless)
+        .when(|row| [0.1, 0.3].iter().any(|length| within(arc_length, is(*length))(row)))
+        .only(c, Between(0.01, 1.0))
+        .bound(AtMost(0.15))
+        .says("without noise, at 0.1 and 0.3 R₁, the worst error of c = 1 to 0.01 is {max%}")
+        .headline("{max%} at worst")
+        .rows(|row| Some((mean_error(row)? - exact_error(c(row)? * arc_length(row)?)).abs()))
+        .when(is_noiseless)
+        .reports("noiseless errors differ from the closed form by up to {max%}")
+        .rows(|row| Some(crossing() / c(row)?))
+        .named(c_in_words)
+        .reports("by the closed form 15 % is crossed at an arc length, in R₁, of {list}")
+        .rows(mean_error)
+        .only(noise, Above(0.0))
+        .only(arc_length, is(0.3))
+        .only(c, Between(0.01, 1.0))
+        .named(|row| format!("{} noise", percent(noise(row).unwrap_or_default())))
+        .merged(greatest)
+        .reports("with noise, at 0.3 R₁, the worst mean error is {list%}")
+        .remark(
+            "The paper states radii of 500 to 2.5 for C of 5 to 0.01, which contradict each other: the apex of \
+             z = −C r² has the radius 1/(2C), 0.1 to 50 R₁, which is used here.",
+        )
+}
+
+/// Twice c times the arc length from the apex of z = −c r² to where the slope is `x`.
+fn arc(x: f64) -> f64 {
+    0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
+}
+
+/// The slope up to which a condition holds.
+fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1e9);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        match is_below(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    low
+}
+
+/// Relative error of the curvature at the apex without noise, of a roll over `share`, c times the arc length: the mean
+/// curvature along the roll is its slope angle, atan(2 c r), over the arc length.
+fn exact_error(share: f64) -> f64 {
+    1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
+}
+
+/// c times the arc length at which the error without noise is 15 %.
+fn crossing() -> f64 {
+    0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
+}
+
+// ---- What a sharp object leaves
+
+/// Share of the trials whose contact stays on its pad, which gives a bound on the radius and no radius.
+fn unresolved(row: &Row<'_>) -> Option<f64> {
+    row.failed(|kind| kind.starts_with("unresolved"))
+}
+
+/// Trials with objects of one radius.
+struct Trials<'a> {
+    rows: Vec<Row<'a>>,
+    all: f64,
+    unresolved: f64,
+}
+
+impl Trials<'_> {
+    fn share(&self) -> f64 {
+        self.unresolved / self.all.max(1.0)
+    }
+}
+
+/// Trials by the radius of the object, sharpest first.
+fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
+    let mut rows = rows.to_vec();
+    let size = |row: &Row<'_>| size(row).unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    let number = |row: &Row<'_>| row.statistic("trials").unwrap_or_default();
+    let of_size = |rows: &[Row<'a>]| Trials {
+        rows: rows.to_vec(),
+        all: rows.iter().map(number).sum(),
+        unresolved: rows
+            .iter()
+            .filter_map(|row| Some(unresolved(row)? * number(row)))
+            .sum(),
+    };
+    rows.chunk_by(|a, b| near(size(a), size(b)))
+        .map(of_size)
+        .collect()
+}
+
+impl Claim {
+    /// A check of one number for each radius.
+    fn sizes(self, number: impl Fn(&Trials<'_>) -> f64 + 'static) -> Self {
+        self.values(move |rows| {
+            let sizes = by_size(rows).into_iter();
+            sizes
+                .map(|trials| (trials.rows[0], number(&trials)))
+                .collect()
+        })
+    }
+}
+
+fn edge() -> Claim {
+    let says = [
+        "An edge gives only a bound",
+        "sensed, no radius",
+        "An edge can be sensed, but not its radius.",
+    ];
+    of_convex(20, says)
+        .values(|rows| match &by_size(rows)[..] {
+            [sharpest, _, ..] => {
+                let rows = sharpest.rows.iter();
+                rows.filter_map(|row| Some((*row, unresolved(row)?))).collect()
+            }
+            _ => Vec::new(),
+        })
+        .bound(AtLeast(1.0))
+        .in_one()
+        .says("at the sharpest object every contact stays on its pad in {count} cells|, which bounds the radius only")
+        .headline("no radius in {count} cells")
+        .values(|rows| match &by_size(rows)[..] {
+            [sharpest, others @ ..] => {
+                let excess = |trials: &Trials<'_>| trials.share() - sharpest.share();
+                others.iter().map(|trials| (trials.rows[0], excess(trials))).collect()
+            }
+            [] => Vec::new(),
+        })
+        .bound(AtMost(0.0))
+        .says("{count} other radii have no greater share of such trials")
+        .sizes(|trials| trials.share())
+        .named(size_in_words)
+        .reports("that share is {list%}")
+        .sizes(|trials| trials.unresolved.round())
+        .named(size_in_words)
+        .reports("such trials are {list}")
+        .sizes(|trials| trials.all)
+        .reports("of {range} for each radius")
+}
+
+// ---- A wrist force sensor against pads
+
+/// "Acts like" is within this factor.
+const ALIKE: f64 = 1.5;
+
+/// Size of a sensor whose label begins with a word, as in `pads 0.5 mm`.
+fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
+    let label = row.text("scene.sensor")?.strip_prefix(word)?;
+    let size: f64 = label.split_whitespace().next()?.parse().ok()?;
+    (size > 0.0).then_some(size)
+}
+
+/// Whether a wrist sensor and pads have about one size.
+fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
+    let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
+    sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
+}
+
+/// The pad size whose error is that of the wrist sensor, between neighbours in size; none if the error is outside what
+/// the pads span.
+fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
+    let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
+    let error = group.iter().find(is_compared).and_then(rms_error)?;
+    let pads = sorted(group, |row| labelled_size(row, "pads "), rms_error);
+    pads.windows(2).find_map(|pair| {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        (y0 < y1 && (y0..=y1).contains(&error))
+            .then(|| x0 * libm::pow(x1 / x0, libm::log(error / y0) / libm::log(y1 / y0)))
+    })
+}
+
+fn wrist() -> Claim {
+    let says = [
+        "Wrist sensor acts like coarse pads",
+        "like pads of 0.54 mm",
+        "A wrist sensor's contact error of 0.54 mm (2.7 % of a probe of R₁ = 10 mm across) \
+            acts like pads of that size.",
+    ];
+    of_convex(21, says)
+        .needs("scene.sensor labelled \"wrist SIZE\"", |row| labelled_size(row, "wrist ").is_some())
+        .pairs(&["scene.sensor"], is_wrist_and_pads, |row| rms_error(row).filter(|error| *error > 0.0))
+        .bound(Between(1.0 / ALIKE, ALIKE))
+        .says("the rms error of the wrist sensor is {range} × that of pads of its size| (over \
+            {n} objects)")
+        .headline("{range} × their error")
+        .groups(&["scene.sensor"], equal_pads)
+        .reports("it acts like pads of {range} mm at {n} of the objects")
+        .remark(
+            "Pad sizes are interpolated between logarithms. A mean distance of 0.54 mm is a standard deviation of \
+             0.43 mm along each axis, more than that of the rounding of 0.54 mm pads (0.54/√12 = 0.16 mm).",
+        )
+}

@@ -1,0 +1,138 @@
+//! A row of a study's table, with its place in the sweep, and the numbers that claims are about.
+
+use crate::Study;
+use crate::group::by_key;
+
+/// Row of `cells.csv`.
+#[derive(Clone, Copy)]
+pub(super) struct Row<'a> {
+    pub(super) study: &'a Study,
+    at: usize,
+}
+
+impl<'a> Row<'a> {
+    /// All rows of a study.
+    pub(super) fn all(study: &'a Study) -> impl Iterator<Item = Self> {
+        (0..study.cells().rows()).map(move |at| Self { study, at })
+    }
+
+    pub(super) fn quantity(&self) -> &'a str {
+        self.study.cells().quantity(self.at)
+    }
+
+    pub(super) fn statistic(&self, name: &str) -> Option<f64> {
+        self.study.cells().statistic(self.at, name)
+    }
+
+    /// Number at a path of the config; see [`Study::number`].
+    pub(super) fn number(&self, path: &str) -> Option<f64> {
+        self.study.number(self.at, path)
+    }
+
+    /// Text at a path of the config; see [`Study::text`].
+    pub(super) fn text(&self, path: &str) -> Option<&'a str> {
+        self.study.text(self.at, path)
+    }
+
+    /// Label of a part of the scene, or its kind if it has no label.
+    pub(super) fn label(&self, path: &str) -> &'a str {
+        let kind = || self.text(&format!("{path}.kind"));
+        self.text(path).or_else(kind).unwrap_or_default()
+    }
+
+    /// Labels of those of some parts of the scene that are swept.
+    pub(super) fn swept(&self, paths: &[&str]) -> String {
+        let axes = paths
+            .iter()
+            .filter_map(|path| self.study.cells().axis(path));
+        let texts: Vec<&str> = axes.map(|axis| axis.text(self.at)).collect();
+        texts.join(", ")
+    }
+
+    /// Row of another quantity of the same cell.
+    pub(super) fn of(&self, quantity: &str) -> Option<Self> {
+        let table = self.study.cells();
+        let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
+        let before = (0..self.at).rev().take_while(is_cell);
+        let after = (self.at..table.rows()).take_while(is_cell);
+        let mut cell = before.chain(after).map(|at| Self { at, ..*self });
+        cell.find(|row| row.quantity() == quantity)
+    }
+
+    /// Share of the cell's trials that fail with a kind that `is_it` accepts.
+    pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
+        let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
+        let cell = self.study.cells().cell(self.at);
+        let failures = self.study.failures().iter();
+        let counts = failures.filter(|failure| failure.cell == cell && is_it(&failure.kind));
+        Some(counts.map(|failure| failure.count as f64).sum::<f64>() / trials)
+    }
+
+    /// The study's unit of length in millimetres; none if it has no name.
+    pub(super) fn millimetres(&self) -> Option<f64> {
+        match self.study.setting("length_unit")?.as_str()? {
+            "m" => Some(1000.0),
+            "cm" => Some(10.0),
+            "mm" => Some(1.0),
+            "um" => Some(0.001),
+            _ => None,
+        }
+    }
+}
+
+/// Rows that agree in every swept path except those that begin with one of `free`.
+pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    let axes = first.study.cells().axes().iter();
+    let is_free = |header: &str| free.iter().any(|prefix| header.starts_with(prefix));
+    let fixed: Vec<_> = axes.filter(|axis| !is_free(&axis.header)).collect();
+    let key = |row: &Row<'_>| {
+        fixed
+            .iter()
+            .map(|axis| axis.text(row.at))
+            .collect::<Vec<_>>()
+    };
+    let groups = by_key(rows.iter().map(|row| (key(row), *row)));
+    groups.into_iter().map(|(_, rows)| rows).collect()
+}
+
+/// Rows of a group as pairs of numbers, in order of the first.
+pub(super) fn sorted(
+    rows: &[Row<'_>],
+    x: impl Fn(&Row<'_>) -> Option<f64>,
+    y: impl Fn(&Row<'_>) -> Option<f64>,
+) -> Vec<(f64, f64)> {
+    let pairs = rows.iter().filter_map(|row| Some((x(row)?, y(row)?)));
+    let mut pairs: Vec<(f64, f64)> = pairs.collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs
+}
+
+/// Radius of the probe.
+pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
+    row.number("scene.probe.radius")
+}
+
+/// True radius of the object over that of the probe: 1/RCR.
+pub(super) fn size(row: &Row<'_>) -> Option<f64> {
+    Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
+}
+
+/// The angle of a roll in rad, as it is given: by rate and duration, by itself, or by the length of its arc on the
+/// probe, which turns the contact by the arc over both radii.
+pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
+    let number = |path: &str| row.number(path);
+    if let (Some(rate), Some(duration)) = (
+        number("scene.motion.rate_rad_per_s"),
+        number("scene.motion.duration_s"),
+    ) {
+        return Some(rate * duration);
+    }
+    if let Some(angle) = number("scene.motion.angle_deg") {
+        return Some(angle.to_radians());
+    }
+    let curvature = probe_radius(row)?.recip() + row.statistic("truth")?;
+    Some(number("scene.motion.arc_length")? * curvature)
+}

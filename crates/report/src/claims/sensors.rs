@@ -1,0 +1,243 @@
+//! Claims 14, 18, 19 and 22 about a marker's picture and the skin (2020 paper, sections III and IV.A).
+
+use super::bound::Bound::{Above, AtLeast, AtMost, Below};
+use super::claim::Claim;
+use super::numbers::range;
+use super::row::{Row, groups};
+use super::straight_line::{Reading, StraightLine};
+
+/// Slopes of the lines through the readings of the paper's Fig. 6b (all 39), turns/mm, and 6c, px/mm: what `palpate
+/// sensor calibrate` finds in `examples/chromatouch-2020/`.
+const HUE_SLOPE: f64 = 0.02583;
+const CENTROID_SLOPE: f64 = 7.0;
+
+/// Claims about the sensor.
+pub(super) fn claims() -> [Claim; 4] {
+    [linear(), gores(), fisheye(), slopes()]
+}
+
+fn mean(row: &Row<'_>) -> Option<f64> {
+    row.statistic("mean")
+}
+
+/// The shift along the skin; 0 where neither the table nor the config has one.
+fn shift(row: &Row<'_>) -> Option<f64> {
+    Some(row.number("scene.motion.shift").unwrap_or(0.0))
+}
+
+fn indentation(row: &Row<'_>) -> Option<f64> {
+    row.number("scene.motion.indentation")
+}
+
+/// Lines, each with a row that they pass.
+type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
+
+/// Lines of the hue against the indentation without shift, whatever else is swept.
+fn hue<'a>(rows: &[Row<'a>]) -> Lines<'a> {
+    let unmoved = |row: &&Row<'_>| row.quantity() == "hue_change" && shift(row) == Some(0.0);
+    through(rows.iter().filter(unmoved), &["scene.motion"], indentation)
+}
+
+/// Lines of the centroid against the shift, per indentation and whatever else is swept.
+fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
+    let pictures = rows.iter().filter(|row| row.quantity() == "centroid_shift");
+    through(pictures, &["scene.motion.shift"], shift)
+}
+
+fn through<'a: 'b, 'b>(
+    rows: impl Iterator<Item = &'b Row<'a>>,
+    free: &[&str],
+    along: fn(&Row<'_>) -> Option<f64>,
+) -> Lines<'a> {
+    let reading = |row: &Row<'_>| {
+        Some(Reading {
+            x: along(row)?,
+            mean: mean(row)?,
+            std: row.statistic("std").unwrap_or(0.0),
+        })
+    };
+    let line = |group: Vec<Row<'a>>| {
+        let readings: Vec<Reading> = group.iter().filter_map(reading).collect();
+        Some((group[0], StraightLine::through(&readings)?))
+    };
+    let rows: Vec<Row<'a>> = rows.copied().collect();
+    groups(&rows, free).into_iter().filter_map(line).collect()
+}
+
+impl Claim {
+    /// A check of one number of each line.
+    fn lines(
+        self,
+        lines: impl for<'a> Fn(&[Row<'a>]) -> Lines<'a> + 'static,
+        number: impl Fn(&Row<'_>, StraightLine) -> Option<f64> + 'static,
+    ) -> Self {
+        self.values(move |rows| {
+            let lines = lines(rows).into_iter();
+            let numbers = lines.filter_map(|(row, line)| Some((row, number(&row, line)?)));
+            numbers.collect()
+        })
+    }
+}
+
+fn linear() -> Claim {
+    let object = |row: &Row<'_>| row.swept(&["scene.object"]);
+    let says = [
+        "Hue and centroid respond linearly",
+        "R² 0.89; 0.99",
+        "A marker's hue is linear in its normal displacement, its centroid in the tangential one.",
+    ];
+    Claim::new(14, says, "rows", |_| true)
+        .lines(hue, |_, line| Some(line.r_squared))
+        .bound(AtLeast(0.89))
+        .says("R² of the hue at three or more indentations is {range}")
+        .headline("R² {range}")
+        .lines(centroid, |_, line| Some(line.r_squared))
+        .bound(AtLeast(0.99))
+        .says("R² of the centroid at three or more shifts is {range}")
+        .headline("{range}")
+        .lines(hue, slope)
+        .named(object)
+        .reports("slopes of the hue are {list} turns/mm")
+        .lines(hue, |row, line| Some(1.0 / hue_share(row, line)?).filter(|ratio| ratio.is_finite()))
+        .reports("the published slope of 0.02583 turns/mm is {range} times as steep")
+        .lines(centroid, slope)
+        .named(object)
+        .reports("slopes of the centroid are {list} px/mm")
+        .remark(
+            "The bounds are the paper's own R². The scatter of single readings counts against it. Per object the \
+             slopes of the paper's hues differ by ±20 %.",
+        )
+}
+
+/// Slope per millimetre.
+fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
+    Some(line.slope / row.millimetres()?)
+}
+
+/// Slope of a hue over the published one.
+fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
+    Some(slope(row, line)? / HUE_SLOPE)
+}
+
+/// Slope of a centroid over the published one.
+fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
+    Some(slope(row, line)? / CENTROID_SLOPE)
+}
+
+fn sensor(row: &Row<'_>) -> String {
+    row.swept(&["scene.sensor"])
+}
+
+/// For each line of the hue, how far it and the best centroid of its sensor are off the published slopes.
+fn farther_off<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
+    let off = |share: f64| (share - 1.0).abs();
+    let centroids = centroid(rows);
+    let both = |(row, line): &(Row<'a>, StraightLine)| {
+        let same = centroids
+            .iter()
+            .filter(|(other, _)| sensor(other) == sensor(row));
+        let shares = same.filter_map(|(row, line)| centroid_share(row, *line));
+        let centroid = shares.map(off).reduce(f64::min)?;
+        Some((*row, centroid.max(off(hue_share(row, *line)?))))
+    };
+    hue(rows).iter().filter_map(both).collect()
+}
+
+fn slopes() -> Claim {
+    let says = [
+        "Hue and centroid slopes as published",
+        "0.0258 turns/mm; 7 px/mm",
+        "A marker's hue changes by 0.0258 turns per millimetre of indentation, its centroid by 7.0 px per millimetre \
+         of shift, in frames of 265 px.",
+    ];
+    Claim::new(22, says, "rows", |_| true)
+        .lines(hue, hue_share)
+        .named(sensor)
+        .reports("the slope of the hue is, of the published 0.02583 turns/mm, {list%}")
+        .headline("{range%}")
+        .lines(centroid, centroid_share)
+        .named(sensor)
+        .reports("that of the centroid is, of the published 7 px/mm, {list%}")
+        .headline("{range%}")
+        .values(farther_off)
+        .named(sensor)
+        .bound(AtMost(0.2))
+        .in_one()
+        .says("both slopes of a sensor are off by {list%}")
+        .remark("The bound is that by which the paper's slopes of the hue differ between objects.")
+}
+
+fn gore_count(row: &Row<'_>) -> Option<f64> {
+    row.number("scene.probe.layout.gores")
+}
+
+fn gores() -> Claim {
+    const COUNTS: [f64; 3] = [4.0, 6.0, 8.0];
+    let says = [
+        "More gores distort the skin less",
+        "less for 6 and 8 than 4",
+        "A skin cut into 6 or 8 gores is distorted less than one of 4.",
+    ];
+    let mut claim = Claim::new(18, says, "skin of 4, 6 or 8 gores", |row| {
+        gore_count(row).is_some_and(|count| COUNTS.contains(&count))
+    });
+    for (quantity, headline) in [("greatest_fold_strain", "{list%}"), ("rms_fold_strain", "")] {
+        for count in COUNTS {
+            claim = claim.needs(format!("{quantity} of {count} gores"), move |row| {
+                row.quantity() == quantity && gore_count(row) == Some(count)
+            });
+        }
+        let words = quantity.replace('_', " ");
+        claim = claim
+            .rows(mean)
+            .of(quantity)
+            .named(|row| format!("{} gores", gore_count(row).unwrap_or_default()))
+            .reports(format!("the {words} is {{list%}}"))
+            .headline(headline)
+            .steps(&["scene.probe.layout"], gore_count, mean)
+            .of(quantity)
+            .bound(Below(1.0))
+            .says(format!(
+                "the {words} falls in {{count}} steps from 4 to 6 and 8 gores"
+            ));
+    }
+    claim
+}
+
+/// Polar angle at which a lens sees a marker, degrees.
+fn polar(row: &Row<'_>) -> Option<f64> {
+    row.number("scene.view.polar_deg")
+        .filter(|_| mean(row).is_some_and(|area| area > 0.0))
+}
+
+fn fisheye() -> Claim {
+    let says = [
+        "Fisheye keeps the marker area even",
+        "similar area",
+        "The fisheye lens gives all markers a similar area in the image.",
+    ];
+    let is_area = |row: &Row<'_>| row.quantity() == "marker_area" && polar(row).is_some();
+    let mut claim = Claim::new(19, says, "marker_area at a polar angle", is_area);
+    for (lens, bound, headline) in [
+        ("fisheye", AtMost(1.25), "ratio {range}"),
+        ("pinhole", Above(1.25), "pinhole {range}"),
+    ] {
+        claim = claim
+            .groups(&["scene.view"], |group| {
+                let (smallest, largest) = range(group.iter().filter_map(mean))?;
+                let angles = range(group.iter().filter_map(polar))?;
+                (angles.0 < angles.1).then(|| largest / smallest)
+            })
+            .when(move |row| row.text("scene.sensor.lens") == Some(lens))
+            .bound(bound)
+            .says(format!(
+                "the largest image area of a marker under the {lens} is {{range}} \
+                times the smallest"
+            ))
+            .headline(headline)
+            .rows(polar)
+            .when(move |row| row.text("scene.sensor.lens") == Some(lens))
+            .reports("over polar angles of {range}°");
+    }
+    claim
+}
