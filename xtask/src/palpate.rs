@@ -36,11 +36,7 @@ pub(crate) const RELEASED: [&str; 7] = [
 
 /// Builds the released programs and says where one lies.
 pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
-    // With the bench of instructions, whose libraries have features of their own.
-    let build = cmd!(
-        shell,
-        "cargo build --release {RELEASED...} --bins --bench instructions"
-    );
+    let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
     build.quiet().run()?;
     let binary = format!("{program}{}", env::consts::EXE_SUFFIX);
     Ok(target_dir(shell).join("release").join(binary))

@@ -6,9 +6,9 @@ use xshell::{Shell, cmd};
 /// Target without threads, vectors or a C library, for which the libraries must compile.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
-/// Commands that show a tool, what they print where it is there, and the command that installs it. Programs that work for a
-/// moment are not optimised, which would take longer than they ever run.
-const INSTALLED: [[&str; 3]; 5] = [
+/// Commands that show a tool, what they print where it is there, and the command that installs it. A program that runs for a
+/// moment is not optimised: optimising would take longer than it ever runs.
+const INSTALLED: [[&str; 3]; 4] = [
     [
         "cargo fmt --version",
         "rustfmt",
@@ -28,12 +28,6 @@ const INSTALLED: [[&str; 3]; 5] = [
         "cargo deny --version",
         "cargo-deny",
         "cargo install cargo-deny --locked --debug",
-    ],
-    // The runner must be of gungraun's own version.
-    [
-        "gungraun-runner --version",
-        "0.20.0",
-        "cargo install gungraun-runner --version 0.20.0 --locked --debug",
     ],
 ];
 

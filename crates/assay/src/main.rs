@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
-use palpate_assay::{accuracy, answers, intervals, ours, tradeoff};
+use palpate_assay::{accuracy, answers, hot, intervals, ours, tradeoff};
 use palpate_report::{Files, tradeoff_figures};
 
 /// Harnesses over the whole of palpate.
@@ -65,6 +65,12 @@ enum Harness {
     GlideIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
+    /// Prints the instructions of the hot paths, as CSV.
+    Instructions {
+        /// Run the path of this name; the program calls itself so under valgrind.
+        #[arg(long, hide = true)]
+        counted: Option<String>,
+    },
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
     Ours {
         /// The group of tasks.
@@ -163,6 +169,16 @@ fn limit(text: &str) -> Result<(String, f64), String> {
     Ok((task.to_owned(), error))
 }
 
+/// Prints named figures as CSV.
+fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(std::io::stdout());
+    writer.write_record(["name", figure])?;
+    for (name, figure) in figures {
+        writer.write_record([name, format!("{figure:e}")])?;
+    }
+    Ok(writer.flush()?)
+}
+
 fn main() -> Result<()> {
     match Cli::parse().harness {
         Harness::Promise { out, counted } => {
@@ -221,10 +237,11 @@ fn main() -> Result<()> {
             let scores = intervals::glide::scores(scenes.options(12), |score| println!("{score}"))?;
             scenes.write(&scores)
         }
-        Harness::Accuracy => {
-            print!("{}", accuracy::table()?);
-            Ok(())
-        }
+        Harness::Accuracy => print_figures("error", accuracy::figures()?),
+        Harness::Instructions { counted } => match counted {
+            Some(path) => hot::count(&path),
+            None => print_figures("instructions", hot::counts()?),
+        },
         Harness::Ours {
             group,
             error_at_most,
