@@ -6,6 +6,7 @@
 
 pub mod accuracy;
 pub mod answers;
+mod columns;
 pub mod hot;
 pub mod intervals;
 pub mod measured;
