@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
 # up.sh DIR: a cluster of two nodes on this machine's loopback, for tests; needs root and Debian's slurmctld, slurmd,
-# slurm-client and munge. Afterwards `. DIR/env` lets Slurm's commands find it, and down.sh DIR ends it.
+# slurm-client and munge. Afterwards `. DIR/env` lets Slurm's commands find it, and down.sh DIR ends it. It writes to DIR
+# only.
 set -euo pipefail
 dir=$(mkdir -p "$1" && cd "$1" && pwd)
 port=${PORT:-17317}
 host=$(hostname -s)
 
-# Daemons bind to the address of the host's name, which must be the loopback's.
-[[ $(getent ahostsv4 "$host" | awk 'NR == 1 { print $1 }') == 127.0.0.1 ]] || {
-    hosts=$(cat /etc/hosts)
-    printf '127.0.0.1 %s\n%s\n' "$host" "$hosts" > /etc/hosts
-}
+# Daemons bind to the address of the host's name, which must be the loopback's: they get an /etc/hosts of their own.
+printf '127.0.0.1 %s\n%s\n' "$host" "$(cat /etc/hosts)" > "$dir/hosts"
+export HOSTS=$dir/hosts
 mkdir -p "$dir"/{log,state}
 chmod 755 "$dir" "$dir/log"
 install -d -o munge -g munge -m 755 "$dir/munge"
@@ -58,7 +57,11 @@ echo "export SLURM_CONF=$dir/slurm.conf" > "$dir/env"
 . "$dir/env"
 
 : > "$dir/pids"
-start() { "$@" < /dev/null > "$dir/log/${1##*/}.$(wc -l < "$dir/pids").out" 2>&1 & echo $! >> "$dir/pids"; }
+start() {
+    unshare --mount sh -c 'mount --bind "$HOSTS" /etc/hosts && exec "$0" "$@"' "$@" \
+        < /dev/null > "$dir/log/${1##*/}.$(wc -l < "$dir/pids").out" 2>&1 &
+    echo $! >> "$dir/pids"
+}
 start setpriv --reuid=munge --regid=munge --clear-groups munged --foreground --socket="$dir/munge/socket" \
     --key-file="$dir/munge/key" --pid-file="$dir/munge/pid" --seed-file="$dir/munge/seed"
 for _ in $(seq 50); do [[ ! -S "$dir/munge/socket" ]] || break; sleep 0.1; done

@@ -5,7 +5,6 @@
 mod baseline;
 mod benches;
 mod changelog;
-mod instructions;
 
 use std::path::Path;
 
@@ -15,21 +14,22 @@ use xshell::{Shell, cmd};
 
 use crate::palpate;
 use crate::peers::replace;
-use baseline::{Comparison, Figures, Limits};
+use crate::tools::has;
+use baseline::{Comparison, Limits};
 
 const DIRECTORY: &str = "crates/assay/baseline";
-const INSTRUCTIONS: &str = "instructions.csv";
-const ACCURACY: &str = "accuracy.csv";
 
 /// Counts hardly scatter, but depend on where the linker puts what.
 const COST: Limits = Limits {
     what: "instructions",
+    harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
 /// Below 20 roundings, every mathematical library rounds its own way.
 const ERROR: Limits = Limits {
     what: "error",
+    harness: "accuracy",
     allowed: 0.01,
     floor: 5e-15,
 };
@@ -43,23 +43,16 @@ pub(crate) struct Options {
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     benches::check(shell)?;
-    let errors = compare(shell, ACCURACY, &ERROR, accuracy(shell)?)?;
-    let counts = match instructions::count(shell)? {
-        Ok(counts) => Some(compare(shell, INSTRUCTIONS, &COST, counts)?),
-        Err(absent) => {
-            println!("instructions are not compared: {absent}");
-            None
-        }
-    };
-    if options.accept {
-        return accept(shell, &errors, counts.as_ref());
+    let mut comparisons = vec![compare(shell, &ERROR)?];
+    match has(shell, "valgrind") {
+        true => comparisons.push(compare(shell, &COST)?),
+        false => println!("instructions are not compared: valgrind is missing"),
     }
-    let failed: Vec<&str> = [Some(&errors), counts.as_ref()]
-        .into_iter()
-        .flatten()
-        .filter(|comparison| comparison.fails())
-        .map(|comparison| comparison.limits.what)
-        .collect();
+    if options.accept {
+        return accept(shell, &comparisons);
+    }
+    let failed = comparisons.iter().filter(|one| one.fails());
+    let failed: Vec<&str> = failed.map(|one| one.limits.what).collect();
     if !failed.is_empty() {
         bail!(
             "{} not as in {DIRECTORY}; if that is meant, run `cargo xtask bench-check --accept` and commit",
@@ -69,43 +62,36 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Errors of palpate on fixed scenes, which are the same in every build profile.
-fn accuracy(shell: &Shell) -> Result<Figures> {
-    let assay = palpate::build(shell, "palpate-assay")?;
-    Figures::read(&cmd!(shell, "{assay} accuracy").quiet().read()?)
-}
-
-/// Compares with the baseline and prints what differs.
-fn compare(shell: &Shell, file: &str, limits: &'static Limits, now: Figures) -> Result<Comparison> {
-    let path = shell.current_dir().join(DIRECTORY).join(file);
+/// Runs a harness of palpate-assay, compares its figures with the baseline and prints those that differ.
+fn compare(shell: &Shell, limits: &'static Limits) -> Result<Comparison> {
+    let (assay, harness) = (palpate::build(shell, "palpate-assay")?, limits.harness);
+    let now = baseline::read(&cmd!(shell, "{assay} {harness}").quiet().read()?)?;
+    let path = limits.path();
     let before = match shell.path_exists(&path) {
-        true => Figures::read(&shell.read_file(&path)?)
-            .with_context(|| format!("{} is unsound", path.display()))?,
-        false => Figures::default(),
+        true => baseline::read(&shell.read_file(&path)?)
+            .with_context(|| format!("{path} is unsound"))?,
+        false => Vec::new(),
     };
-    let comparison = Comparison::new(limits, before, now);
+    let comparison = Comparison {
+        limits,
+        before,
+        now,
+    };
     print!("{}", comparison.render());
     Ok(comparison)
 }
 
-fn accept(shell: &Shell, errors: &Comparison, counts: Option<&Comparison>) -> Result<()> {
-    if errors.alters() {
+fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
+    let is_error = |one: &&Comparison| one.limits.what == ERROR.what;
+    if comparisons.iter().filter(is_error).any(Comparison::alters) {
         changelog::demand_line(shell)?;
     }
-    let directory = shell.current_dir().join(DIRECTORY);
-    shell.create_dir(&directory)?;
-    let write = |file: &str, comparison: &Comparison| -> Result<()> {
-        replace(
-            &Path::new(&directory).join(file),
-            &comparison.now.to_csv(comparison.limits.what)?,
-        )?;
-        println!("{DIRECTORY}/{file} is written");
-        Ok(())
-    };
-    write(ACCURACY, errors)?;
-    if let Some(counts) = counts {
-        return write(INSTRUCTIONS, counts);
+    shell.create_dir(DIRECTORY)?;
+    for comparison in comparisons {
+        let path = comparison.limits.path();
+        let whole = shell.current_dir().join(Path::new(&path));
+        replace(&whole, &comparison.to_csv()?)?;
+        println!("{path} is written");
     }
-    println!("{DIRECTORY}/{INSTRUCTIONS} stays as it is");
     Ok(())
 }

@@ -6,9 +6,7 @@ use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
-use crate::{
-    bench_check, harness, house, palpate, python, readme, reproduce, same_bytes, scale, tools,
-};
+use crate::{bench_check, harness, house, palpate, python, readme, reproduce, tools};
 
 /// Environment in which the Python package is checked, which no interpreter has to link: Python would load it.
 const NO_INTERPRETER: [(&str, &str); 2] = [
@@ -18,20 +16,19 @@ const NO_INTERPRETER: [(&str, &str); 2] = [
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 14] = [
     ("tools", tools::prepare),
     ("format", format),
-    ("house", house),
+    ("house", house::check),
     ("clippy", clippy),
     ("tests", tests),
     ("examples", examples),
     ("docs", docs),
     ("licences", licences),
     ("results", results),
-    ("same bytes", same_bytes),
+    ("WebAssembly", web_assembly),
     ("answers", harness::check_answers),
     ("python", python),
-    ("scale", scale),
     ("instructions and accuracy", bench),
     ("README", readme::check),
 ];
@@ -51,11 +48,6 @@ pub(crate) fn run(shell: &Shell) -> Result<()> {
 
 fn format(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo fmt --all --check").run()?)
-}
-
-fn house(shell: &Shell) -> Result<()> {
-    house::check(shell)?;
-    same_bytes::refuse_powers(shell)
 }
 
 fn clippy(shell: &Shell) -> Result<()> {
@@ -112,13 +104,14 @@ fn python(shell: &Shell) -> Result<()> {
     }
 }
 
-fn same_bytes(shell: &Shell) -> Result<()> {
-    same_bytes::refuse_imports(shell, &palpate::build(shell, "palpate")?)?;
-    same_bytes::run(shell, &same_bytes::Options { quick: true })
-}
-
-fn scale(shell: &Shell) -> Result<()> {
-    scale::run(shell, &scale::Options { kills: 20 })
+/// Checks that the libraries compile for a browser.
+fn web_assembly(shell: &Shell) -> Result<()> {
+    let target = tools::WASM;
+    let check = cmd!(
+        shell,
+        "cargo check --package palpate --lib --no-default-features --target {target}"
+    );
+    Ok(check.run()?)
 }
 
 fn results(shell: &Shell) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{bench_check, fuzz, harness, peers, python, reproduce, same_bytes, scale, tradeoff};
+use crate::{bench_check, fuzz, harness, peers, python, reproduce, scale, tradeoff};
 
 /// Development tasks of palpate.
 #[derive(Parser)]
@@ -18,8 +18,6 @@ pub(crate) enum Task {
     Ci,
     /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
     Reproduce(reproduce::Options),
-    /// Run shortened studies on every host that this machine can be, and compare their tables' SHA-256.
-    SameBytes(same_bytes::Options),
     /// Kill runs, fill a disk, and share a study on a cluster of this machine: the bytes must be those of one run.
     Scale(scale::Options),
     /// Measure every ladder of models: error against cost, into results/tradeoff/.
@@ -45,6 +43,6 @@ pub(crate) enum Task {
     Python(python::Options),
     /// Feed the readers of files what nobody would write.
     Fuzz(fuzz::Options),
-    /// Check which file imports which, and which crate which: no circles.
+    /// Check that crates import each other only as ARCHITECTURE.md allows.
     House,
 }

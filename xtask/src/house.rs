@@ -1,44 +1,120 @@
-//! The order of the house: which file imports which, which crate which.
+//! Crates of the workspace, and which of the others each may import.
 
-mod circles;
-mod crates;
-mod names;
-mod packages;
-mod resolve;
-#[cfg(test)]
-mod tests;
-mod tree;
-mod uses;
-
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
 use xshell::Shell;
 
-use circles::circles;
-use packages::Package;
-use tree::Tree;
+use crate::palpate;
 
-/// Checks that no files import each other in a circle, and crates only what they may; every circle is told.
+/// Crates that each crate may import beside those of [`EVERYBODYS`]: the table of ARCHITECTURE.md, "The crates".
+const ALLOWED: &[(&str, &[&str])] = &[
+    ("geometry", &[]),
+    ("study", &[]),
+    ("rolling", &["geometry"]),
+    ("sensing", &[]),
+    ("ep1", &["geometry"]),
+    ("ep2", &["geometry"]),
+    ("press", &[]),
+    ("chromatouch", &["sensing"]),
+    ("tracking", &[]),
+    (
+        "scene",
+        &[
+            "study",
+            "geometry",
+            "rolling",
+            "sensing",
+            "ep1",
+            "ep2",
+            "press",
+            "chromatouch",
+            "tracking",
+        ],
+    ),
+    ("sweep", &[]),
+    ("report", &["study"]),
+    ("palpate", &["study", "scene", "sweep", "report"]),
+    ("python", &["palpate"]),
+    ("tally", &[]),
+    ("frames", &[]),
+    ("number", &[]),
+    ("chance", &[]),
+    ("fuzz", &["geometry", "study", "scene", "tracking"]),
+    ("xtask", &[]),
+];
+/// Crate that may import any other.
+const UNLIMITED: &str = "assay";
+/// Crates that every crate may import.
+const EVERYBODYS: [&str; 3] = ["tally", "number", "chance"];
+
+/// Checks that crates import only what the table allows. Imports of tests and benchmarks do not count.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
-    let packages = packages::read(shell)?;
-    let mut faults = Vec::new();
-    for package in &packages {
-        for circle in circles(&tree(package)?) {
-            let files = circle.text(&shell.current_dir());
-            faults.push(format!("circle in {}:\n{files}", package.name));
-        }
+    let packages = palpate::packages(shell)?;
+    let faults = faults(&packages)?;
+    if !faults.is_empty() {
+        bail!("{}", faults.join("\n"));
     }
-    println!("house: {} circles among files", faults.len());
-    faults.extend(crates::faults(&packages));
-    match faults.is_empty() {
-        true => Ok(()),
-        false => bail!("{}", faults.join("\n")),
-    }
+    println!(
+        "house: the imports of {} crates are as allowed",
+        packages.len()
+    );
+    Ok(())
 }
 
-fn tree(package: &Package) -> Result<Tree> {
-    let mut tree = Tree::default();
-    for root in &package.roots {
-        tree.add_root(&root.file, root.library.as_deref())?;
+/// Sentences about the imports that the table forbids.
+fn faults(packages: &[Value]) -> Result<Vec<String>> {
+    let short = |value: &Value| -> Result<String> {
+        let name = value["name"].as_str().context("a name is missing")?;
+        Ok(name.strip_prefix("palpate-").unwrap_or(name).to_owned())
+    };
+    let crates: Vec<String> = packages.iter().map(short).collect::<Result<_>>()?;
+    let mut faults = Vec::new();
+    for (package, name) in packages.iter().zip(&crates) {
+        if name == UNLIMITED {
+            continue;
+        }
+        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| known == name) else {
+            faults.push(format!("crate {name} is not in the table of crates"));
+            continue;
+        };
+        let allowed = [allowed, &EVERYBODYS[..]].concat();
+        for dependency in package["dependencies"].as_array().into_iter().flatten() {
+            let import = short(dependency)?;
+            let counts = dependency["kind"] != "dev" && crates.contains(&import);
+            if counts && !allowed.contains(&import.as_str()) {
+                let allowed = allowed.join(", ");
+                faults.push(format!(
+                    "crate {name} imports {import}; it may import {allowed}"
+                ));
+            }
+        }
     }
-    Ok(tree)
+    Ok(faults)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::faults;
+
+    #[test]
+    fn a_forbidden_import_of_a_crate_is_named() {
+        let import = |name: &str| json!({"name": name, "kind": null});
+        let packages = [
+            json!({"name": "palpate-tally"}),
+            json!({"name": "palpate-sensing", "dependencies": [import("palpate-tally"), import("libm")]}),
+            json!({"name": "palpate-press", "dependencies": [
+                import("palpate-sensing"), {"name": "palpate-assay", "kind": "dev"}]}),
+            json!({"name": "palpate-assay", "dependencies": [import("palpate-press")]}),
+            json!({"name": "palpate-elsewhere"}),
+        ];
+        assert_eq!(
+            faults(&packages).unwrap(),
+            [
+                "crate press imports sensing; it may import tally, number, chance",
+                "crate elsewhere is not in the table of crates"
+            ]
+        );
+    }
 }

@@ -13,7 +13,6 @@ mod peers;
 mod python;
 mod readme;
 mod reproduce;
-mod same_bytes;
 mod scale;
 mod tools;
 mod tradeoff;
@@ -49,7 +48,6 @@ fn run(cli: Cli) -> Result<()> {
     match cli.task {
         Task::Ci => ci::run(&shell),
         Task::Reproduce(options) => reproduce::run(&shell, &options),
-        Task::SameBytes(options) => same_bytes::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
         Task::Answers(options) => harness::run(&shell, "answers", &options),

@@ -4,7 +4,8 @@ use std::env;
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use serde_json::Value;
 use xshell::{Shell, cmd};
 
 /// Where cargo puts what it builds.
@@ -23,13 +24,11 @@ pub(crate) const FEATURES: &str = "palpate/parquet";
 /// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of
 /// what is built at once, so that other selections would build most crates again. Without counters, as users have
 /// palpate.
-pub(crate) const RELEASED: [&str; 9] = [
+pub(crate) const RELEASED: [&str; 7] = [
     "-p",
     "palpate",
     "-p",
     "palpate-assay",
-    "-p",
-    "palpate-replica",
     "--no-default-features",
     "--features",
     "palpate/cli",
@@ -37,11 +36,7 @@ pub(crate) const RELEASED: [&str; 9] = [
 
 /// Builds the released programs and says where one lies.
 pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
-    // With the bench of instructions, whose libraries have features of their own.
-    let build = cmd!(
-        shell,
-        "cargo build --release {RELEASED...} --bins --bench instructions"
-    );
+    let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
     build.quiet().run()?;
     Ok(released(shell, program))
 }
@@ -59,6 +54,19 @@ pub(crate) fn build_alone(shell: &Shell) -> Result<PathBuf> {
 fn released(shell: &Shell, program: &str) -> PathBuf {
     let binary = format!("{program}{}", env::consts::EXE_SUFFIX);
     target_dir(shell).join("release").join(binary)
+}
+
+/// Packages of the workspace, as cargo reads them.
+pub(crate) fn packages(shell: &Shell) -> Result<Vec<Value>> {
+    let command = cmd!(
+        shell,
+        "cargo metadata --no-deps --offline --format-version 1"
+    );
+    let mut metadata: Value = serde_json::from_str(&command.quiet().read()?)?;
+    match metadata["packages"].take() {
+        Value::Array(packages) => Ok(packages),
+        _ => bail!("cargo metadata lists no packages"),
+    }
 }
 
 /// Words for the machine on which costs are measured: processor, cores, compiler.

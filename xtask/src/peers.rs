@@ -156,7 +156,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let ours = palpate::build(shell, "palpate-assay")?;
     let inputs = directory.join("inputs");
     cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
-    let workshop = Workshop::new(shell, &directory)?;
+    let workshop = Workshop::new(shell, &directory);
     let core = options.core.to_string();
     let (mut rows, mut is_whole) = (Vec::new(), options.groups.is_empty());
     for group in &groups {

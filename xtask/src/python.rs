@@ -57,11 +57,13 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
 pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     let place = place(shell);
     shell.create_dir(&place)?;
-    let python = timed("environment", || environment(shell, &place))?;
+    let python = timed("environment", || {
+        environment(shell, &place.join("venv"), REQUIREMENTS)
+    })?;
     let wheel = timed("wheel", || wheel(shell, &python, &place))?;
     cmd!(
         shell,
-        "{python} -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps {wheel}"
+        "{python} -m pip install --quiet --disable-pip-version-check --no-cache-dir --force-reinstall --no-deps {wheel}"
     )
     .quiet()
     .run()?;
@@ -80,6 +82,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     let program = timed("program", || palpate::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
+    // What IPython, Jupyter and Matplotlib write for a user.
+    let _home = shell.push_env("HOME", shell.create_dir(place(shell).join("home"))?);
     timed("tests", || tests(shell, &python, &program))?;
     timed("types", || types(shell, &python))?;
     timed("notebooks", || notebooks(shell, &python, &root))
@@ -158,11 +162,10 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The interpreter of the environment, which is made where it is missing or its packages are others.
-fn environment(shell: &Shell, place: &Path) -> Result<PathBuf> {
-    let environment = place.join("venv");
+/// Interpreter of a virtual environment with the packages of a list. Makes the environment if it is missing or has others.
+pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
-    let wanted = shell.current_dir().join(REQUIREMENTS);
+    let wanted = shell.current_dir().join(list);
     let installed = environment.join("requirements.txt");
     if fs::read(&installed)
         .is_ok_and(|installed| fs::read(&wanted).is_ok_and(|wanted| wanted == installed))
@@ -177,9 +180,10 @@ fn environment(shell: &Shell, place: &Path) -> Result<PathBuf> {
         shell,
         "{python} -m pip install --quiet --no-compile --disable-pip-version-check -r {wanted}"
     )
+    .env("PIP_CACHE_DIR", place(shell).join("pip"))
     .quiet()
     .run()
-    .with_context(|| format!("pip cannot install {REQUIREMENTS}"))?;
+    .with_context(|| format!("pip cannot install {list}; is there a network?"))?;
     fs::copy(&wanted, &installed).context("cannot note what is installed")?;
     Ok(python)
 }

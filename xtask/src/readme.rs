@@ -25,10 +25,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     let binary = palpate::build(shell, "palpate")?;
     let directory = tempfile::tempdir()?;
     for name in COPIED {
-        let source = shell.current_dir().join(name);
-        if source.is_dir() {
-            copy(&source, &directory.path().join(name))?;
-        }
+        let to = directory.path();
+        cmd!(shell, "cp -r {name} {to}").quiet().run()?;
     }
 
     let sandbox = Shell::new()?;
@@ -94,20 +92,6 @@ fn commands(markdown: &str) -> Vec<String> {
     }
     commands.retain(|command| !command.is_empty() && !command.starts_with('#'));
     commands
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let to = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy(&entry.path(), &to)?;
-        } else {
-            fs::copy(entry.path(), to)?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -127,12 +127,9 @@ impl Desk<'_> {
         let start = Instant::now();
         self.ended(&config, &whole)?;
         let time = start.elapsed();
-        let mut random = 1_u64;
+        let mut random = fastrand::Rng::with_seed(1);
         for number in 0..kills {
-            random = random
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let share = (random >> 11) as f64 / (1_u64 << 53) as f64;
+            let share = random.f64();
             let out = self.path("killed");
             let mut child = self.begun(&config, &out)?;
             sleep(time.mul_f64(share));

@@ -3,12 +3,12 @@
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-/// Target whose arithmetic has no vectors, no threads and no C library.
+/// Target without threads, vectors or a C library, for which the libraries must compile.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
-/// Commands that show a tool, what they print where it is there, and the command that installs it. Programs that work for a
-/// moment are not optimised, which would take longer than they ever run.
-const INSTALLED: [[&str; 3]; 5] = [
+/// Commands that show a tool, what they print where it is there, and the command that installs it. A program that runs for a
+/// moment is not optimised: optimising would take longer than it ever runs.
+const INSTALLED: [[&str; 3]; 4] = [
     [
         "cargo fmt --version",
         "rustfmt",
@@ -29,27 +29,11 @@ const INSTALLED: [[&str; 3]; 5] = [
         "cargo-deny",
         "cargo install cargo-deny --locked --debug",
     ],
-    // The runner must be of gungraun's own version.
-    [
-        "gungraun-runner --version",
-        "0.20.0",
-        "cargo install gungraun-runner --version 0.20.0 --locked --debug",
-    ],
 ];
 
 /// Programs of the system, what is left out without them, and the package of Debian that holds them.
-const OPTIONAL: [[&str; 3]; 4] = [
+const OPTIONAL: [[&str; 3]; 2] = [
     ["valgrind", "instructions are not counted", "valgrind"],
-    [
-        "qemu-x86_64",
-        "bytes are not compared with those of an old processor",
-        "qemu-user",
-    ],
-    [
-        "node",
-        "bytes are not compared with those of WebAssembly",
-        "nodejs",
-    ],
     [
         "python3",
         "the Python package is not tested",

@@ -14,9 +14,10 @@ fn pictures(criterion: &mut Criterion) {
     ];
     for (body, bodies) in bodies {
         for (name, step) in steps {
-            let mut path = worked(bodies, step).expect("a press");
-            criterion.bench_function(&format!("{body}, {name}"), |bencher| {
-                bencher.iter(&mut path);
+            let name = format!("{body}, {name}");
+            let mut path = worked(&name, bodies, step).expect("a press");
+            criterion.bench_function(&name, |bencher| {
+                bencher.iter(|| path.run());
             });
         }
     }

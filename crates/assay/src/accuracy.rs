@@ -2,43 +2,247 @@
 //! of the scenes, and of the tracker against the true places of the discs in its frames.
 //!
 //! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse
-//! unseen.
+//! unnoticed. An error is relative, or in the unit that its name ends with.
 
-mod curvatures;
-mod figure;
-mod presses;
-pub(crate) mod rolls;
-mod sights;
+use anyhow::{Context, Result, ensure};
+use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};
+use palpate_press::Body;
+use palpate_rolling::HeldAxis;
+use palpate_tracking::{Finder, FinderSettings};
 
-use anyhow::{Result, ensure};
+use crate::hot::camera::{self, Disc};
+use crate::hot::patches;
+use crate::hot::presses::{AT, INDENTATION, OBJECT, SKIN, Told, fit, markers};
+use crate::hot::rolls::{self, Chart, Ep1, Model, paraboloid, roller, sphere};
+use crate::pressed::{self, Pressed, largest_error};
 
-pub use figure::Figure;
-pub(crate) use figure::rms;
+type Figures = Vec<(String, f64)>;
 
-/// All figures, in the order of the chain from contact to answer.
+/// All errors by their names, in the order of the chain from contact to answer.
 ///
 /// # Errors
 /// If a scene cannot be run, or an error is not finite.
-pub fn figures() -> Result<Vec<Figure>> {
-    let mut figures = rolls::figures()?;
-    figures.extend(curvatures::figures()?);
-    figures.extend(presses::figures()?);
-    figures.extend(sights::figures()?);
-    for Figure { name, error } in &figures {
+pub fn figures() -> Result<Vec<(String, f64)>> {
+    let figures = [
+        of_rolls()?,
+        of_trials()?,
+        of_fits()?,
+        of_presses()?,
+        of_frames()?,
+    ]
+    .concat();
+    for (name, error) in &figures {
         ensure!(error.is_finite() && *error >= 0.0, "{name}: error {error}");
     }
     Ok(figures)
 }
 
-/// The figures as CSV: `name`, `error`.
-///
-/// # Errors
-/// As [`figures`].
-pub fn table() -> Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["name", "error"])?;
-    for Figure { name, error } in figures()? {
-        writer.write_record([name, format!("{error:e}")])?;
+/// Root of the mean square.
+pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
+    let square = |(sum, count): (f64, u32), error: f64| (sum + error * error, count + 1);
+    let (sum, count) = errors.into_iter().fold((0.0, 0), square);
+    (sum / f64::from(count)).sqrt()
+}
+
+/// Rolls against closed forms, by every rung.
+fn of_rolls() -> Result<Figures> {
+    let charts = Chart::Montana(HeldAxis::Transported);
+    let rk4 = |chart| Model::Rk4 { steps: 64, chart };
+    let dop853 = |tolerance, chart| Model::Dop853 { tolerance, chart };
+    let mut figures = Vec::new();
+    for (object, shape, exact, model) in [
+        ("sphere", sphere()?, "closed form", Model::ClosedForm),
+        ("paraboloid", paraboloid()?, "meridian", Model::Meridian),
+    ] {
+        for angle_rad in [0.1, 6.0] {
+            for (rung, model) in [
+                (exact, model),
+                ("RK4, 64 steps, chart-free", rk4(Chart::Free)),
+                ("RK4, 64 steps, in charts", rk4(charts)),
+                ("DOP853, 1e-6, chart-free", dop853(1e-6, Chart::Free)),
+                ("DOP853, 1e-6, in charts", dop853(1e-6, charts)),
+                ("DOP853, 1e-10, chart-free", dop853(1e-10, Chart::Free)),
+                ("DOP853, 1e-10, in charts", dop853(1e-10, charts)),
+            ] {
+                let error = rolls::error(&roller(shape.clone(), model, angle_rad)?, angle_rad)?;
+                let name = format!("roll {angle_rad} rad over a {object}, {rung}");
+                figures.push((name, error));
+            }
+        }
     }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+    Ok(figures)
+}
+
+/// Trials of EP1.
+fn of_trials() -> Result<Figures> {
+    let mut figures = Vec::new();
+    for (sensor, setting) in [("uniform errors", Ep1::UNIFORM), ("pads", Ep1::PADS)] {
+        let statistics = Ep1::new(setting)?.statistics(1 << 14)?;
+        for (quantity, curvature) in [(0, "normal"), (2, "gaussian")] {
+            let summary = statistics.quantities.get(quantity);
+            let summary = summary.context("no quantity")?;
+            let error = summary.relative_rms_error.context("no error")?;
+            figures.push((format!("EP1, {sensor}, {curvature} curvature"), error));
+        }
+    }
+    Ok(figures)
+}
+
+/// Curvatures that EP2 estimates from contacts.
+fn of_fits() -> Result<Figures> {
+    const MANY: usize = 10_000;
+    let methods: [(&str, &dyn Method); 3] = [
+        ("quadric", &Quadric::default()),
+        ("penalised", &Penalised::default()),
+        ("two-pass", &TwoPass::default()),
+    ];
+    let mut figures = Vec::new();
+    for (name, method) in methods {
+        let mut found = Vec::new();
+        for patch in 0..50 {
+            let patch = patches::patch(&patches::few(patch))?;
+            found.extend(method.fit(&patch)?.curvatures(20)?);
+        }
+        let radius = patches::RADIUS;
+        let mean = |one: &Curvature| one.mean * radius - 1.0;
+        let gaussian = |one: &Curvature| one.gaussian * radius * radius - 1.0;
+        let name = |of: &str| format!("EP2, 30 contacts, {name}, {of} curvature");
+        figures.push((name("mean"), rms(found.iter().map(mean))));
+        figures.push((name("gaussian"), rms(found.iter().map(gaussian))));
+    }
+    let method = Penalised {
+        intervals: Some(6),
+        ..Penalised::default()
+    };
+    let fit = method.fit(&patches::patch(&patches::many(MANY))?)?;
+    let name = format!("EP2, {MANY} contacts, penalised, mean curvature, 1/length");
+    figures.push((name, patches::error_on_waves(&fit)?));
+    Ok(figures)
+}
+
+/// Markers that the tracker finds in a dark frame and in one that is rendered.
+fn of_frames() -> Result<Figures> {
+    let (frame, discs) = camera::frame(640);
+    let dark = camera::errors(&camera::finder(640)?.find(&frame)?.markers, &discs);
+    let (optics, motions) = (camera::optics(640)?, camera::motions());
+    let frame = optics.rendered(&motions, None)?;
+    let discs = optics.projected(&motions)?.into_iter().flatten();
+    let discs = discs.map(|disc| Disc {
+        centroid_px: disc.centroid_px,
+        hue_turns: disc.hue_turns,
+    });
+    let mut finder = Finder::new(FinderSettings::default())?;
+    let rendered = camera::errors(&finder.find(&frame)?.markers, &discs.collect::<Vec<_>>());
+    let named = |frame, [px, turns]: [f64; 2]| {
+        [
+            (format!("find, {frame}, centroid, px"), px),
+            (format!("find, {frame}, hue, turns"), turns),
+        ]
+    };
+    Ok([named("dark", dark), named("rendered", rendered)].concat())
+}
+
+/// Presses of a layer: its thickness, and the depth of the markers, mm.
+const LAYER: (f64, f64) = (5.0, 2.0);
+
+/// The field of a press, and what the estimators make of it.
+fn of_presses() -> Result<Figures> {
+    let (thickness, depth) = LAYER;
+    let half_space = Body::half_space(0.5, 2.0)?;
+    let table = Body::bonded_layer(thickness, depth)?;
+    let solved = Body::solved_layer(thickness, depth)?;
+    let figures = [
+        ("half-space at its surface", at_the_surface()?),
+        ("half-space at depth, on the axis", on_the_axis()?),
+        ("layer from its table", of_a_layer(table.clone())?),
+        ("layer, solved", of_a_layer(solved)?),
+        (
+            "half-space fit, object curvature",
+            of_a_press_fit(half_space)?,
+        ),
+        ("layer fit, object curvature", of_a_press_fit(table)?),
+    ];
+    let name = |(name, error)| (format!("press, {name}"), error);
+    Ok(figures.map(name).to_vec())
+}
+
+/// Hertz's profile δ − r²/(2R) in the contact.
+fn at_the_surface() -> Result<f64> {
+    let body = Body::hertz(0.3)?;
+    let contact = body.press(1.0 / SKIN, INDENTATION)?;
+    let off = |share: f64| {
+        let r = share * contact.radius;
+        let expected = INDENTATION - 0.5 * r * r / SKIN;
+        (contact.displacement(r).normal / expected - 1.0).abs()
+    };
+    Ok((0..10)
+        .map(|tenth| off(0.1 * f64::from(tenth)))
+        .fold(0.0, f64::max))
+}
+
+/// Under the middle of the contact at depth z, by integrating Boussinesq's solution for a force over Hertz's pressure.
+fn on_the_axis() -> Result<f64> {
+    let (poisson, depth) = (0.5, 2.0);
+    let body = Body::half_space(poisson, depth)?;
+    let contact = body.press(1.0 / SKIN, INDENTATION)?;
+    let peak = contact.peak_pressure(1.0).unwrap_or(f64::NAN);
+    let a = contact.radius;
+    // r = a sin t makes the integrand smooth: Simpson's rule.
+    let integrand = |t: f64| {
+        let (r, pressure) = (a * libm::sin(t), peak * libm::cos(t));
+        let rho = libm::hypot(r, depth);
+        let kernel = depth * depth / rho.powi(3) + 2.0 * (1.0 - poisson) / rho;
+        (1.0 + poisson) * kernel * pressure * r * a * libm::cos(t)
+    };
+    let steps = 2000;
+    let step = std::f64::consts::FRAC_PI_2 / f64::from(steps);
+    let weight = |index: i32| match index {
+        0 => 1.0,
+        _ if index == steps => 1.0,
+        _ if index % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    let sum: f64 = (0..=steps)
+        .map(|index| weight(index) * integrand(f64::from(index) * step))
+        .sum();
+    let expected = sum * step / 3.0;
+    Ok((contact.displacement(0.0).normal / expected - 1.0).abs())
+}
+
+/// Against a quadrature over wavenumbers, of the largest displacement; from tables, and solved for itself.
+fn of_a_layer(body: Body) -> Result<f64> {
+    let (thickness, depth) = LAYER;
+    let layer = pressed::Body::Layer { thickness };
+    let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
+    let truth = Pressed::new(layer, 1.0 / SKIN, INDENTATION)?;
+    let truth = truth.displacements(depth, &distances)?;
+    let contact = body.press(1.0 / SKIN, INDENTATION)?;
+    let found = distances.iter().map(|r| contact.displacement(*r));
+    let found: Vec<[f64; 2]> = found.map(|one| [one.normal, one.radial]).collect();
+    Ok(largest_error(&found, &truth))
+}
+
+/// Rms error of the object's fitted curvature, relative to the sum of the curvatures of skin and object.
+fn of_a_press_fit(body: Body) -> Result<f64> {
+    let markers = markers()?;
+    let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;
+    let moved = markers.displacements(&contact, AT);
+    let fit = fit(body.clone());
+    let mut errors = Vec::new();
+    for press in 0..20 {
+        let told = Told::new(&moved, press);
+        let estimate = fit.estimate(&told.reading(&markers))?;
+        errors.push((estimate.object_curvature().value - OBJECT) / (OBJECT + 1.0 / SKIN));
+    }
+    Ok(rms(errors))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn root_of_the_mean_square() {
+        assert_eq!(rms([3.0, -4.0, 0.0, 0.0]), 2.5);
+    }
 }

@@ -33,25 +33,6 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
     Ok(scores)
 }
 
-/// Table of the scores.
-///
-/// # Errors
-/// It cannot be written.
-pub fn table(scores: &[Score]) -> Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["command", "scene", "cases", "right"])?;
-    for score in scores {
-        let Score {
-            command,
-            scene,
-            cases,
-            right,
-        } = score;
-        writer.write_record([*command, scene, &cases.to_string(), &right.to_string()])?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
-}
-
 /// Fails where fewer are right than must be: 183 of 200 designs and 16 of 20 of each scene; 19 of 20 probabilities.
 ///
 /// An answer is right with 95 %: of 200 at least 183 are so with 98.8 %, of 20 at least 16 with 99.7 %.
@@ -94,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn too_few_right_answers_are_told() {
+    fn too_few_right_answers_are_an_error() {
         let score = |command, right| Score {
             command,
             scene: "a",
@@ -112,7 +93,7 @@ mod tests {
         many.push(score("design", 15));
         assert!(check(&many).is_err());
         assert_eq!(
-            table(&many[..1]).unwrap(),
+            crate::intervals::table(&many[..1]).unwrap(),
             "command,scene,cases,right\ndesign,a,20,20\n"
         );
     }

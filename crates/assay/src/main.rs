@@ -1,13 +1,15 @@
 //! Program by which `cargo xtask` runs the harnesses.
 #![allow(clippy::print_stdout)]
 
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
-use palpate_assay::{accuracy, answers, intervals, ours, tradeoff};
+use palpate_assay::{accuracy, answers, hot, intervals, ours, tradeoff};
 use palpate_report::{Files, tradeoff_figures};
+use serde::Serialize;
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
@@ -65,6 +67,12 @@ enum Harness {
     GlideIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
+    /// Prints the instructions of the hot paths, as CSV.
+    Instructions {
+        /// Run the path of this name; the program calls itself so under valgrind.
+        #[arg(long, hide = true)]
+        counted: Option<String>,
+    },
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
     Ours {
         /// The group of tasks.
@@ -131,24 +139,26 @@ struct Scenes {
 }
 
 impl Scenes {
-    fn options(&self, trials: u64) -> intervals::Options<'_> {
-        intervals::Options {
+    /// Scores the chosen cases, prints each score and writes the table of all; an empty choice is an error.
+    fn score<S: Serialize + Display>(
+        &self,
+        trials: u64,
+        scores: impl FnOnce(intervals::Options<'_>, fn(&S)) -> Result<Vec<S>>,
+    ) -> Result<Vec<S>> {
+        let options = intervals::Options {
             seed: self.seed,
             scenes: self.scenes,
             trials: self.trials.unwrap_or(trials),
             only: &self.only,
-        }
-    }
-
-    /// Writes the table of the scores; those of none are refused.
-    fn write<S: serde::Serialize>(&self, scores: &[S]) -> Result<()> {
+        };
+        let scores = scores(options, |score| println!("{score}"))?;
         if scores.is_empty() {
             bail!("no case has a name that holds each word of `{}`", self.only);
         }
-        match &self.out {
-            Some(out) => Ok(std::fs::write(out, intervals::table(scores)?)?),
-            None => Ok(()),
+        if let Some(out) = &self.out {
+            std::fs::write(out, intervals::table(&scores)?)?;
         }
+        Ok(scores)
     }
 }
 
@@ -161,6 +171,16 @@ fn limit(text: &str) -> Result<(String, f64), String> {
     let (task, error) = text.rsplit_once('=').ok_or("must be TASK=ERROR")?;
     let error = error.parse().map_err(|_| "the error must be a number")?;
     Ok((task.to_owned(), error))
+}
+
+/// Prints named figures as CSV.
+fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(std::io::stdout());
+    writer.write_record(["name", figure])?;
+    for (name, figure) in figures {
+        writer.write_record([name, format!("{figure:e}")])?;
+    }
+    Ok(writer.flush()?)
 }
 
 fn main() -> Result<()> {
@@ -187,44 +207,34 @@ fn main() -> Result<()> {
                 );
             })?;
             if let Some(out) = out {
-                std::fs::write(out, answers::table(&scores)?)?;
+                std::fs::write(out, intervals::table(&scores)?)?;
             }
             answers::check(&scores)
         }
         Harness::Intervals(scenes) => {
-            let scores = intervals::scores(scenes.options(12), |score| println!("{score}"))?;
+            let scores = scenes.score(12, intervals::scores)?;
             println!("{}", intervals::summary(&scores));
-            scenes.write(&scores)
+            Ok(())
         }
         Harness::CameraIntervals(scenes) => {
-            let options = scenes.options(300);
-            let scores = intervals::camera::scores(options, |score| println!("{score}"))?;
+            let scores = scenes.score(300, intervals::camera::scores)?;
             for summary in intervals::camera::summaries(&scores) {
                 println!("{summary}");
             }
-            scenes.write(&scores)
+            Ok(())
         }
-        Harness::PressIntervals(scenes) => {
-            let scores =
-                intervals::press::scores(scenes.options(300), |score| println!("{score}"))?;
-            scenes.write(&scores)
-        }
+        Harness::PressIntervals(scenes) => scenes.score(300, intervals::press::scores).map(drop),
         Harness::Tested { results, out } => Ok(std::fs::write(
             out,
             intervals::table(&intervals::tested(&results)?)?,
         )?),
-        Harness::RollIntervals(scenes) => {
-            let scores = intervals::roll::scores(scenes.options(300), |score| println!("{score}"))?;
-            scenes.write(&scores)
-        }
-        Harness::GlideIntervals(scenes) => {
-            let scores = intervals::glide::scores(scenes.options(12), |score| println!("{score}"))?;
-            scenes.write(&scores)
-        }
-        Harness::Accuracy => {
-            print!("{}", accuracy::table()?);
-            Ok(())
-        }
+        Harness::RollIntervals(scenes) => scenes.score(300, intervals::roll::scores).map(drop),
+        Harness::GlideIntervals(scenes) => scenes.score(12, intervals::glide::scores).map(drop),
+        Harness::Accuracy => print_figures("error", accuracy::figures()?),
+        Harness::Instructions { counted } => match counted {
+            Some(path) => hot::count(&path),
+            None => print_figures("instructions", hot::counts()?),
+        },
         Harness::Ours {
             group,
             error_at_most,

@@ -4,6 +4,7 @@
 //! [`instructions`] runs the harness once more under callgrind, with the same arguments and
 //! [`COUNTED`], upon which the harness makes the same list and hands it to [`count`].
 
+use std::ffi::OsString;
 use std::fs;
 use std::hint::black_box;
 use std::path::Path;
@@ -55,6 +56,11 @@ impl Evaluation {
             run: Box::new(move || drop(black_box(run()))),
             in_a_row: 1,
         }
+    }
+
+    /// Runs it once.
+    pub fn run(&mut self) {
+        (self.run)();
     }
 
     /// Sets the number of evaluations that each run makes, at least 1; costs are per evaluation.
@@ -132,6 +138,18 @@ fn evaluate_once(run: &mut dyn FnMut()) {
 /// # Errors
 /// If that run fails, or does not count as many.
 pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
+    let arguments = std::env::args_os().skip(1);
+    instructions_by(arguments.chain([COUNTED.into()]), scales)
+}
+
+/// As [`instructions`], with these arguments, upon which this program calls [`count`].
+///
+/// # Errors
+/// If that run fails, or does not count as many.
+pub fn instructions_by(
+    arguments: impl IntoIterator<Item = OsString>,
+    scales: &[u32],
+) -> Result<Option<Vec<u64>>> {
     let probe = Command::new("valgrind").arg("--version").output();
     if !probe.is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -143,8 +161,7 @@ pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
         .arg(format!("--dump-after={EVALUATE_ONCE}"))
         .arg(format!("--callgrind-out-file={}", out.display()))
         .arg(std::env::current_exe()?)
-        .args(std::env::args_os().skip(1))
-        .arg(COUNTED)
+        .args(arguments)
         .stdout(Stdio::null())
         .output()
         .context("cannot run valgrind")?;

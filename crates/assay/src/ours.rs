@@ -1,22 +1,61 @@
 //! Costs and errors of palpate on the tasks of its peers, on the same inputs: a line of JSON per rung, as the peers
 //! print it.
 
-mod figure;
 mod glides;
 mod patches;
 mod presses;
 mod rolls;
-mod sights;
 
 use std::fs::{self, File};
+use std::hint::black_box;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
 use crate::hot;
-use figure::{FRAMES, Figure, MANY, PATCHES};
+use crate::measured::Evaluation;
+
+/// Patches of few contacts.
+const PATCHES: u64 = 200;
+/// Many contacts.
+const MANY: usize = 100_000;
+/// Sides of frames, px.
+const FRAMES: [usize; 2] = [640, 1024];
+/// How long an evaluation is timed.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// Cost and error of one rung on one task.
+struct Figure {
+    /// Name of the task, which the peers use too.
+    task: String,
+    rung: String,
+    time_us: f64,
+    /// Error as the peers define it for the task.
+    error: f64,
+}
+
+impl Figure {
+    /// Times `run`, which does the task `times` times.
+    fn measured<T>(
+        task: impl Into<String>,
+        rung: impl Into<String>,
+        error: f64,
+        times: usize,
+        run: impl FnMut() -> T + 'static,
+    ) -> Self {
+        let rung = rung.into();
+        let spread = Evaluation::new(rung.clone(), run).time(PATIENCE);
+        Self {
+            task: task.into(),
+            rung,
+            time_us: spread.median * 1e-3 / times as f64,
+            error,
+        }
+    }
+}
 
 /// Writes what the peers read: `few.csv`, `many.csv`, and frames with the places of their discs.
 ///
@@ -73,7 +112,7 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
         "ep2-many" => patches::many()?,
         "python-glide" => glides::recorded()?,
         "press-contact" => presses::contact()?,
-        "image" => sights::frames()?,
+        "image" => frames()?,
         _ => bail!("no group of tasks `{group}`"),
     };
     let line = |figure: Figure| {
@@ -84,4 +123,23 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
         .to_string()
     };
     Ok(figures.into_iter().map(line).collect())
+}
+
+/// The markers of dark frames; their error is infinite unless each is found once.
+fn frames() -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for size in FRAMES {
+        let (frame, discs) = hot::camera::frame(size);
+        let mut finder = hot::camera::finder(size)?;
+        let found = finder.find(&frame)?.markers;
+        let error = match found.len() == discs.len() {
+            true => hot::camera::errors(&found, &discs)[0],
+            false => f64::INFINITY,
+        };
+        let task = format!("image, {size} px, 77 markers");
+        figures.push(Figure::measured(task, "find", error, 1, move || {
+            finder.find(black_box(&frame))
+        }));
+    }
+    Ok(figures)
 }

@@ -112,6 +112,14 @@ impl Pressed {
     }
 }
 
+/// Largest error of a displacement, relative to the largest displacement.
+pub fn largest_error(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
+    let pairs = truth.iter().flatten().zip(found.iter().flatten());
+    let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));
+    let sizes = truth.iter().flatten();
+    off / sizes.fold(0.0, |most: f64, one| most.max(one.abs()))
+}
+
 fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
     if depth == 0.0 {
         let phi = |t: f64| FRAC_2_PI * (a * a - t * t);

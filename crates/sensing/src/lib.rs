@@ -16,9 +16,7 @@ mod normals;
 mod pads;
 mod position;
 mod sphere_map;
-mod standard_normal;
 mod stream;
-mod uniform;
 mod uniform_lattice;
 mod wrist;
 
@@ -31,7 +29,6 @@ pub use normal::NormalError;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};
 pub use sphere_map::{direction_at, displacement_between};
-pub use standard_normal::StandardNormal;
 pub use stream::{Channel, Stream, Streams};
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;

@@ -2,8 +2,8 @@
 //! Deviates*, 1958).
 //!
 //! A pair is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniform number and θ a uniform angle. Logarithm, sine
-//! and cosine are series, and every step adds, multiplies, divides, takes a root or moves bits, all of which round alike
-//! on every host, with vectors and without.
+//! and cosine are series of additions, multiplications, divisions and roots, which round alike for any vector width.
+//! `rand_distr` draws one number at a time, which takes nearly twice as long, and longer where vectors are wide.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 

@@ -2,56 +2,33 @@
 
 use std::fmt;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, ensure};
+
+use super::DIRECTORY;
 
 /// Named figures in their order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Figures(Vec<(String, f64)>);
+pub(crate) type Figures = Vec<(String, f64)>;
 
-impl Figures {
-    /// Reads a table with a header and two columns: name and figure.
-    pub(crate) fn read(text: &str) -> Result<Self> {
-        let mut figures = Self::default();
-        for record in csv::Reader::from_reader(text.as_bytes()).records() {
-            let record = record?;
-            let name = record.get(0).context("a row without a name")?;
-            let figure = record.get(1).context("a row without a figure")?;
-            let figure: f64 = figure
-                .parse()
-                .with_context(|| format!("`{name}`: `{figure}` is no number"))?;
-            figures.add(name, figure)?;
-        }
-        Ok(figures)
+/// Reads a table with a header and two columns: name and figure.
+pub(crate) fn read(text: &str) -> Result<Figures> {
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
+    let figures = rows.collect::<Result<Figures, _>>()?;
+    for (at, (name, figure)) in figures.iter().enumerate() {
+        ensure!(
+            figure.is_finite() && *figure >= 0.0,
+            "`{name}`: {figure} is no figure"
+        );
+        ensure!(
+            find(&figures[..at], name).is_none(),
+            "`{name}` is there twice"
+        );
     }
+    Ok(figures)
+}
 
-    /// Adds a figure.
-    pub(crate) fn add(&mut self, name: &str, figure: f64) -> Result<()> {
-        if !(figure.is_finite() && figure >= 0.0) {
-            bail!("`{name}`: {figure} is no figure");
-        }
-        if self.get(name).is_some() {
-            bail!("`{name}` is there twice");
-        }
-        self.0.push((name.to_owned(), figure));
-        Ok(())
-    }
-
-    fn get(&self, name: &str) -> Option<f64> {
-        self.0
-            .iter()
-            .find(|(known, _)| known == name)
-            .map(|(_, figure)| *figure)
-    }
-
-    /// The table that [`Figures::read`] reads.
-    pub(crate) fn to_csv(&self, figure: &str) -> Result<String> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["name", figure])?;
-        for (name, figure) in &self.0 {
-            writer.write_record([name, &text(*figure)])?;
-        }
-        Ok(String::from_utf8(writer.into_inner()?)?)
-    }
+fn find(figures: &[(String, f64)], name: &str) -> Option<f64> {
+    let found = figures.iter().find(|(known, _)| known == name);
+    found.map(|(_, figure)| *figure)
 }
 
 /// Counts in full, errors to six figures.
@@ -67,10 +44,19 @@ fn text(figure: f64) -> String {
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
+    /// Harness that prints the figures, and name of the file of the baseline.
+    pub(crate) harness: &'static str,
     /// Allowed growth, as a share of the earlier figure.
     pub(crate) allowed: f64,
     /// Smallest figure that counts; smaller ones are compared as if they were this.
     pub(crate) floor: f64,
+}
+
+impl Limits {
+    /// File of the baseline.
+    pub(crate) fn path(&self) -> String {
+        format!("{DIRECTORY}/{}.csv", self.harness)
+    }
 }
 
 /// Change of a figure against the baseline.
@@ -103,53 +89,57 @@ impl fmt::Display for Change {
 /// A baseline beside what is measured.
 pub(crate) struct Comparison {
     pub(crate) limits: &'static Limits,
-    before: Figures,
+    pub(crate) before: Figures,
     pub(crate) now: Figures,
 }
 
 impl Comparison {
-    pub(crate) fn new(limits: &'static Limits, before: Figures, now: Figures) -> Self {
-        Self {
-            limits,
-            before,
-            now,
-        }
-    }
-
     /// Whether a figure is worse, or has nothing to be compared with.
     pub(crate) fn fails(&self) -> bool {
-        self.changes()
-            .any(|(_, change)| matches!(change, Change::Worse | Change::New | Change::Missing))
+        let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
+        self.rows()
+            .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
     /// Whether a figure is another now, by more than the digits that the baseline has and than the floor; or came, or
     /// went, as where a name changes with its figure.
     pub(crate) fn alters(&self) -> bool {
-        self.changes().any(|(name, _)| {
-            let Some((before, now)) = self.before.get(name).zip(self.now.get(name)) else {
-                return true;
-            };
-            (now - before).abs() > (1e-5 * before).max(self.limits.floor)
+        self.rows().any(|(_, figures)| match figures {
+            [Some(before), Some(now)] => {
+                (now - before).abs() > (1e-5 * before).max(self.limits.floor)
+            }
+            _ => true,
         })
     }
 
-    /// Every name with its change, in the order of now, then what is missing.
-    fn changes(&self) -> impl Iterator<Item = (&str, Change)> {
-        let now = self.now.0.iter().map(|(name, now)| {
-            let change = self
-                .before
-                .get(name)
-                .map(|before| self.change(before, *now));
-            (name.as_str(), change.unwrap_or(Change::New))
-        });
-        let missing = |name: &&str| self.now.get(name).is_none();
-        let before = self.before.0.iter().map(|(name, _)| name.as_str());
-        now.chain(before.filter(missing).map(|name| (name, Change::Missing)))
+    /// The measured figures as the table that [`read`] reads.
+    pub(crate) fn to_csv(&self) -> Result<String> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(["name", self.limits.what])?;
+        for (name, figure) in &self.now {
+            writer.write_record([name, &text(*figure)])?;
+        }
+        Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    fn change(&self, before: f64, now: f64) -> Change {
+    /// Every name with its figures before and now, in the order of now, then what is missing.
+    fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
+        let now = self.now.iter();
+        let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));
+        let missing = |(name, _): &&(String, f64)| find(&self.now, name).is_none();
+        let before = self.before.iter().filter(missing);
+        now.chain(before.map(|(name, before)| (name.as_str(), [Some(*before), None])))
+    }
+
+    fn change(&self, figures: [Option<f64>; 2]) -> Change {
         let Limits { allowed, floor, .. } = self.limits;
-        let (before, now) = (before.max(*floor), now.max(*floor));
+        let [Some(before), Some(now)] = figures.map(|figure| figure.map(|one| one.max(*floor)))
+        else {
+            return match figures {
+                [None, _] => Change::New,
+                _ => Change::Missing,
+            };
+        };
         if now > before * (1.0 + allowed) {
             Change::Worse
         } else if before > now * (1.0 + allowed) {
@@ -162,29 +152,25 @@ impl Comparison {
     /// Table of the figures that differ, before and now.
     pub(crate) fn render(&self) -> String {
         let what = self.limits.what;
-        let (mut rows, mut better) = (String::new(), false);
-        for (name, change) in self.changes() {
+        let (mut rows, mut is_better) = (String::new(), false);
+        for (name, figures) in self.rows() {
+            let change = self.change(figures);
             if change == Change::Same {
                 continue;
             }
-            better |= change == Change::Better;
-            let (before, now) = (self.before.get(name), self.now.get(name));
-            let share = before.zip(now).map_or_else(String::new, |(before, now)| {
-                format!("{:+.2} %", (now / before - 1.0) * 100.0)
-            });
-            let shown = |figure: Option<f64>| figure.map_or_else(|| "–".to_owned(), text);
-            rows += &format!(
-                "{change:<8} {name:<60} {:>14} {:>14} {share:>10}\n",
-                shown(before),
-                shown(now)
-            );
+            is_better |= change == Change::Better;
+            let share = match figures {
+                [Some(before), Some(now)] => format!("{:+.2} %", (now / before - 1.0) * 100.0),
+                _ => String::new(),
+            };
+            let [before, now] = figures.map(|figure| figure.map_or("–".to_owned(), text));
+            rows += &format!("{change:<8} {name:<60} {before:>14} {now:>14} {share:>10}\n");
         }
-        let count = self.now.0.len();
         if rows.is_empty() {
-            return format!("{what}: {count} figures as in the baseline\n");
+            return format!("{what}: {} figures as in the baseline\n", self.now.len());
         }
         let header = format!("{:<8} {what:<60} {:>14} {:>14}\n", "", "before", "after");
-        let advice = match better && !self.fails() {
+        let advice = match is_better && !self.fails() {
             true => "better than the baseline: `cargo xtask bench-check --accept` keeps it so\n",
             false => "",
         };
@@ -197,40 +183,46 @@ mod tests {
     use super::super::{COST, ERROR};
     use super::*;
 
-    fn figures(of: &[(&str, f64)]) -> Figures {
-        let mut figures = Figures::default();
-        for (name, figure) in of {
-            figures.add(name, *figure).unwrap();
+    type Pairs<'a> = &'a [(&'a str, f64)];
+
+    fn compared(limits: &'static Limits, before: Pairs<'_>, now: Pairs<'_>) -> Comparison {
+        let [before, now] = [before, now].map(|pairs| {
+            let pairs = pairs.iter();
+            pairs
+                .map(|(name, figure)| ((*name).to_owned(), *figure))
+                .collect()
+        });
+        Comparison {
+            limits,
+            before,
+            now,
         }
-        figures
     }
 
-    fn compared(limits: &'static Limits, before: f64, now: f64) -> Change {
-        let comparison = Comparison::new(limits, figures(&[("a", before)]), figures(&[("a", now)]));
-        comparison.changes().next().unwrap().1
+    fn change(limits: &'static Limits, before: f64, now: f64) -> Change {
+        compared(limits, &[], &[]).change([Some(before), Some(now)])
     }
 
     #[test]
     fn three_hundredths_more_instructions_are_allowed_and_no_more() {
-        assert_eq!(compared(&COST, 1000.0, 1030.0), Change::Same);
-        assert_eq!(compared(&COST, 1000.0, 1031.0), Change::Worse);
-        assert_eq!(compared(&COST, 1000.0, 972.0), Change::Same);
-        assert_eq!(compared(&COST, 1000.0, 970.0), Change::Better);
+        assert_eq!(change(&COST, 1000.0, 1030.0), Change::Same);
+        assert_eq!(change(&COST, 1000.0, 1031.0), Change::Worse);
+        assert_eq!(change(&COST, 1000.0, 972.0), Change::Same);
+        assert_eq!(change(&COST, 1000.0, 970.0), Change::Better);
     }
 
     #[test]
     fn errors_below_rounding_are_equal_and_no_error_hides_there() {
-        assert_eq!(compared(&ERROR, 2e-16, 4.9e-15), Change::Same);
-        assert_eq!(compared(&ERROR, 0.0, 5.1e-15), Change::Worse);
-        assert_eq!(compared(&ERROR, 1e-9, 1.009e-9), Change::Same);
-        assert_eq!(compared(&ERROR, 1e-9, 1.011e-9), Change::Worse);
-        assert_eq!(compared(&ERROR, 1e-9, 1e-15), Change::Better);
+        assert_eq!(change(&ERROR, 2e-16, 4.9e-15), Change::Same);
+        assert_eq!(change(&ERROR, 0.0, 5.1e-15), Change::Worse);
+        assert_eq!(change(&ERROR, 1e-9, 1.009e-9), Change::Same);
+        assert_eq!(change(&ERROR, 1e-9, 1.011e-9), Change::Worse);
+        assert_eq!(change(&ERROR, 1e-9, 1e-15), Change::Better);
     }
 
     #[test]
-    fn what_is_new_or_missing_is_named_and_fails() {
-        let before = figures(&[("a", 1.0), ("b", 2.0)]);
-        let comparison = Comparison::new(&COST, before, figures(&[("a", 1.0), ("c", 3.0)]));
+    fn new_and_missing_figures_are_named_and_fail() {
+        let comparison = compared(&COST, &[("a", 1.0), ("b", 2.0)], &[("a", 1.0), ("c", 3.0)]);
         assert!(comparison.fails());
         let text = comparison.render();
         let lines: Vec<&str> = text.lines().collect();
@@ -241,26 +233,25 @@ mod tests {
 
     #[test]
     fn tables_have_before_and_after() {
-        let before = figures(&[("slower", 1000.0), ("same", 5.0), ("quicker", 100.0)]);
-        let now = figures(&[("slower", 1100.0), ("same", 5.0), ("quicker", 50.0)]);
-        let text = Comparison::new(&COST, before, now).render();
+        let before = [("slower", 1000.0), ("same", 5.0), ("quicker", 100.0)];
+        let now = [("slower", 1100.0), ("same", 5.0), ("quicker", 50.0)];
+        let text = compared(&COST, &before, &now).render();
         assert!(!text.contains("same"), "{text}");
-        let slower = text.lines().nth(1).unwrap();
-        assert!(slower.starts_with("WORSE    slower"), "{text}");
-        assert!(slower.contains("1000") && slower.contains("1100") && slower.contains("+10.00 %"));
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[1].starts_with("WORSE    slower"), "{text}");
         assert!(
-            text.lines().nth(2).unwrap().starts_with("better   quicker"),
-            "{text}"
+            ["1000", "1100", "+10.00 %"]
+                .iter()
+                .all(|part| lines[1].contains(part))
         );
+        assert!(lines[2].starts_with("better   quicker"), "{text}");
         // Something is worse: no advice to accept.
         assert!(!text.contains("--accept"), "{text}");
     }
 
     #[test]
-    fn alterations_smaller_than_the_limit_are_seen_too() {
-        let alters = |before, now| {
-            Comparison::new(&ERROR, figures(&[("a", before)]), figures(&[("a", now)])).alters()
-        };
+    fn smaller_alterations_than_the_limit_are_noticed() {
+        let alters = |before, now| compared(&ERROR, &[("a", before)], &[("a", now)]).alters();
         assert!(alters(0.1, 0.1001));
         assert!(alters(0.1, 0.05));
         assert!(!alters(0.1, 0.1 + 1e-7));
@@ -269,9 +260,7 @@ mod tests {
 
     #[test]
     fn figures_that_come_or_go_are_alterations() {
-        let alters = |before: &[(&str, f64)], now: &[(&str, f64)]| {
-            Comparison::new(&ERROR, figures(before), figures(now)).alters()
-        };
+        let alters = |before: Pairs<'_>, now: Pairs<'_>| compared(&ERROR, before, now).alters();
         let (one, both) = ([("a", 0.1)], [("a", 0.1), ("b", 0.2)]);
         assert!(alters(&one, &both));
         assert!(alters(&both, &one));
@@ -281,28 +270,24 @@ mod tests {
 
     #[test]
     fn tables_are_read_as_they_are_written() {
-        let table = figures(&[
+        let figures = [
             ("roll, 6 rad", 1.23456e-7),
             ("exact", 0.0),
             ("many", 123_456_789.0),
-        ]);
-        let text = table.to_csv("error").unwrap();
+        ];
+        let table = compared(&ERROR, &[], &figures);
+        let text = table.to_csv().unwrap();
         assert_eq!(
             text,
             "name,error\n\"roll, 6 rad\",1.23456e-7\nexact,0\nmany,123456789\n"
         );
-        assert_eq!(Figures::read(&text).unwrap(), table);
+        assert_eq!(read(&text).unwrap(), table.now);
     }
 
     #[test]
     fn unsound_tables_are_refused() {
-        for text in [
-            "name,error\na,x\n",
-            "name,error\na,NaN\n",
-            "name,error\na,-1\n",
-            "name,error\na,1\na,2\n",
-        ] {
-            assert!(Figures::read(text).is_err(), "{text}");
+        for rows in ["a,x\n", "a,NaN\n", "a,-1\n", "a,1\na,2\n"] {
+            assert!(read(&format!("name,error\n{rows}")).is_err(), "{rows}");
         }
     }
 }

@@ -4,17 +4,15 @@ use std::collections::BTreeSet;
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
-use xshell::{Shell, cmd};
+use xshell::Shell;
+
+use crate::palpate;
 
 const PAGE: &str = "crates/assay/BENCHES.md";
 
 /// Fails unless the page lists every bench target of the workspace, and no other.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
-    let metadata = cmd!(
-        shell,
-        "cargo metadata --no-deps --offline --format-version 1"
-    );
-    let there = targets(&metadata.quiet().read()?)?;
+    let there = targets(&palpate::packages(shell)?)?;
     let listed = listed(&shell.read_file(PAGE)?);
     let differences: Vec<String> = there
         .difference(&listed)
@@ -33,9 +31,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
 }
 
 /// `package/target` of every bench.
-fn targets(metadata: &str) -> Result<BTreeSet<String>> {
-    let metadata: Value = serde_json::from_str(metadata)?;
-    let packages = metadata["packages"].as_array().context("no packages")?;
+fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     let mut benches = BTreeSet::new();
     for package in packages {
         let name = package["name"]
@@ -63,16 +59,20 @@ fn listed(page: &str) -> BTreeSet<String> {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]
     fn targets_are_those_of_benches() {
-        let metadata = r#"{"packages": [{"name": "a", "targets": [
-            {"name": "a", "kind": ["lib"]}, {"name": "quick", "kind": ["bench"]}]},
-            {"name": "b", "targets": []}]}"#;
+        let packages = [
+            json!({"name": "a", "targets": [
+                {"name": "a", "kind": ["lib"]}, {"name": "quick", "kind": ["bench"]}]}),
+            json!({"name": "b", "targets": []}),
+        ];
         let page =
             "# Benches\n\n| bench | path |\n| --- | --- |\n| `a/quick` | all of `b/slow` |\n";
-        assert_eq!(targets(metadata).unwrap(), listed(page));
+        assert_eq!(targets(&packages).unwrap(), listed(page));
         assert_eq!(listed(page).len(), 1);
     }
 }

@@ -11,6 +11,8 @@ use xshell::{Shell, cmd};
 use super::figure::Figure;
 use crate::python;
 
+/// Packages of the peers in Python.
+const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
 /// Libraries that would otherwise take every core.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
@@ -68,15 +70,15 @@ impl Peer {
 
 impl<'s> Workshop<'s> {
     /// Prepares what all scripts need.
-    pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Result<Self> {
+    pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Self {
         let sources = shell.current_dir().join("xtask").join("peers");
-        let python = environment(shell, &sources, directory)?;
-        Ok(Self {
+        let python = python::environment(shell, &directory.join("venv"), REQUIREMENTS);
+        Self {
             shell,
             sources,
             directory: directory.to_owned(),
-            python,
-        })
+            python: python.map_err(|error| format!("{error:#}")),
+        }
     }
 
     /// Makes a peer.
@@ -152,36 +154,4 @@ impl<'s> Workshop<'s> {
         let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
         Ok(Ok(Peer::from(vec![program.into()])))
     }
-}
-
-/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why
-/// it cannot be.
-fn environment(shell: &Shell, sources: &Path, directory: &Path) -> Result<Result<PathBuf, String>> {
-    let place = directory.join("venv");
-    let python = place.join("bin").join("python");
-    let wanted = sources.join("requirements.txt");
-    let installed = place.join("requirements.txt");
-    if fs::read(&installed)
-        .is_ok_and(|installed| fs::read(&wanted).is_ok_and(|wanted| wanted == installed))
-    {
-        return Ok(Ok(python));
-    }
-    if cmd!(shell, "python3 -m venv --clear {place}")
-        .quiet()
-        .run()
-        .is_err()
-    {
-        return Ok(Err("Python 3 with its module venv is missing".to_owned()));
-    }
-    let install = cmd!(
-        shell,
-        "{python} -m pip install --quiet --disable-pip-version-check -r {wanted}"
-    );
-    if install.quiet().run().is_err() {
-        return Ok(Err(
-            "pip cannot install xtask/peers/requirements.txt; is there a network?".to_owned(),
-        ));
-    }
-    fs::copy(&wanted, &installed).context("cannot note what is installed")?;
-    Ok(Ok(python))
 }

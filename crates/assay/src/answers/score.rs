@@ -1,5 +1,7 @@
 //! Number of answers that are asked for, and of those that are right.
 
+use serde::Serialize;
+
 /// How much is asked.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
@@ -12,7 +14,7 @@ pub struct Options<'a> {
 }
 
 /// Number of answers that were asked for, and of those that are right.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Score {
     /// `design` or `distinguish`.
     pub command: &'static str,

@@ -8,10 +8,11 @@ use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
     MarkerMotion, Optics,
 };
-use palpate_tracking::{Finder, FinderSettings, Mask, match_markers};
+use palpate_tracking::{Finder, FinderSettings, Marker, Mask, match_markers};
 
 use super::presses::SKIN;
-use super::{Hot, warm};
+use crate::accuracy::rms;
+use crate::measured::Evaluation;
 
 /// Seed of the frames with discs of random hues.
 const FRAME: u64 = 11;
@@ -87,44 +88,68 @@ pub fn finder(size_px: usize) -> Result<Finder> {
     })?)
 }
 
+/// Root mean square errors of the centroid (px) and the hue (turns) of the markers nearest to the discs; infinite where no
+/// marker is found.
+pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
+    let off = |disc: &Disc| {
+        let off_px = |marker: &Marker| {
+            let [dx, dy] = [0, 1].map(|axis| disc.centroid_px[axis] - marker.centroid_px[axis]);
+            libm::hypot(dx, dy)
+        };
+        let nearest = found.iter().min_by(|a, b| off_px(a).total_cmp(&off_px(b)));
+        nearest.map_or([f64::INFINITY; 2], |marker| {
+            let turn = marker.hue_turns - disc.hue_turns;
+            [off_px(marker), turn - turn.round()]
+        })
+    };
+    let off: Vec<[f64; 2]> = discs.iter().map(off).collect();
+    [0, 1].map(|which| rms(off.iter().map(|one| one[which])))
+}
+
 /// Images of 77 markers without pixels.
 ///
 /// # Errors
 /// None: the sensor is sound.
-pub fn projected() -> Result<Hot> {
+pub fn projected(name: &str) -> Result<Evaluation> {
     let (optics, motions) = (optics(640)?, motions());
     optics.projected(&motions)?;
-    Ok(warm(move || optics.projected(black_box(&motions))))
+    Ok(Evaluation::new(name, move || {
+        optics.projected(black_box(&motions))
+    }))
 }
 
 /// A frame of 77 markers.
 ///
 /// # Errors
 /// None: the sensor is sound.
-pub fn rendered(size_px: u32) -> Result<Hot> {
+pub fn rendered(name: &str, size_px: u32) -> Result<Evaluation> {
     let (optics, motions) = (optics(size_px)?, motions());
     optics.rendered(&motions, None)?;
-    Ok(warm(move || optics.rendered(black_box(&motions), None)))
+    Ok(Evaluation::new(name, move || {
+        optics.rendered(black_box(&motions), None)
+    }))
 }
 
 /// The markers of a frame.
 ///
 /// # Errors
 /// If they are not found.
-pub fn found(size_px: usize) -> Result<Hot> {
+pub fn found(name: &str, size_px: usize) -> Result<Evaluation> {
     let (frame, _) = frame(size_px);
     let mut finder = finder(size_px)?;
     finder.find(&frame)?;
-    Ok(warm(move || finder.find(black_box(&frame))))
+    Ok(Evaluation::new(name, move || {
+        finder.find(black_box(&frame))
+    }))
 }
 
 /// The markers of a frame found again in it.
 ///
 /// # Errors
 /// If they are not found.
-pub fn matched(size_px: usize) -> Result<Hot> {
+pub fn matched(name: &str, size_px: usize) -> Result<Evaluation> {
     let found = finder(size_px)?.find(&frame(size_px).0)?.markers;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         match_markers(black_box(&found), black_box(&found))
     }))
 }

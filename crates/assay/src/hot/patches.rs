@@ -4,10 +4,11 @@ use std::hint::black_box;
 
 use anyhow::Result;
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, Ep2Error, Method, Patch, Penalised};
+use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch, Penalised};
 use palpate_sensing::{Channel, Stream};
 
-use super::{Hot, warm};
+use crate::accuracy::rms;
+use crate::measured::Evaluation;
 
 /// Radius of the sphere that few contacts are on.
 pub const RADIUS: f64 = 5.0;
@@ -65,9 +66,9 @@ pub fn places_on_sphere() -> Vec<Point3<f64>> {
 
 /// Places 30 × 30 over the middle of many contacts, and the mean curvature there; negative on a peak seen from above
 /// where the normal points up, so that it is turned round here: palpate counts a peak positive.
-pub fn places_on_waves() -> Vec<(Point3<f64>, f64)> {
+fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
-    let place = |index: usize| {
+    let place = move |index: usize| {
         let (x, y) = (along(index / 30, 1.5), along(index % 30, 1.0));
         let z = 0.2 * libm::sin(2.0 * x) * libm::cos(2.0 * y);
         let (p, q) = (
@@ -83,32 +84,55 @@ pub fn places_on_waves() -> Vec<(Point3<f64>, f64)> {
         let twice = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
         (Point3::new(x, y, z), -0.5 * twice / libm::pow(square, 1.5))
     };
-    (0..900).map(place).collect()
+    (0..900).map(place)
+}
+
+/// Root mean square error of the mean curvature of a fit to many contacts, 1/length.
+///
+/// # Errors
+/// Where the fit has no curvature.
+pub fn error_on_waves(fit: &Fit) -> Result<f64, Ep2Error> {
+    let off = |(place, mean): (Point3<f64>, f64)| Ok(fit.curvature_at(&place)?.mean - mean);
+    let errors: Result<Vec<f64>, Ep2Error> = places_on_waves().map(off).collect();
+    errors.map(rms)
 }
 
 /// Fits of a method to contacts.
 ///
 /// # Errors
 /// Where the contacts make no patch.
-pub fn fitted(method: impl Method + 'static, contacts: &[Contact]) -> Result<Hot> {
+pub fn fitted(
+    name: &str,
+    method: impl Method + 'static,
+    contacts: &[Contact],
+) -> Result<Evaluation> {
     let patch = patch(contacts)?;
-    Ok(warm(move || method.fit(black_box(&patch))))
+    Ok(Evaluation::new(name, move || method.fit(black_box(&patch))))
 }
 
 /// Estimates of the penalised spline from contacts, without their uncertainty.
 ///
 /// # Errors
 /// Where the contacts make no patch.
-pub fn estimated(method: Penalised, contacts: &[Contact]) -> Result<Hot> {
+pub fn estimated(name: &str, method: Penalised, contacts: &[Contact]) -> Result<Evaluation> {
     let patch = patch(contacts)?;
-    Ok(warm(move || method.estimate(black_box(&patch))))
+    Ok(Evaluation::new(name, move || {
+        method.estimate(black_box(&patch))
+    }))
 }
 
 /// Maps of a fit, this many places a side.
 ///
 /// # Errors
 /// Where the method cannot fit the contacts.
-pub fn mapped(method: &dyn Method, contacts: &[Contact], side: usize) -> Result<Hot> {
+pub fn mapped(
+    name: &str,
+    method: &dyn Method,
+    contacts: &[Contact],
+    side: usize,
+) -> Result<Evaluation> {
     let fit = method.fit(&patch(contacts)?)?;
-    Ok(warm(move || black_box(&fit).curvatures(side)))
+    Ok(Evaluation::new(name, move || {
+        black_box(&fit).curvatures(side)
+    }))
 }

@@ -11,7 +11,7 @@ use palpate_sensing::{Channel, Stream};
 
 use super::camera::optics;
 use super::presses::{AT, INDENTATION, OBJECT, SKIN, markers};
-use super::{Hot, warm};
+use crate::measured::Evaluation;
 
 /// Depths of the magenta and the yellow discs under the skin, mm.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
@@ -155,21 +155,22 @@ fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
 ///
 /// # Errors
 /// If the body cannot be pressed so.
-pub fn worked(bodies: Bodies, step: Step) -> Result<Hot> {
+pub fn worked(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
     let seeing = Seeing::new(bodies)?;
     let rest = seeing.rest()?;
     let estimate = seeing.fit.estimate(&rest, &seeing.pressed, None)?;
     Ok(match step {
-        Step::Rest => warm(move || seeing.fit.at_rest(black_box(&seeing.at_rest))),
-        Step::Cold => warm(move || {
+        Step::Rest => Evaluation::new(name, move || seeing.fit.at_rest(black_box(&seeing.at_rest))),
+        Step::Cold => Evaluation::new(name, move || {
             let fit = seeing.anew(bodies)?;
             Ok::<_, anyhow::Error>(fit.estimate(&rest, &seeing.pressed, None)?)
         }),
-        Step::Fit => warm(move || seeing.fit.estimate(&rest, black_box(&seeing.pressed), None)),
-        Step::Doubts => warm(move || {
-            seeing
-                .fit
-                .doubts(&rest, black_box(&seeing.pressed), None, &estimate)
+        Step::Fit => Evaluation::new(name, move || {
+            seeing.fit.estimate(&rest, black_box(&seeing.pressed), None)
+        }),
+        Step::Doubts => Evaluation::new(name, move || {
+            let pressed = black_box(&seeing.pressed);
+            seeing.fit.doubts(&rest, pressed, None, &estimate)
         }),
     })
 }

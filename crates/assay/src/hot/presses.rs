@@ -7,7 +7,7 @@ use palpate_chromatouch::Layout;
 use palpate_press::{Body, ForwardFit, MarkerDisplacement, Markers, Measured, Reading, Skin};
 use palpate_sensing::{Channel, Stream};
 
-use super::{Hot, warm};
+use crate::measured::Evaluation;
 
 /// Radius of the skin, mm.
 pub const SKIN: f64 = 20.0;
@@ -81,10 +81,10 @@ pub fn fit(body: Body) -> ForwardFit {
 ///
 /// # Errors
 /// If the body cannot be pressed so.
-pub fn moved(body: Body) -> Result<Hot> {
+pub fn moved(name: &str, body: Body) -> Result<Evaluation> {
     let markers = markers()?;
     markers.skin().contact(&body, OBJECT, INDENTATION)?;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         let contact = markers
             .skin()
             .contact(&body, OBJECT, black_box(INDENTATION));
@@ -96,14 +96,14 @@ pub fn moved(body: Body) -> Result<Hot> {
 ///
 /// # Errors
 /// If the body cannot be pressed so.
-pub fn fitted(body: Body) -> Result<Hot> {
+pub fn fitted(name: &str, body: Body) -> Result<Evaluation> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;
     let told = Told::new(&markers.displacements(&contact, AT), 1);
     drop(contact);
     let fit = fit(body);
     fit.estimate(&told.reading(&markers))?;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         fit.estimate(black_box(&told.reading(&markers)))
     }))
 }

@@ -4,7 +4,7 @@ use palpate_scene::Scenes;
 use std::hint::black_box;
 use std::num::NonZeroUsize;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use nalgebra::Vector2;
 use palpate::SceneTrial;
 use palpate_geometry::Shape;
@@ -17,7 +17,8 @@ use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial
 
 pub use palpate_rolling::{Chart, Model};
 
-use super::{Hot, warm};
+use crate::measured::Evaluation;
+use crate::rolled::End;
 
 /// Rate of every roll, rad/s.
 pub const RATE: f64 = 0.1;
@@ -54,6 +55,22 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     let rolls = Rolls { rolls: &rolls };
     let probe = Probe::new(1.0)?;
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
+}
+
+/// Error of a roll from the top of the unit sphere or the paraboloid: how far the contact is from where the closed form
+/// has it, in any coordinate, on the object or on the probe.
+///
+/// # Errors
+/// If the object has no closed form, or the roll fails.
+pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
+    let end = match roller.object() {
+        Shape::Sphere(ball) => End::on_ball(ball.radius(), DIRECTION, angle_rad),
+        Shape::Paraboloid(_) => End::on_paraboloid(1.0, DIRECTION, angle_rad),
+        other => bail!("no closed form of a roll over a {}", other.name()),
+    };
+    let contact = roller.roll(&[motion(angle_rad)])?;
+    let off_object = (contact.on_object - end.on_object).amax();
+    Ok(off_object.max((contact.on_probe(1.0) - end.on_probe).amax()))
 }
 
 /// A trial of EP1: eight probes of radius 1 turn by 0.1 rad on a sphere of radius 5; `setting` is the rest of the scene
@@ -184,37 +201,38 @@ impl Trial for Statistics {
 ///
 /// # Errors
 /// If the model cannot roll it there.
-pub fn rolled(object: Shape, model: Model, angle_rad: f64) -> Result<Hot> {
+pub fn rolled(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<Evaluation> {
     let roller = roller(object, model, angle_rad)?;
     let motion = motion(angle_rad);
-    Ok(warm(move || roller.roll(black_box(&[motion]))))
+    Ok(Evaluation::new(name, move || {
+        roller.roll(black_box(&[motion]))
+    }))
 }
 
 /// Trials of EP1 alone, without their statistics.
 ///
 /// # Errors
 /// If `setting` is none of a scene.
-pub fn trials(setting: &str, trials: u64) -> Result<Hot> {
+pub fn trials(name: &str, setting: &str, trials: u64) -> Result<Evaluation> {
     let trial = Ep1::new(setting)?;
-    Ok(warm(move || trial.alone(black_box(trials))))
+    Ok(Evaluation::new(name, move || {
+        trial.alone(black_box(trials))
+    }))
 }
 
 /// Statistics alone.
-///
-/// # Errors
-/// None.
-pub fn statistics_alone(trials: u64) -> Result<Hot> {
-    Ok(warm(move || Statistics::of(black_box(trials))))
+pub fn statistics_alone(name: &str, trials: u64) -> Evaluation {
+    Evaluation::new(name, move || Statistics::of(black_box(trials)))
 }
 
 /// Readings of a pad array whose pitch is a hundredth of its radius.
 ///
 /// # Errors
 /// None: the array is sound.
-pub fn pads(layout: PadLayout, readings: u32) -> Result<Hot> {
+pub fn pads(name: &str, layout: PadLayout, readings: u32) -> Result<Evaluation> {
     let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5)?;
     let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         (0..readings).for_each(|reading| {
             let displacement = Vector2::new(2.3, 0.01 * f64::from(reading));
             let _ = black_box(pads.read(&placement, black_box(&displacement)));
@@ -226,10 +244,10 @@ pub fn pads(layout: PadLayout, readings: u32) -> Result<Hot> {
 ///
 /// # Errors
 /// None: tip and saddle are sound.
-pub fn touches(touches: u32) -> Result<Hot> {
+pub fn touches(name: &str, touches: u32) -> Result<Evaluation> {
     let saddle = Shape::Saddle(Graph::saddle(0.1)?);
     let glider = Glider::new(saddle, Fingertip::Sphere { radius: 0.5 })?;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         (0..touches).for_each(|touch| {
             let _ = black_box(glider.touch(0.1 * f64::from(touch), black_box(0.3)));
         });

@@ -7,16 +7,16 @@ use anyhow::Result;
 use palpate_geometry::formula::Formula;
 use palpate_study::config;
 
-use super::{Hot, warm};
+use crate::measured::Evaluation;
 
 /// Heights of a formula with their derivatives.
 ///
 /// # Errors
 /// None: the formula is sound.
-pub fn evaluated(points: u32) -> Result<Hot> {
+pub fn evaluated(name: &str, points: u32) -> Result<Evaluation> {
     let parameters = BTreeMap::from([("a".to_owned(), 0.2)]);
     let formula = Formula::parse("a * sin(2 * x) * cos(2 * y) + x^2 / 8", &parameters)?;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         (0..points).for_each(|point| {
             black_box(formula.jet(0.01 * f64::from(point), black_box(0.3)));
         });
@@ -27,10 +27,10 @@ pub fn evaluated(points: u32) -> Result<Hot> {
 ///
 /// # Errors
 /// None: the config is sound.
-pub fn parsed() -> Result<Hot> {
+pub fn parsed(name: &str) -> Result<Evaluation> {
     let text = include_str!("../../../../examples/press-a-ball.toml");
     config::parse("press-a-ball.toml", text)?;
-    Ok(warm(move || {
+    Ok(Evaluation::new(name, move || {
         config::parse("press-a-ball.toml", black_box(text))
     }))
 }

@@ -9,7 +9,7 @@ use palpate::recorded::{
 };
 use palpate_ep2::Contact;
 
-use super::figure::{Figure, MANY, PATCHES};
+use super::{Figure, MANY, PATCHES};
 use crate::accuracy::rms;
 use crate::hot::patches;
 

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use anyhow::Result;
 use palpate_ep2::{Ep2Error, Fit, Method, Passes, Patch, Penalised, Quadric, TwoPass};
 
-use super::figure::{Figure, MANY, PATCHES};
+use super::{Figure, MANY, PATCHES};
 use crate::accuracy::rms;
 use crate::hot::patches;
 
@@ -87,14 +87,10 @@ pub(super) fn many() -> Result<Vec<Figure>> {
         ..Penalised::default()
     };
     let fit = method.fit(&patches::patch(&contacts)?)?;
-    let mut errors = Vec::new();
-    for (place, mean) in patches::places_on_waves() {
-        errors.push(fit.curvature_at(&place)?.mean - mean);
-    }
     let figure = Figure::measured(
         "EP2, 100 000 contacts, map of 30 x 30",
         format!("penalised, {INTERVALS} x {INTERVALS} intervals"),
-        rms(errors),
+        patches::error_on_waves(&fit)?,
         1,
         move || {
             let fit = method.estimate(&patches::patch(black_box(&contacts))?)?;

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use anyhow::{Context, Result};
 use palpate_press::{Body, PressError};
 
-use super::figure::Figure;
+use super::Figure;
 use crate::hot::presses::markers;
 
 const TASK: &str = "press, contact and pressure";

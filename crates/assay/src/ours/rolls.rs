@@ -6,9 +6,8 @@ use anyhow::{Context, Result};
 use palpate_geometry::Shape;
 use palpate_rolling::Roller;
 
-use super::figure::Figure;
-use crate::accuracy::rolls::against_closed_form;
-use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
+use super::Figure;
+use crate::hot::rolls::{self, Chart, Ep1, Model, motion, paraboloid, roller, sphere};
 
 const LONG_RAD: f64 = 6.0;
 const SHORT_RAD: f64 = 0.1;
@@ -27,27 +26,23 @@ pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
         let task = format!("roll 6 rad over a {name}");
-        let exact = cheapest(&object, LONG_RAD)?;
         let limit = error_at_most.iter().find(|(of, _)| *of == task);
         let limit = limit.map_or(USUAL_ERROR, |&(_, error)| error);
-        let (integrator, error) = integrator(&object, limit)?;
-        figures.push(figure(&task, integrator, LONG_RAD, error));
-        let error = off(&exact, LONG_RAD)?;
-        figures.push(figure(&task, exact, LONG_RAD, error));
+        for roller in [integrator(&object, limit)?, cheapest(&object, LONG_RAD)?] {
+            figures.push(figure(&task, roller, LONG_RAD)?);
+        }
     }
     Ok(figures)
 }
 
 /// Rolls by 0.1 rad by the cheapest rung.
 pub(super) fn short() -> Result<Vec<Figure>> {
-    let mut figures = Vec::new();
-    for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
-        let exact = cheapest(&object, SHORT_RAD)?;
-        let error = off(&exact, SHORT_RAD)?;
+    let objects = [("sphere", sphere()?), ("paraboloid", paraboloid()?)];
+    let roll = |(name, object)| {
         let task = format!("roll 0.1 rad over a {name}");
-        figures.push(figure(&task, exact, SHORT_RAD, error));
-    }
-    Ok(figures)
+        figure(&task, cheapest(&object, SHORT_RAD)?, SHORT_RAD)
+    };
+    objects.into_iter().map(roll).collect()
 }
 
 /// The closed form or the meridian.
@@ -59,33 +54,28 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// The loosest tolerance that is tight enough, and its error.
-fn integrator(object: &Shape, error_at_most: f64) -> Result<(Roller, f64)> {
+/// DOP853 of the loosest tolerance that is tight enough.
+fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {
             tolerance,
             chart: Chart::Free,
         };
         let roller = roller(object.clone(), model, LONG_RAD)?;
-        let error = off(&roller, LONG_RAD)?;
-        if error <= error_at_most {
-            return Ok((roller, error));
+        if rolls::error(&roller, LONG_RAD)? <= error_at_most {
+            return Ok(roller);
         }
     }
     anyhow::bail!("no tolerance of DOP853 errs by at most {error_at_most}")
 }
 
-fn off(roller: &Roller, angle_rad: f64) -> Result<f64> {
-    let contact = roller.roll(&[motion(angle_rad)])?;
-    against_closed_form(roller.object(), angle_rad, &contact)
-}
-
-fn figure(task: &str, roller: Roller, angle_rad: f64, error: f64) -> Figure {
+fn figure(task: &str, roller: Roller, angle_rad: f64) -> Result<Figure> {
+    let error = rolls::error(&roller, angle_rad)?;
     let rung = roller.choice().rung.clone();
     let motion = motion(angle_rad);
-    Figure::measured(task, rung, error, 1, move || {
+    Ok(Figure::measured(task, rung, error, 1, move || {
         roller.roll(black_box(&[motion]))
-    })
+    }))
 }
 
 /// Trials of EP1: alone, as the peer has them, and with the statistics of the runner.

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::promised::{MOST, Promise, SCENES};
 use super::scenes::Kind;
+use crate::columns::{self, or_empty};
 
 /// A promise, and what it costs.
 pub(super) struct Verdict<'a> {
@@ -43,46 +44,38 @@ impl<'a> Verdict<'a> {
 
 /// Writes the table.
 pub(super) fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "kind",
-        "scene",
-        "tolerance",
-        "taken",
-        "error",
-        "judged_by",
-        "competitors",
-        "instructions",
-        "cheapest_adequate",
-        "cheapest_instructions",
-        "ratio",
-        "kept",
-    ])?;
-    for verdict in verdicts {
-        let promise = verdict.promise;
-        let cheapest = verdict.cheapest;
-        writer.write_record([
-            promise.kind.name(),
-            &promise.number.to_string(),
-            &format!("{:e}", promise.tolerance),
-            &promise.taken().name,
-            &match &promise.taken().outcome {
-                Ok(error) => format!("{error:e}"),
-                Err(why) => why.clone(),
-            },
-            promise.truth,
-            &promise.competitors().to_string(),
-            &verdict.taken.to_string(),
-            cheapest.map_or("", |(place, _)| &promise.rivals[place].rung.name),
-            &cheapest.map_or(String::new(), |(_, count)| count.to_string()),
-            &verdict
-                .ratio()
-                .map_or(String::new(), |ratio| format!("{ratio:.3}")),
-            if verdict.is_kept() { "yes" } else { "no" },
-        ])?;
-    }
-    std::fs::write(out, writer.into_inner()?)
-        .with_context(|| format!("cannot write {}", out.display()))
+    let row = |verdict: &Verdict<'_>| {
+        let Verdict {
+            promise, cheapest, ..
+        } = verdict;
+        let cheapest_name = cheapest.map(|(place, _)| promise.rivals[place].rung.name.clone());
+        let error = match &promise.taken().outcome {
+            Ok(error) => format!("{error:e}"),
+            Err(why) => why.clone(),
+        };
+        let is_kept = if verdict.is_kept() { "yes" } else { "no" };
+        [
+            ("kind", promise.kind.name().to_owned()),
+            ("scene", promise.number.to_string()),
+            ("tolerance", format!("{:e}", promise.tolerance)),
+            ("taken", promise.taken().name.clone()),
+            ("error", error),
+            ("judged_by", promise.truth.to_owned()),
+            ("competitors", promise.competitors().to_string()),
+            ("instructions", verdict.taken.to_string()),
+            ("cheapest_adequate", cheapest_name.unwrap_or_default()),
+            (
+                "cheapest_instructions",
+                or_empty(*cheapest, |(_, count)| count.to_string()),
+            ),
+            (
+                "ratio",
+                or_empty(verdict.ratio(), |ratio| format!("{ratio:.3}")),
+            ),
+            ("kept", is_kept.to_owned()),
+        ]
+    };
+    columns::write(out, verdicts.iter().map(row))
 }
 
 /// How many of each kind keep their word, how many had a choice, and what the dearest costs; as an error where one does

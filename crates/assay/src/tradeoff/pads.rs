@@ -1,7 +1,7 @@
 //! Rungs of a pad array: its pitch and its layout.
 
 use super::ladder::Ladder;
-use super::trials::{Asked, Choice, Template, relative_rms};
+use super::trials::{Asked, Choice, relative_rms, scenes};
 
 const PITCHES_MM: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02];
 const CURVATURE: usize = 0;
@@ -51,9 +51,6 @@ pub(super) fn ladder() -> Ladder {
         title: "What do finer pads cost?",
         error: "rms error of the curvature over the curvature; 8 probes of 10 mm roll 0.5 rad, pads anywhere",
         evaluation: "one trial",
-        scenes: Template::all(COMMON, SCENES)
-            .iter()
-            .map(|scene| scene.stage(&choices, asked))
-            .collect(),
+        scenes: scenes(COMMON, SCENES, &choices, asked),
     }
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use palpate_scene::{Outcome, Scene};
 
 use super::ladder::{Erring, Ladder, Rung, SceneRungs};
-use super::trials::{Asked, Choice, Template, evaluated, outcomes, root_mean, scene_of};
+use super::trials::{Asked, Choice, Template, evaluated, outcomes, root_mean, scene_of, scenes};
 
 /// Contacts of each of the three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
@@ -107,10 +107,7 @@ pub(super) fn fits() -> Ladder {
         title: "Which fit, with how many contacts?",
         error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
         evaluation: "one trial: readings, fit, and a map of 15 × 15",
-        scenes: Template::all(COMMON, SCENES)
-            .iter()
-            .map(|scene| scene.stage(&choices, asked))
-            .collect(),
+        scenes: scenes(COMMON, SCENES, &choices, asked),
     }
 }
 

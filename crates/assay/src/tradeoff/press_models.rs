@@ -7,7 +7,7 @@ use palpate_press::{Body, BondedLayer, Skin};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
-use crate::pressed::{self, Pressed};
+use crate::pressed::{self, Pressed, largest_error};
 
 /// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
@@ -128,16 +128,7 @@ impl Press {
         errs: impl Fn() -> Result<Profile> + 'static,
         costs: impl Fn() -> Result<Profile> + 'static,
     ) -> Rung {
-        let error = move || {
-            let (truth, found) = (self.truth()?, errs()?);
-            let largest = truth
-                .iter()
-                .flatten()
-                .fold(0.0, |most: f64, one| most.max(one.abs()));
-            let pairs = truth.iter().flatten().zip(found.iter().flatten());
-            let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));
-            at_least_rounding(off / largest)
-        };
+        let error = move || at_least_rounding(largest_error(&errs()?, &self.truth()?));
         Rung::new(name, error, costs)
     }
 

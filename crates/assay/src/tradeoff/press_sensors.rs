@@ -4,7 +4,7 @@
 //! camera by another.
 
 use super::ladder::Ladder;
-use super::trials::{Asked, Choice, Template, relative_rms};
+use super::trials::{Asked, Choice, relative_rms, scenes};
 
 const EFFECTIVE_RADIUS: usize = 1;
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
@@ -91,9 +91,6 @@ pub(super) fn ladder() -> Ladder {
         title: "What does a camera in the sensor cost?",
         error: "rms error of the effective radius over it; direct reads within 0.005 mm and 0.001 mm along the skin, projected within 1e-4 of hue, 0.01 px and 4e-4 of size, pixels within 2/255, each the standard deviation",
         evaluation: "one press: what is read, and the estimate",
-        scenes: Template::all(COMMON, SCENES)
-            .iter()
-            .map(|scene| scene.stage(&choices, asked))
-            .collect(),
+        scenes: scenes(COMMON, SCENES, &choices, asked),
     }
 }

@@ -1,7 +1,7 @@
 //! Rungs of EP1: how many probes roll, and how far.
 
 use super::ladder::Ladder;
-use super::trials::{Asked, Choice, Template, relative_rms};
+use super::trials::{Asked, Choice, relative_rms, scenes};
 
 const PROBES: [u32; 5] = [2, 4, 8, 16, 32];
 const ROLLS_RAD: [f64; 3] = [0.05, 0.2, 0.8];
@@ -56,10 +56,7 @@ pub(super) fn ladder() -> Ladder {
         title: "How many probes, and how far do they roll?",
         error: "rms error of the curvature over the curvature; ω errs by up to 1 %, the contact by 0.02 mm",
         evaluation: "one trial",
-        scenes: Template::all(COMMON, SCENES)
-            .iter()
-            .map(|scene| scene.stage(&choices, asked))
-            .collect(),
+        scenes: scenes(COMMON, SCENES, &choices, asked),
     }
 }
 

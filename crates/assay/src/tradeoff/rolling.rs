@@ -4,25 +4,29 @@ use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_6;
 use std::rc::Rc;
 
-use anyhow::{Context, Result, ensure};
-use nalgebra::{Point3, Vector3};
+use anyhow::{Result, ensure};
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere};
 use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Probe, Roller, Rolls};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
+use crate::rolled::End;
 
 const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
 /// Radius of the probe.
 const RADIUS: f64 = 1.0;
+/// Radius of the ball.
+const BALL: f64 = 5.0;
+/// Coefficient c of the paraboloid z = −c r².
+const PARABOLOID: f64 = 0.2;
 /// Largest difference between two independent truths, relative to the length of the path.
 const TRUSTED: f64 = 1e-12;
 /// Direction in which the contact moves at first, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
-/// One roll: what it is, and where it ends.
+/// One roll, and where it ends.
 struct Roll {
     ease: Ease,
     scene: &'static str,
@@ -30,15 +34,8 @@ struct Roll {
     at: (f64, f64),
     angle: f64,
     truth: fn(&Roll) -> Result<End>,
-    /// The truth, once it is asked for.
+    /// The truth, from its first use.
     end: OnceCell<End>,
-}
-
-/// Contact at the end of a roll: its place on both bodies, and the length of its path on the probe.
-struct End {
-    on_object: Point3<f64>,
-    on_probe: Point3<f64>,
-    path: f64,
 }
 
 pub(super) fn ladder() -> Result<Ladder> {
@@ -46,19 +43,19 @@ pub(super) fn ladder() -> Result<Ladder> {
         Roll {
             ease: Ease::Easy,
             scene: "ball of 5 probe radii, 0.1 rad",
-            object: Shape::Sphere(Sphere::new(5.0)?),
+            object: Shape::Sphere(Sphere::new(BALL)?),
             at: (0.0, 0.0),
             angle: 0.1,
-            truth: on_ball,
+            truth: |roll| Ok(End::on_ball(BALL, DIRECTION, roll.angle)),
             end: OnceCell::new(),
         },
         Roll {
             ease: Ease::Typical,
             scene: "from the apex of the paraboloid z = −0.2 r², 1 rad",
-            object: Shape::Paraboloid(Graph::paraboloid(0.2)?),
+            object: Shape::Paraboloid(Graph::paraboloid(PARABOLOID)?),
             at: (0.0, 0.0),
             angle: 1.0,
-            truth: on_paraboloid,
+            truth: |roll| Ok(End::on_paraboloid(PARABOLOID, DIRECTION, roll.angle)),
             end: OnceCell::new(),
         },
         Roll {
@@ -163,49 +160,6 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
     models
 }
 
-/// Rolling on a ball of radius R₂ moves the contact by s = θ/(1/R₁ + 1/R₂), along great circles of both.
-fn on_ball(roll: &Roll) -> Result<End> {
-    let ball = match &roll.object {
-        Shape::Sphere(sphere) => Some(sphere.radius()),
-        _ => None,
-    };
-    let ball = ball.context("no ball")?;
-    let path = roll.angle / (RADIUS.recip() + ball.recip());
-    let (sine, cosine) = libm::sincos(path / ball);
-    Ok(End {
-        on_object: Point3::from(ahead() * (ball * sine) + Vector3::z() * (ball * cosine)),
-        on_probe: along_probe(path),
-        path,
-    })
-}
-
-/// End of a roll from the apex of z = −c r²: the probe has turned by θ = α + s/R₁, where α is the slope's angle and s
-/// the length of the parabola.
-fn on_paraboloid(roll: &Roll) -> Result<End> {
-    const C: f64 = 0.2;
-    let length = |r: f64| {
-        let slope = 2.0 * C * r;
-        0.5 * r * libm::hypot(slope, 1.0) + libm::asinh(slope) / (4.0 * C)
-    };
-    let turned = |r: f64| libm::atan(2.0 * C * r) + length(r) / RADIUS;
-    let (mut low, mut high) = (0.0, RADIUS * roll.angle);
-    while let middle = 0.5 * (low + high)
-        && low < middle
-        && middle < high
-    {
-        if turned(middle) < roll.angle {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Ok(End {
-        on_object: Point3::from(ahead() * low - Vector3::z() * (C * low * low)),
-        on_probe: along_probe(length(low)),
-        path: length(low),
-    })
-}
-
 /// Where there is no closed form: RK4 on Montana's equations in the charts of the two surfaces, with which the
 /// chart-free rungs share nothing, extrapolated from two counts of steps (Richardson). DOP853 on the same equations has
 /// to agree.
@@ -237,16 +191,6 @@ fn in_charts(roll: &Roll) -> Result<End> {
         on_probe: extrapolated,
         path: fine.arc_length,
     })
-}
-
-fn ahead() -> Vector3<f64> {
-    Vector3::new(libm::cos(DIRECTION), libm::sin(DIRECTION), 0.0)
-}
-
-/// The contact on the probe after a path along a great circle from its lowest point.
-fn along_probe(path: f64) -> Point3<f64> {
-    let (sine, cosine) = libm::sincos(path / RADIUS);
-    Point3::from((ahead() * sine - Vector3::z() * cosine) * RADIUS)
 }
 
 #[cfg(test)]

@@ -3,172 +3,127 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use palpate_tally::Tally;
 #[cfg(feature = "count")]
 use palpate_tally::counted;
 
-use super::table::{count, nanoseconds, table};
+use super::table::{count, nanoseconds};
 use super::trials::evaluated;
 #[cfg(feature = "count")]
 use super::trials::{run, scene_of};
+use crate::columns::{self, Column};
 use crate::measured::Evaluation;
 
 /// Trials in a row whose mean cost is stated.
 const TRIALS: u32 = 4;
 
-/// Scene with its stages; each stage adds keys of `[scene]` or replaces their values.
+/// Scene with its stages.
 struct Staged {
     kind: &'static str,
-    /// Keys and values of the first stage.
-    base: &'static [(&'static str, &'static str)],
-    stages: &'static [(&'static str, &'static [(&'static str, &'static str)])],
+    /// TOML of `[scene]` that all stages have in common, a key per line.
+    base: &'static str,
+    /// Names of the stages, and the keys that each adds or replaces.
+    stages: &'static [(&'static str, &'static str)],
 }
-
-const NONE: &[(&str, &str)] = &[];
 
 const STAGED: [Staged; 3] = [
     Staged {
         kind: "roll",
-        base: &[
-            ("probe", r#"{ kind = "sphere", radius = 10.0 }"#),
-            ("object", r#"{ kind = "sphere", radius = 50.0 }"#),
-            ("motion", "{ rate_rad_per_s = 0.5, duration_s = 1.0 }"),
-        ],
+        base: r#"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 50.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+"#,
         stages: &[
-            ("ideal, in closed form", NONE),
+            ("ideal, in closed form", ""),
             (
                 "noise of the angular velocity",
-                &[(
-                    "noise",
-                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01 } }"#,
-                )],
+                r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }"#,
             ),
             (
                 "pads",
-                &[(
-                    "sensor",
-                    r#"{ kind = "pads", pitch = 0.5, offset = "random" }"#,
-                )],
+                r#"sensor = { kind = "pads", pitch = 0.5, offset = "random" }"#,
             ),
             (
                 "encoders",
-                &[(
-                    "noise",
-                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01 }, encoder = { step_rad = 0.001 } }"#,
-                )],
+                r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 }, encoder = { step_rad = 0.001 } }"#,
             ),
             (
                 "an object that needs an integrator",
-                &[(
-                    "object",
-                    r#"{ kind = "ellipsoid", semi_axes = [60.0, 50.0, 40.0] }"#,
-                )],
+                r#"object = { kind = "ellipsoid", semi_axes = [60.0, 50.0, 40.0] }"#,
             ),
             (
                 "noise drawn at 100 instants",
-                &[(
-                    "noise",
-                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01, when = "per-instant" }, encoder = { step_rad = 0.001 } }"#,
-                )],
+                r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01, when = "per-instant" }, encoder = { step_rad = 0.001 } }"#,
             ),
         ],
     },
     Staged {
         kind: "glide",
-        base: &[
-            ("probe", r#"{ kind = "point" }"#),
-            ("object", r#"{ kind = "saddle", a = 0.1 }"#),
-            (
-                "motion",
-                "{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }",
-            ),
-            (
-                "evaluate",
-                "{ grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }",
-            ),
-            // The cost of the quadric does not depend on its data.
-            ("estimator", r#"{ kind = "quadric" }"#),
-        ],
+        // The cost of the quadric does not depend on its data.
+        base: r#"
+probe = { kind = "point" }
+object = { kind = "saddle", a = 0.1 }
+motion = { finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }
+evaluate = { grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }
+estimator = { kind = "quadric" }
+"#,
         stages: &[
-            ("ideal, a pointed finger", NONE),
+            ("ideal, a pointed finger", ""),
             (
                 "a round tip",
-                &[("probe", r#"{ kind = "sphere", radius = 0.5 }"#)],
+                r#"probe = { kind = "sphere", radius = 0.5 }"#,
             ),
             (
                 "noise of positions",
-                &[(
-                    "noise",
-                    r#"{ position = { kind = "gaussian", fraction_of_ifd = 0.05 } }"#,
-                )],
+                r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 } }"#,
             ),
             (
                 "noise of normals",
-                &[(
-                    "noise",
-                    r#"{ position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }"#,
-                )],
+                r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }"#,
             ),
-            ("pads", &[("sensor", r#"{ kind = "pads", pitch = 0.05 }"#)]),
+            ("pads", r#"sensor = { kind = "pads", pitch = 0.05 }"#),
         ],
     },
     Staged {
         kind: "press",
-        base: &[
-            (
-                "probe",
-                r#"{ kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }"#,
-            ),
-            ("object", r#"{ kind = "sphere", radius = 80.0 }"#),
-            ("motion", "{ indentation = 1.0 }"),
-            (
-                "estimator",
-                r#"{ kind = "half-space", indentation = "known" }"#,
-            ),
-        ],
+        base: r#"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+object = { kind = "sphere", radius = 80.0 }
+motion = { indentation = 1.0 }
+estimator = { kind = "half-space", indentation = "known" }
+"#,
         stages: &[
-            ("direct", NONE),
+            ("direct", ""),
             (
                 "noise of displacements",
-                &[(
-                    "noise",
-                    r#"{ normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }"#,
-                )],
+                r#"noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }"#,
             ),
             (
                 "a bonded layer",
-                &[
-                    ("model", r#"{ kind = "bonded-layer", thickness = 5.0 }"#),
-                    (
-                        "estimator",
-                        r#"{ kind = "bonded-layer", indentation = "known" }"#,
-                    ),
-                ],
+                r#"
+model = { kind = "bonded-layer", thickness = 5.0 }
+estimator = { kind = "bonded-layer", indentation = "known" }
+"#,
             ),
             (
                 "a camera, without pixels",
-                &[
-                    ("sensor", r#"{ kind = "projected" }"#),
-                    (
-                        "noise",
-                        r#"{ hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 } }"#,
-                    ),
-                ],
+                r#"
+sensor = { kind = "projected" }
+noise = { hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 } }
+"#,
             ),
             (
                 "rendered frames, 265 px",
-                &[
-                    (
-                        "sensor",
-                        r#"{ kind = "rendered", size_px = 265, calibration = { presses = 2, rest_frames = 1 } }"#,
-                    ),
-                    ("noise", "{}"),
-                ],
+                r#"
+sensor = { kind = "rendered", size_px = 265, calibration = { presses = 2, rest_frames = 1 } }
+noise = {}
+"#,
             ),
             (
                 "noise of pixels",
-                &[("noise", r#"{ pixel = { kind = "gaussian", std = 2.0 } }"#)],
+                r#"noise = { pixel = { kind = "gaussian", std = 2.0 } }"#,
             ),
         ],
     },
@@ -183,20 +138,17 @@ pub(super) struct Stage {
 
 /// All stages, in order.
 pub(super) fn stages() -> Vec<Stage> {
+    let key = |line: &str| line.split(" = ").next().map(str::to_owned);
     let mut all = Vec::new();
-    for staged in &STAGED {
-        let mut keys: Vec<(&str, &str)> = staged.base.to_vec();
-        for (name, changes) in staged.stages {
-            for &(key, value) in *changes {
-                keys.retain(|(known, _)| *known != key);
-                keys.push((key, value));
+    for &Staged { kind, base, stages } in &STAGED {
+        let mut lines: Vec<&str> = base.lines().collect();
+        for &(name, changes) in stages {
+            for change in changes.lines() {
+                lines.retain(|line| key(line) != key(change));
+                lines.push(change);
             }
-            let lines = keys.iter().map(|(key, value)| format!("{key} = {value}\n"));
-            all.push(Stage {
-                kind: staged.kind,
-                name,
-                text: format!("kind = \"{}\"\n{}", staged.kind, lines.collect::<String>()),
-            });
+            let text = format!("kind = \"{kind}\"\n{}", lines.join("\n"));
+            all.push(Stage { kind, name, text });
         }
     }
     all
@@ -208,6 +160,12 @@ impl Stage {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).in_a_row(TRIALS)
     }
 
+    /// Columns that name it.
+    fn names(&self) -> Vec<Column> {
+        let [kind, name] = [self.kind, self.name].map(str::to_owned);
+        vec![("scene", kind), ("stage", name)]
+    }
+
     /// Work that one trial does, after a first trial has made everything that is made only once.
     #[cfg(feature = "count")]
     fn tally(&self) -> Result<Tally> {
@@ -217,11 +175,7 @@ impl Stage {
     }
 }
 
-/// Columns that name the stage of a row.
-const STAGE: [&str; 2] = ["scene", "stage"];
-/// Columns of the cost of a trial.
-const TIMED: [&str; 4] = ["median_ns", "q25_ns", "q75_ns", "instructions"];
-/// Name of a column, and the count that stands in it.
+/// Name of a column, and its count of a trial's work.
 type Counter = (&'static str, fn(&Tally) -> u64);
 /// Columns of the work that a trial does.
 const TALLIED: [Counter; 6] = [
@@ -233,74 +187,57 @@ const TALLIED: [Counter; 6] = [
     ("rendered_frames", |tally| tally.frames),
 ];
 
-/// The columns of tallies.
-fn tallied() -> Vec<&'static str> {
-    let names = TALLIED.map(|(name, _)| name);
-    [&STAGE[..], &names].concat()
-}
-
-/// Work that a trial of one stage does, as read from a table.
-pub(super) struct Tallied {
-    stage: [String; 2],
-    counts: [String; 6],
-}
-
 /// Writes what a trial of each stage does, in their order.
 #[cfg(feature = "count")]
 pub(super) fn write_tallies(path: &Path) -> Result<()> {
-    let row = |stage: Stage| -> Result<Vec<String>> {
+    let row = |stage: &Stage| -> Result<Vec<Column>> {
         let tally = stage.tally()?;
-        let counts = TALLIED.map(|(_, count)| count(&tally).to_string());
-        let stage = [stage.kind, stage.name].map(str::to_owned);
-        Ok([&stage[..], &counts].concat())
+        let counts = TALLIED.map(|(name, count)| (name, count(&tally).to_string()));
+        Ok([stage.names(), counts.into()].concat())
     };
-    let rows: Vec<Vec<String>> = stages().into_iter().map(row).collect::<Result<_>>()?;
-    table(path, &tallied(), rows.into_iter())
+    let rows: Vec<Vec<Column>> = stages().iter().map(row).collect::<Result<_>>()?;
+    columns::write(path, rows)
 }
 
-/// Reads the table that [`write_tallies`] has written.
-pub(super) fn read_tallies(path: &Path) -> Result<Vec<Tallied>> {
-    let cannot = || format!("cannot read {}", path.display());
-    let mut reader = csv::Reader::from_path(path).with_context(cannot)?;
-    ensure!(
-        reader.headers().with_context(cannot)? == tallied(),
-        "{} holds no tallies",
-        path.display()
-    );
-    let row = |record: Result<csv::StringRecord, csv::Error>| -> Result<Tallied> {
-        let record = record.with_context(cannot)?;
-        Ok(Tallied {
-            stage: std::array::from_fn(|column| record[column].to_owned()),
-            counts: std::array::from_fn(|column| record[STAGE.len() + column].to_owned()),
-        })
-    };
-    reader.records().map(row).collect()
+/// Reads the rows that [`write_tallies`] has written.
+pub(super) fn read_tallies(path: &Path) -> Result<Vec<csv::StringRecord>> {
+    let rows = csv::Reader::from_path(path).and_then(|reader| reader.into_records().collect());
+    rows.with_context(|| format!("cannot read {}", path.display()))
 }
 
 /// Times the stages and writes `stages.csv` to a folder.
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,
-    tallies: &[Tallied],
+    tallies: &[csv::StringRecord],
     patience: Duration,
     folder: &Path,
 ) -> Result<()> {
-    let row = |(at, stage): (usize, &Stage)| -> Result<Vec<String>> {
-        let Tallied {
-            stage: names,
-            counts,
-        } = tallies
-            .iter()
-            .find(|tallied| tallied.stage == [stage.kind, stage.name])
-            .with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
-        let times = nanoseconds(&stage.evaluation().time(patience));
+    let row = |(at, stage): (usize, &Stage)| -> Result<Vec<Column>> {
+        let names = stage.names();
+        let is_named = |tallied: &&csv::StringRecord| {
+            names
+                .iter()
+                .map(|(_, name)| name)
+                .eq(tallied.iter().take(2))
+        };
+        let tallied = tallies.iter().find(is_named);
+        let tallied =
+            tallied.with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
+        let counts = tallied.iter().skip(2).map(str::to_owned);
+        let counts = TALLIED.iter().map(|(name, _)| *name).zip(counts);
+        let cost = nanoseconds(&stage.evaluation().time(patience));
         let instructions = count(instructions.map(|counts| counts[at]));
-        Ok([&names[..], &times, &[instructions], counts].concat())
+        Ok(names
+            .iter()
+            .cloned()
+            .chain(cost)
+            .chain([instructions])
+            .chain(counts)
+            .collect())
     };
-    let rows: Vec<Vec<String>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
-    let (stage, counts) = (&STAGE[..], TALLIED.map(|(name, _)| name));
-    let header = [stage, &TIMED, &counts].concat();
-    table(&folder.join("stages.csv"), &header, rows.into_iter())
+    let rows: Vec<Vec<Column>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
+    columns::write(&folder.join("stages.csv"), rows)
 }
 
 #[cfg(feature = "count")]

@@ -1,12 +1,12 @@
 //! Tables of the measurements.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::front::{Worth, answer, pareto};
 use super::ladder::{Ease, Erring};
+use crate::columns::{self, Column, or_empty};
 use crate::measured::Spread;
 
 /// Errors that users may allow, in words and as numbers; for each the tables name the cheapest rung.
@@ -58,136 +58,93 @@ pub(super) fn write(measured: &[Measured], machine: &str, folder: &Path) -> Resu
 }
 
 fn write_ladders(measured: &[Measured], machine: &str, folder: &Path) -> Result<()> {
-    let header = [
-        "ladder",
-        "title",
-        "error_of",
-        "evaluation",
-        "scene",
-        "what",
-        "machine",
-    ];
     let rows = measured.iter().map(|it| {
-        [
-            it.ladder,
-            it.title,
-            it.error,
-            it.evaluation,
-            it.ease.name(),
-            it.scene.as_str(),
-            machine,
-        ]
-        .map(str::to_owned)
+        let columns = [
+            ("ladder", it.ladder),
+            ("title", it.title),
+            ("error_of", it.error),
+            ("evaluation", it.evaluation),
+            ("scene", it.ease.name()),
+            ("what", it.scene.as_str()),
+            ("machine", machine),
+        ];
+        columns.map(|(name, field)| (name, field.to_owned()))
     });
-    table(&folder.join("ladders.csv"), &header, rows)
+    columns::write(&folder.join("ladders.csv"), rows)
 }
 
 fn write_rungs(measured: &[Measured], folder: &Path) -> Result<()> {
-    let header = [
-        "ladder",
-        "scene",
-        "rung",
-        "setting",
-        "error",
-        "error_std",
-        "median_ns",
-        "q25_ns",
-        "q75_ns",
-        "instructions",
-        "pareto",
-    ];
     let rows = measured.iter().flat_map(|it| {
         let worths: Vec<Worth> = it.rungs.iter().map(MeasuredRung::worth).collect();
         let rungs = it.rungs.iter().zip(pareto(&worths));
         rungs.map(|(rung, on_front)| {
+            let Erring { error, std } = rung.error;
             let [median, q25, q75] = nanoseconds(&rung.ns);
             [
-                it.ladder.to_owned(),
-                it.ease.name().to_owned(),
-                rung.name.clone(),
-                rung.setting.map_or_else(String::new, |it| it.to_string()),
-                format!("{:.3e}", rung.error.error),
-                rung.error
-                    .std
-                    .map_or_else(String::new, |std| format!("{std:.3e}")),
+                ("ladder", it.ladder.to_owned()),
+                ("scene", it.ease.name().to_owned()),
+                ("rung", rung.name.clone()),
+                ("setting", or_empty(rung.setting, |one| one.to_string())),
+                ("error", format!("{error:.3e}")),
+                ("error_std", or_empty(std, |std| format!("{std:.3e}"))),
                 median,
                 q25,
                 q75,
                 count(rung.instructions),
-                on_front.to_string(),
+                ("pareto", on_front.to_string()),
             ]
         })
     });
-    table(&folder.join("rungs.csv"), &header, rows)
+    columns::write(&folder.join("rungs.csv"), rows)
 }
 
 fn write_answers(measured: &[Measured], folder: &Path) -> Result<()> {
-    let header = [
-        "ladder",
-        "scene",
-        "target",
-        "rung",
-        "error",
-        "median_ns",
-        "instructions",
-    ];
     let rows = measured.iter().flat_map(|it| {
         let worths: Vec<Worth> = it.rungs.iter().map(MeasuredRung::worth).collect();
         TARGETS.map(|(words, target)| {
-            let [name, error, ns, instructions] = match answer(&worths, target) {
-                None => ["none", "", "", ""].map(str::to_owned),
-                Some(at) => {
-                    let rung = &it.rungs[at];
-                    let [median, ..] = nanoseconds(&rung.ns);
-                    [
-                        rung.name.clone(),
-                        format!("{:.3e}", rung.error.error),
-                        median,
-                        count(rung.instructions),
-                    ]
-                }
-            };
+            let rung = answer(&worths, target).map(|at| &it.rungs[at]);
+            let name = rung.map_or("none", |rung| &rung.name);
+            let error = or_empty(rung, |rung| format!("{:.3e}", rung.error.error));
+            let median = or_empty(rung, |rung| {
+                let [(_, median), ..] = nanoseconds(&rung.ns);
+                median
+            });
             [
-                it.ladder.to_owned(),
-                it.ease.name().to_owned(),
-                words.to_owned(),
-                name,
-                error,
-                ns,
-                instructions,
+                ("ladder", it.ladder.to_owned()),
+                ("scene", it.ease.name().to_owned()),
+                ("target", words.to_owned()),
+                ("rung", name.to_owned()),
+                ("error", error),
+                ("median_ns", median),
+                count(rung.and_then(|rung| rung.instructions)),
             ]
         })
     });
-    table(&folder.join("answers.csv"), &header, rows)
+    columns::write(&folder.join("answers.csv"), rows)
 }
 
 /// Median and quartiles, with the digits that they deserve.
-pub(super) fn nanoseconds(spread: &Spread) -> [String; 3] {
+pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
     let digits = if spread.median < 100.0 { 1 } else { 0 };
-    [spread.median, spread.q25, spread.q75].map(|ns| format!("{ns:.digits$}"))
+    [
+        ("median_ns", spread.median),
+        ("q25_ns", spread.q25),
+        ("q75_ns", spread.q75),
+    ]
+    .map(|(name, ns)| (name, format!("{ns:.digits$}")))
 }
 
-pub(super) fn count(instructions: Option<u64>) -> String {
-    instructions.map_or_else(String::new, |count| count.to_string())
-}
-
-/// Writes a table; every row is as long as the header.
-pub(super) fn table(
-    path: &Path,
-    header: &[&str],
-    rows: impl Iterator<Item = impl AsRef<[String]>>,
-) -> Result<()> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header)?;
-    for row in rows {
-        writer.write_record(row.as_ref())?;
-    }
-    let bytes = writer.into_inner().context("the table is not whole")?;
-    fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+pub(super) fn count(instructions: Option<u64>) -> Column {
+    (
+        "instructions",
+        or_empty(instructions, |count| count.to_string()),
+    )
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

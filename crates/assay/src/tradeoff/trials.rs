@@ -36,6 +36,19 @@ impl Template {
     }
 }
 
+/// An easy, a typical and a hard scene with the same rungs: what all scenes have in common, and the words and the lines of
+/// each.
+pub(super) fn scenes(
+    common: &str,
+    own: [(&'static str, &str); 3],
+    choices: &[Choice],
+    asked: Asked,
+) -> Vec<SceneRungs> {
+    let templates = Template::all(common, own);
+    let stage = |scene: &Template| scene.stage(choices, asked);
+    templates.iter().map(stage).collect()
+}
+
 /// Text that a rung puts in place of `$rung`.
 pub(super) struct Choice {
     pub(super) name: String,

@@ -1,5 +1,9 @@
 //! `palpate run`: what it writes, and what does not depend on how it is run.
 
+use std::sync::atomic::AtomicBool;
+
+use palpate::{Arch, RunOptions, Runner, Simulation};
+
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, edited};
 
 const HEADER: &str = "cell,scene.object.radius_mm,quantity,unit,truth,trials,failures,\
@@ -120,17 +124,30 @@ fn overrides_are_as_if_the_config_said_so() {
 }
 
 #[test]
-fn threads_do_not_change_a_byte() {
+fn threads_shards_and_vectors_do_not_change_a_byte() {
     // Three blocks of trials, the last one short.
-    let desk = Desk::with(&edited(STUDY, "trials = 20", "trials = 2500"));
-    desk.palpate("run c.toml --out one --threads 1").printed();
-    desk.palpate("run c.toml --out two --threads 2").printed();
-    desk.palpate("run c.toml --out five --threads 5").printed();
+    let config = edited(STUDY, "trials = 20", "trials = 2500");
+    let desk = Desk::with(&config);
+    for line in [
+        "run c.toml --out one --threads 1",
+        "run c.toml --out two --threads 2",
+        "run c.toml --shard 1/2 --out s/1",
+        "run c.toml --shard 2/2 --out s/2",
+        "merge s --out merged",
+    ] {
+        desk.palpate(line).printed();
+    }
     for file in RUN_FILES {
         let one = desk.read(&format!("one/{file}"));
         assert_eq!(one, desk.read(&format!("two/{file}")));
-        assert_eq!(one, desk.read(&format!("five/{file}")));
+        assert_eq!(one, desk.read(&format!("merged/{file}")));
     }
+    let study = palpate::parse("c.toml", &config).unwrap();
+    let runner = Runner::new(&RunOptions::default()).unwrap();
+    let simulation = Simulation::new(&study, 0..study.cell_count(), &runner).unwrap();
+    let narrow = simulation.with_arch(Arch::Scalar);
+    let tables = narrow.run(&AtomicBool::new(false), &|_| ()).unwrap();
+    assert_eq!(tables.cells.to_csv(), desk.read("one/cells.csv"));
 }
 
 #[test]

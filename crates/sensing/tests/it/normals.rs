@@ -16,45 +16,6 @@ fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
 
-#[test]
-fn moments_are_those_of_a_normal_distribution() {
-    let mut sums = [0.0; 4];
-    for draw in draws(11, 0).take(DRAWS / Stream::NORMALS).flatten() {
-        let draw = f64::from(draw);
-        let square = draw * draw;
-        for (sum, power) in sums
-            .iter_mut()
-            .zip([draw, square, draw * square, square * square])
-        {
-            *sum += power;
-        }
-    }
-    // A power's variance is the mean of its square less the square of its mean: E x^2k = (2k − 1)!!.
-    for (sum, (mean, variance)) in
-        sums.into_iter()
-            .zip([(0.0, 1.0), (1.0, 2.0), (0.0, 15.0), (3.0, 96.0_f64)])
-    {
-        let score = (sum / DRAWS as f64 - mean) / (variance / DRAWS as f64).sqrt();
-        assert!(score.abs() < 4.0, "{mean}: {score}");
-    }
-}
-
-#[test]
-fn they_fill_the_normal_distribution() {
-    const COUNT: usize = 1 << 21;
-    let mut drawn: Vec<f32> = draws(12, 0)
-        .take(COUNT / Stream::NORMALS)
-        .flatten()
-        .collect();
-    drawn.sort_unstable_by(f32::total_cmp);
-    let off = drawn.iter().enumerate().map(|(rank, draw)| {
-        let share = (rank as f64 + 0.5) / COUNT as f64;
-        (below(f64::from(*draw)) - share).abs()
-    });
-    // Kolmogorov and Smirnov: 1.95/√n is exceeded once in a thousand times.
-    assert!(off.fold(0.0, f64::max) < 1.95 / (COUNT as f64).sqrt());
-}
-
 /// Chi-square of counts over intervals of a 16th, to beyond six standard deviations; and the tails by themselves, where an
 /// interval expects too few.
 #[test]

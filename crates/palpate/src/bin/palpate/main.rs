@@ -7,7 +7,6 @@
 
 mod answers;
 mod budget;
-mod c_library;
 mod check;
 mod cli;
 mod design;

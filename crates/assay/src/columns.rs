@@ -1,0 +1,31 @@
+//! Tables whose rows carry the names of their columns.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+/// Name of a column, and the field of a row in it.
+pub(crate) type Column = (&'static str, String);
+
+/// Writes a table, whose header has the names of the first row's columns.
+pub(crate) fn write(
+    path: &Path,
+    rows: impl IntoIterator<Item = impl AsRef<[Column]>>,
+) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (at, row) in rows.into_iter().enumerate() {
+        let row = row.as_ref();
+        if at == 0 {
+            writer.write_record(row.iter().map(|(name, _)| name))?;
+        }
+        writer.write_record(row.iter().map(|(_, field)| field))?;
+    }
+    let bytes = writer.into_inner().context("the table is not whole")?;
+    fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Text of a value, empty where there is none.
+pub(crate) fn or_empty<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(String::new, text)
+}
