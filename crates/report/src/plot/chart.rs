@@ -193,7 +193,7 @@ impl Room {
         };
         let wide = (WIDTH - around - gaps) / columns;
         let wide = wide.max(narrowest).max(chart.named_width());
-        let x = chart.x.clone().fitted(wide);
+        let x = chart.x.clone().fitted(wide, BESIDE);
         let titled = chart.titles.iter().any(|title| !title.is_empty());
         let heading = if titled { LINE + 12 } else { 0 };
         Self {

@@ -55,7 +55,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
             floor: scales[2].ends().0,
             stroke,
         };
-        view.name_axes(&scene.space, &spoken_unit(&contacts.unit), &scales)?;
+        view.name_axes(&scene.space, sheet, &spoken_unit(&contacts.unit), &scales)?;
         scene.draw()?;
         sheet.top += view.high + BELOW;
         Ok(())
@@ -202,8 +202,10 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
+        // Labels stand on the side of an axis that is away from the middle of this area.
+        let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
-            ChartBuilder::on(&sheet.area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
+            ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
         space.set_3d_pixel_range((wide, high, deep));
         space.with_projection(|_| matrix.into());
         space
@@ -221,7 +223,13 @@ impl View {
     }
 
     /// Writes the names of the axes.
-    fn name_axes(&self, space: &Space<'_>, unit: &str, scales: &[Scale; 3]) -> Drawn {
+    fn name_axes(
+        &self,
+        space: &Space<'_>,
+        sheet: &Sheet,
+        unit: &str,
+        scales: &[Scale; 3],
+    ) -> Drawn {
         let [x, y, z] = [0, 1, 2].map(|axis| scales[axis].ends());
         let middle = |(low, high): (f64, f64)| low + (high - low) / 2.0;
         for (name, place, (dx, dy), anchor) in [
@@ -230,9 +238,7 @@ impl View {
             ("z", [x.0, y.0, z.1], (-30, -42), HPos::Right),
         ] {
             let (x, y) = space.plotting_area().map_coordinate(&at(place));
-            let style = letters(TEXT, INK, anchor);
-            let area = space.plotting_area().use_screen_coord();
-            area.draw_text(&with_unit(name, unit), &style, (x + dx, y + dy))?;
+            sheet.text(&with_unit(name, unit), (x + dx, y + dy), anchor, INK)?;
         }
         Ok(())
     }

@@ -228,10 +228,13 @@ impl Shape {
     fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Drawn<B::ErrorType> {
         let colour = self.colour;
         match &self.form {
-            // Of a whole line the backend would leave holes where it crosses itself.
+            // Segment by segment: the backend leaves holes where a line crosses itself. It fills the pixels on both
+            // edges of a level or upright line, which makes it wider by one.
             Form::Line(points, width) => {
                 for pair in points.windows(2) {
-                    backend.draw_path(pair.to_vec(), &Color::stroke_width(&colour, *width))?;
+                    let is_straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;
+                    let width = width.saturating_sub(u32::from(is_straight));
+                    backend.draw_path(pair.to_vec(), &Color::stroke_width(&colour, width))?;
                 }
                 let joints = points.iter().skip(1).take(points.len().saturating_sub(2));
                 joints

@@ -51,7 +51,8 @@ pub(crate) fn all(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
-    let y = Scale::around(Spacing::Log, rungs().map(shown)).with_ticks(5);
+    let y = Scale::around(Spacing::Log, rungs().map(shown));
+    let y = y.with_ticks(5).without_minor();
     // What errs, then remarks on it.
     let mut told = ladder.error_of.split("; ");
     let error_of = told.next().unwrap_or_default();

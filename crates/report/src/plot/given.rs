@@ -1,7 +1,7 @@
 //! Numbers from elsewhere in a plot: reference lines, and points.
 
 use super::scale::Spacing;
-use super::series::{Mark, PointSet};
+use super::series::{Mark, OPEN_MARKER, PointSet};
 use super::style::{FRAME, Style};
 use crate::group::distinct;
 use crate::table::same;
@@ -87,6 +87,7 @@ impl Points {
                     colour: of_series.unwrap_or(look).colour,
                     ..look
                 },
+                size: OPEN_MARKER,
                 at: set
                     .x
                     .iter()

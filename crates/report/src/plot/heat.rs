@@ -52,6 +52,8 @@ const MOST_NUMBERED: usize = 12;
 /// Widest name.
 const NAME: i32 = 510;
 const GAP: i32 = 102;
+/// Gap between names along x.
+const BESIDE: i32 = 12;
 /// Width of a sample in the key.
 const SAMPLE: i32 = 78;
 /// Share from which on a square is so dark that its number is white.
@@ -149,7 +151,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
         }
     }
     let high = side * names.len() as i32;
-    let x = Scale::of_names(names.clone()).fitted(high);
+    let x = Scale::of_names(names.clone()).fitted(high, BESIDE);
     let place = Place {
         corner,
         size: (high, high),

@@ -3,7 +3,7 @@
 use super::answer::{MEETS, MISSES, OPEN, Stretch};
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
-use super::series::{self, Content, Line, OPEN_MARKER, Plot, PointSet, SeriesKey};
+use super::series::{self, Content, Line, Plot, PointSet, SeriesKey};
 use super::sheet::{Key, MARKER, STROKE, Sample, Words};
 use super::style::{Colour, INK, Marker, Style};
 use super::symbol::Symbol;
@@ -74,6 +74,7 @@ const BEST: Style = Style {
     colour: INK,
     marker: Marker::Diamond,
 };
+const BEST_SIZE: f64 = 36.0;
 /// Half the width of a column that has no neighbour, as a share of the panel's.
 const ALONE: f64 = 0.03;
 /// Share of the panel's height by which a single value is widened to both sides, so that it is seen.
@@ -147,6 +148,7 @@ pub fn region_figure(map: &RegionMap) -> Result<Figure, ReportError> {
         let best = panel.best.map(|(x, y)| PointSet {
             label: String::new(),
             style: BEST,
+            size: BEST_SIZE,
             at: vec![(x * map.x.factor(), y * map.y.factor())],
         });
         Content {
@@ -187,7 +189,7 @@ fn key(map: &RegionMap) -> Key {
         (Sample::ground(OPEN), "undecided"),
         (contour, "just meets it"),
     ];
-    let best = Sample::symbol(Symbol::new(BEST, OPEN_MARKER).open());
+    let best = Sample::symbol(Symbol::new(BEST, BEST_SIZE).open());
     let best = map.best.iter().map(|words| (best, words.as_str()));
     let all = key.into_iter().chain(best);
     all.map(|(sample, words)| (sample, words.to_owned()))

@@ -31,12 +31,13 @@ pub(crate) struct Scale {
     names: Vec<String>,
     /// Number of ticks to aim at.
     about: usize,
+    /// Whether there are grid lines between the ticks.
+    has_minor: bool,
 }
 
 /// Values beyond this, or closer to zero than its inverse, are not drawn.
 const LARGEST: f64 = 1e300;
-/// Gap between names, and between numbers, along x.
-const BETWEEN_NAMES: i32 = 36;
+/// Gap between numbers along x.
 const BETWEEN_NUMBERS: i32 = 24;
 
 impl Spacing {
@@ -103,6 +104,7 @@ impl Scale {
             max,
             names: Vec::new(),
             about: 6,
+            has_minor: true,
         }
     }
 
@@ -129,10 +131,19 @@ impl Scale {
         Self { about, ..self }
     }
 
-    /// The axis with the most ticks whose labels have room below a panel of this width; names are broken into lines.
-    pub(crate) fn fitted(mut self, panel: i32) -> Self {
+    /// The axis without grid lines between its ticks.
+    pub(crate) fn without_minor(self) -> Self {
+        Self {
+            has_minor: false,
+            ..self
+        }
+    }
+
+    /// The axis with the most ticks whose labels have room below a panel of this width; names are broken into lines,
+    /// with a gap between neighbours.
+    pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
-            let slot = panel / self.names.len() as i32 - BETWEEN_NAMES;
+            let slot = panel / self.names.len() as i32 - gap;
             for name in &mut self.names {
                 *name = wrap(name, TEXT, slot).join("\n");
             }
@@ -213,7 +224,7 @@ impl Scale {
     /// Places of unlabelled grid lines between the ticks.
     fn minor(&self) -> Vec<f64> {
         match self.spacing {
-            _ if !self.names.is_empty() => Vec::new(),
+            _ if !self.has_minor || !self.names.is_empty() => Vec::new(),
             Spacing::Linear => {
                 self.multiples(round_step((self.max - self.min) / (4 * self.about) as f64))
             }

@@ -66,6 +66,7 @@ impl Content {
 pub(crate) struct PointSet {
     pub(crate) label: String,
     pub(crate) style: Style,
+    pub(crate) size: f64,
     pub(crate) at: Vec<(f64, f64)>,
 }
 
@@ -228,9 +229,9 @@ impl Plot {
             let places = line.runs.iter().flatten();
             panel.draw_series(places.map(|place| Placed(*place, symbol)))?;
         }
-        for PointSet { style, at, .. } in &content.points {
-            let symbol = Symbol::new(*style, OPEN_MARKER).open();
-            panel.draw_series(at.iter().map(|place| Placed(*place, symbol)))?;
+        for set in &content.points {
+            let symbol = Symbol::new(set.style, set.size).open();
+            panel.draw_series(set.at.iter().map(|place| Placed(*place, symbol)))?;
         }
         Ok(())
     }

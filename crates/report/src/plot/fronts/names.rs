@@ -19,6 +19,7 @@ const POINT: i32 = 18;
 
 /// Costs of a place at which a name hides or crosses something, in distance from its point.
 const HIDES_NAME: i32 = 3_000_000;
+const LEADER_CROSSES_NAME: i32 = 1_000_000;
 const HIDES_POINT: i32 = 300_000;
 const OUTSIDE: i32 = 30_000_000;
 const CROSSES_FRONT: i32 = 90;
@@ -141,8 +142,10 @@ fn hidden(
     let leader = bounds.nearest(own);
     for name in names {
         let crossed = along(own, leader).any(|at| name.bounds.meets(&Bounds::around(at, (3, 3))));
-        if bounds.meets(&name.bounds) || crossed {
+        if bounds.meets(&name.bounds) {
             cost += HIDES_NAME;
+        } else if crossed {
+            cost += LEADER_CROSSES_NAME;
         }
         if let Some([from, to]) = name.leader
             && along(from, to).any(|at| bounds.meets(&Bounds::around(at, (3, 3))))

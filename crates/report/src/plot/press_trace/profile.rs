@@ -5,7 +5,7 @@ use super::table::{Displacement, Trace};
 use crate::ReportError;
 use crate::plot::drawing::Figure;
 use crate::plot::scale::{Scale, Spacing};
-use crate::plot::series::{self, Content, Plot, PointSet, SeriesKey};
+use crate::plot::series::{self, Content, OPEN_MARKER, Plot, PointSet, SeriesKey};
 use crate::plot::sheet::{MARKER, Words};
 use crate::plot::style::{Marker, Style};
 use palpate_study::label::{spoken_unit, with_unit};
@@ -58,6 +58,7 @@ fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>
             marker,
             ..Style::of(index)
         },
+        size: OPEN_MARKER,
         at,
     };
     vec![

@@ -94,7 +94,9 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     let reach = half(ends[0]).max(half(ends[1]));
     ends.map(|(low, high)| {
         let middle = low + half((low, high));
-        Scale::exactly(middle - reach, middle + reach).with_ticks(5)
+        Scale::exactly(middle - reach, middle + reach)
+            .with_ticks(5)
+            .without_minor()
     })
 }
 
