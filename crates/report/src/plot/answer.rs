@@ -82,7 +82,7 @@ pub(crate) const OPEN: Colour = Colour(226, 226, 226);
 pub(crate) const MISSES: Colour = WHITE;
 /// Width of the line of the limit.
 const LIMIT: u32 = 6;
-/// Share of the panel's width by which a single value is widened to both sides, so that it is seen.
+/// A single value is widened to both sides by this share of the panel's width, to be visible.
 const THIN: f64 = 0.003;
 /// Ratio of values above which the statistic is on a logarithmic axis.
 const FAR: f64 = 8.0;
@@ -243,7 +243,7 @@ impl Shown {
             let [low, high] = normal(point.y, point.std);
             [low, point.y, high]
         });
-        // A bar that reaches far below all points on a log axis does not stretch it.
+        // A log axis does not stretch to bars that end far below all points.
         let ys = bars
             .chain([curve.limit])
             .filter(|y| !is_log || *y >= 0.5 * least);

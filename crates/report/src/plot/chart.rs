@@ -14,7 +14,7 @@ use plotters::style::text_anchor::HPos;
 /// Gap between panels, and between them and the legend.
 const GAP: i32 = 90;
 const PANEL_HEIGHT: i32 = 1170;
-/// Width of a panel, and of a row of panels, up to which names along x widen it.
+/// Names along x widen a panel, and a row of panels, up to this width.
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between names along x.
 const BESIDE: i32 = 36;
@@ -23,6 +23,9 @@ const SAMPLE: i32 = 120;
 const KEY_SAMPLE: i32 = 78;
 /// Largest width of a line of the legend.
 const LIMIT: i32 = 750;
+
+/// Draws into a panel by its number.
+type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
 
 /// Panels on the same axes.
 pub(crate) struct Chart<'a> {
@@ -37,8 +40,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) key: Key,
     /// Legend to their right.
     pub(crate) legend: Legend,
-    /// Draws what is in the panel of a number.
-    pub(crate) draw: Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>,
+    /// Draws the content of the panel with a number.
+    pub(crate) draw: Draw<'a>,
 }
 
 /// Samples with their words below a heading; all may be empty.
@@ -76,8 +79,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// The width of a panel in which every word of the names along x has room beside its neighbours, as far as may be;
-    /// 0 if there are none.
+    /// Width of a panel in which every word of the names along x has room, but at most the largest width; 0 without
+    /// names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -85,7 +88,7 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Panels in a row: as many as make rows of nearly the same length, and of names along x as leave room for them.
+    /// Number of panels in a row. Rows get nearly the same number of panels, and names along x have room.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
@@ -138,8 +141,7 @@ impl Chart<'_> {
 }
 
 impl Legend {
-    /// Lines of the legend, from the top: those of the heading have no sample, those that go on with the one above an
-    /// empty one.
+    /// Lines of the legend, from the top. A line of the heading has no sample; a continued line has an empty one.
     fn rows(&self) -> Vec<(Option<Sample>, String)> {
         let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
         let entries = self.entries.iter().flat_map(|(sample, text)| {

@@ -32,7 +32,7 @@ const NARROWEST: i32 = 588;
 const WIDEST: i32 = 870;
 /// Largest ratio of the sides of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Bands reach this share of a panel under those painted later, so that no seam shows between them.
+/// Each band reaches under the bands painted later by this share of a panel, to leave no seam between them.
 const OVERLAP: f64 = 0.004;
 const BOUNDARY: u32 = 5;
 /// Ground of the sample of a boundary, as light on every page.
@@ -203,7 +203,7 @@ impl Room {
             let below = lines.get(at + 1).map_or(&[][..], |next| &next.panels);
             let mut deep = false;
             for (order, (map, title)) in line.panels.iter().zip(&titles).enumerate() {
-                // Labels stand where no neighbour has them.
+                // A panel above another one has no labels along x, and only the first of a row has labels along y.
                 let is_lowest = below.iter().all(|next| next.column != map.column);
                 deep |= is_lowest;
                 let place = Place {
@@ -258,7 +258,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
     let classes = if map.is_truth { truth } else { estimated };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
-    // In order of rising x and y: each covers what the one before reaches into it.
+    // In order of rising x and y: each band covers the overlap of the one before.
     panel.draw_series(bands(*side, classes).into_iter().map(|band| {
         let (x, y) = corner((band.x.1, band.y.1));
         let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];

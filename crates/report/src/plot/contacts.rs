@@ -38,7 +38,7 @@ const DOT: u32 = 15;
 /// Length of an axis per tick.
 const APART: f64 = 192.0;
 
-/// A chart in space; x leads to the right, y upward and z away from the eye, so that it has y and z of a glide swapped.
+/// A chart in space. Its x leads to the right, y upward and z away from the eye; y and z of a glide are swapped.
 type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
 /// The figure that a plot asks for.
@@ -97,13 +97,13 @@ fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
         [least, .., most] => format!("{least} to {most} contacts each"),
         [] => String::new(),
     };
-    let mut seen = format!("{} with {each}", plural(fingers, "finger"));
+    let mut sample = format!("{} with {each}", plural(fingers, "finger"));
     if let Some(off) = contacts.off {
         let unit = spoken_unit(&contacts.unit);
         let off = format!("{} {unit}", number::significant(off, 3));
-        seen += &format!("; the readings are off by {} (rms)", off.trim_end());
+        sample += &format!("; the readings are off by {} (rms)", off.trim_end());
     }
-    words::sentence(&object, &seen)
+    words::sentence(&object, &sample)
 }
 
 fn plural(count: usize, of: &str) -> String {
@@ -244,7 +244,7 @@ impl View {
     }
 }
 
-/// A place as the space has it.
+/// A place in the axes of the chart.
 fn at([x, y, z]: Vector) -> (f64, f64, f64) {
     (x, z, y)
 }
@@ -270,7 +270,7 @@ impl Scene<'_> {
             area.draw(&PathElement::new(down, GRID.stroke_width(FINE)))?;
         }
         self.links()?;
-        // What is near covers what is far.
+        // Near fingers cover far ones.
         let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
         let depth = |finger: &Finger| {
             let depths = finger.touches.iter().map(|touch| {

@@ -1,4 +1,4 @@
-//! A figure: the shapes of which plotters composes it, and the SVG and PNG made of them.
+//! A figure: its shapes as drawn by plotters, and the SVG and PNG made of them.
 
 use super::lettering;
 use super::style::{Colour, WHITE};
@@ -12,11 +12,11 @@ use plotters_backend::{
 use std::convert::Infallible;
 use std::io;
 
-/// Backends count in whole units; a pixel of the picture has this many, so that curves and text keep their shape.
+/// Units per pixel of the picture. Backends of plotters count in whole units, which are too coarse at 1 per pixel.
 const DETAIL: u32 = 3;
-/// The SVG backend divides a font's size by this to get the size of its em.
+/// The SVG backend divides a font size by this to get its em.
 const EM: f64 = 1.24;
-/// Shift of text downward, in ems: the SVG backend centres small letters, and capitals and digits are to be centred.
+/// Shift of text downward, in ems, which centres capitals and digits; the SVG backend centres small letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, in sizes of the text.
 pub(crate) const LEADING: f64 = 1.35;
@@ -27,14 +27,14 @@ const X_HEIGHT: f64 = 0.52;
 #[cfg(feature = "png")]
 const MAX_BYTES: u64 = 1 << 31;
 
-/// Figure as it is drawn.
+/// Figure with its name, title and picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of its files, without an ending.
     pub name: String,
-    /// Title, which also stands in the picture.
+    /// Title, which is also in the picture.
     pub title: String,
-    /// The picture as SVG. Its text is text, which a viewer sets in its own sans-serif.
+    /// The picture as SVG. Its text is text: a viewer sets it in its own sans-serif font.
     pub svg: String,
     drawing: Drawing,
 }
@@ -74,8 +74,8 @@ impl Figure {
 
 /// Shapes, from the lowest to the topmost.
 ///
-/// It is a backend that keeps what plotters draws, so that the height of a picture can follow from its content, and the
-/// PNG is made only if somebody wants it.
+/// This backend records what plotters draws. So the height of a picture can follow from its content, and a PNG is made
+/// only on demand.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
     /// Width and height.
@@ -88,7 +88,7 @@ pub(crate) struct Drawing {
 struct Shape {
     form: Form,
     colour: Colour,
-    /// Words that a viewer shows when pointed at it; may be empty.
+    /// Words that a viewer shows under the pointer; may be empty.
     title: String,
 }
 
@@ -99,14 +99,14 @@ enum Form {
     Polygon(Vec<BackendCoord>),
     /// Centre and radius.
     Disc(BackendCoord, u32),
-    /// Line of text with its middle height, em, and part of its width to the left of its place.
+    /// Line of text, its place at middle height, its em, and the share of its width to the left of its place.
     Text(String, BackendCoord, f64, f64),
 }
 
 type Drawn<E> = Result<(), DrawingErrorKind<E>>;
 
 impl Drawing {
-    /// A drawing of a width, whose height is open.
+    /// An empty drawing of a width; its height is set at the end.
     pub(crate) fn new(width: i32) -> Self {
         Self {
             size: (width.unsigned_abs(), 1 << 24),
@@ -114,7 +114,7 @@ impl Drawing {
         }
     }
 
-    /// Adds to the topmost shape words that a viewer shows when pointed at it.
+    /// Adds words to the topmost shape, which a viewer shows under the pointer.
     pub(crate) fn title(&mut self, words: &str) {
         if let Some(shape) = self.shapes.last_mut() {
             words.clone_into(&mut shape.title);
@@ -133,7 +133,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// SVG text of the picture on a white ground, with a label for readers of screens.
+    /// SVG of the picture on a white ground, with a label for screen readers.
     fn svg(&self, label: &str) -> Result<String, DrawingErrorKind<io::Error>> {
         let mut text = String::new();
         {
@@ -178,7 +178,7 @@ impl Drawing {
         );
         let header = lines.next().and_then(|line| line.split_once(" viewBox"));
         let mut named = header.map_or(String::new(), |(_, rest)| format!("{own} viewBox{rest}\n"));
-        // An element of the ground, then one for each shape.
+        // The first element is the ground, then follows one for each shape.
         let titles = self.shapes.iter().map(|shape| shape.title.as_str());
         let mut titles = std::iter::once("").chain(titles);
         for line in lines {
@@ -327,7 +327,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Keeps lines of text below each other.
+    /// Splits text into its lines, one below the other.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,
@@ -359,7 +359,7 @@ impl DrawingBackend for Drawing {
     }
 }
 
-/// A text as it stands in an SVG.
+/// A text with the characters escaped that SVG reserves.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -54,9 +54,9 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let y = Scale::around(Spacing::Log, rungs().map(shown));
     let y = y.with_ticks(5).without_minor();
     // What errs, then remarks on it.
-    let mut told = ladder.error_of.split("; ");
-    let error_of = told.next().unwrap_or_default();
-    let remarks = told.map(|remark| words::sentence(&[], remark));
+    let mut parts = ladder.error_of.split("; ");
+    let error_of = parts.next().unwrap_or_default();
+    let remarks = parts.map(|remark| words::sentence(&[], remark));
     let has_bars = rungs().any(|rung| rung.error_std > 0.0);
     let bars = has_bars.then(|| {
         "Bars, where longer than their marker: 95 % intervals by the number of trials.".to_owned()

@@ -1,4 +1,4 @@
-//! The built-in fonts: how wide a text is, where it breaks, and its pixels.
+//! Text in the built-in fonts: its width, its line breaks and its pixels.
 
 use ab_glyph::{Font, FontRef};
 use std::sync::LazyLock;
@@ -17,7 +17,7 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
 /// Viewers of an SVG have their own sans-serif, which may be wider than ours by this factor.
 const ROOM: f64 = 1.12;
 
-/// Width that `text` needs at a size of `em`.
+/// Width of `text` at a size of `em`, with room for a wider font.
 pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }

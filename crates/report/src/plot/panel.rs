@@ -10,7 +10,7 @@ use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Length of a tick; its label is as far from it.
+/// Length of a tick, and its distance from its label.
 const TICK: i32 = 15;
 /// Width of the areas that labels are drawn from.
 const LABELS: i32 = 60;
@@ -30,7 +30,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// The panel in its place, without anything in it.
+    /// The empty panel in its place.
     pub(crate) fn panel<'a>(&self, sheet: &Sheet, x: &Scale, y: &Scale) -> Drawn<Panel<'a>> {
         let [below, beside] = self.labelled.map(|labelled| LABELS * i32::from(labelled));
         let corner = (self.corner.0 - beside, self.corner.1);
@@ -64,8 +64,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws an interval up at a value of x, unless it is no longer than `hidden`, such as a marker that covers it. Ends
-/// beyond the panel have no caps.
+/// Draws an interval of y at a value of x, unless it is no longer than the marker that hides it. Ends beyond the panel
+/// have no caps.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -77,7 +77,7 @@ const BEST: Style = Style {
 const BEST_SIZE: f64 = 36.0;
 /// Half the width of a column that has no neighbour, as a share of the panel's.
 const ALONE: f64 = 0.03;
-/// Share of the panel's height by which a single value is widened to both sides, so that it is seen.
+/// A single value is widened to both sides by this share of the panel's height, to be visible.
 const THIN: f64 = 0.002;
 
 /// Draws a feasible region: what meets the target on a blue ground, what is undecided on a grey one, and the target's
@@ -205,7 +205,7 @@ impl RegionAxis {
         }
     }
 
-    /// Places of the ends of some values along their scale.
+    /// Places along the scale of the ends of a range of values.
     fn places(&self, scale: &Scale, (from, to): (f64, f64)) -> [f64; 2] {
         let half = if self.names.is_empty() { 0.0 } else { 0.5 };
         [from - half, to + half].map(|value| scale.place(value * self.factor()))

@@ -1,4 +1,4 @@
-//! Axes: from values to places along them, and where their ticks stand.
+//! Axes: values to places along them, and ticks.
 
 use super::lettering::{width, wrap};
 use super::sheet::TEXT;
@@ -20,7 +20,7 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// A coordinate of plotters: its range and what divides it. Ticks lie inside the range.
+/// An axis as a coordinate of plotters: range, ticks and grid lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
@@ -307,7 +307,7 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        // What is far beyond the ends is as far as plotters can count.
+        // Plotters counts in `i32`, so places far beyond the ends are drawn nearer.
         let place = self.place(*value).clamp(-9.0, 9.0);
         start + (place * f64::from(end - start)).round() as i32
     }

@@ -21,7 +21,7 @@ pub(crate) const OPEN_MARKER: f64 = 21.0;
 /// Width of the circle around a marker.
 const CIRCLE: f64 = 4.5;
 
-/// Panels on the same axes, and what is told of them.
+/// Panels on the same axes, with their labels, key and legend.
 #[derive(Debug, Clone)]
 pub(crate) struct Plot {
     pub(crate) x_label: String,
@@ -50,7 +50,7 @@ pub(crate) struct Content {
 }
 
 impl Content {
-    /// Every place that is drawn in it.
+    /// All places of its lines and points.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines
@@ -61,7 +61,7 @@ impl Content {
     }
 }
 
-/// Points that are no line, drawn as open markers.
+/// Points that are not joined, drawn as open markers.
 #[derive(Debug, Clone)]
 pub(crate) struct PointSet {
     pub(crate) label: String,
@@ -107,7 +107,7 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// Axes around all that is drawn and marked, each made by `make` of the places along it.
+/// Axes around all places and marks. `make` makes one from its number and the places along it.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -204,7 +204,7 @@ impl Plot {
         for line in &content.lines {
             self.stroke(line, panel)?;
         }
-        // Markers last, so that no line crosses one.
+        // Markers come last, so that no line crosses one.
         let marked = |line: &&Line| self.marker > 0.0 && !line.dashed;
         let marked: Vec<&Line> = content.lines.iter().filter(marked).collect();
         let size = |line: &Line| {
@@ -238,7 +238,7 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // Beside a dashed companion a line steps back, so that both are seen where they coincide.
+        // Beside a dashed line the solid one is pale, so that both are visible where they coincide.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {
@@ -262,7 +262,7 @@ impl Plot {
 }
 
 impl Mark {
-    /// Draws the line, and its label where it hides the least.
+    /// Draws the line, and its label where it covers the fewest lines and points.
     fn draw(&self, label: &str, content: &Content, panel: &Panel<'_>) -> Drawn {
         const PLACES: [f64; 5] = [0.98, 0.02, 0.5, 0.25, 0.75];
         let area = panel.plotting_area().use_screen_coord();
@@ -316,7 +316,7 @@ impl Mark {
 }
 
 impl Content {
-    /// Share of the lines and points within a box, as a count: places along the lines, twenty to a segment.
+    /// Number of places within a box: all points, weighted by 3, and twenty places along each segment of the lines.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

@@ -31,9 +31,9 @@ pub(crate) const TICK_GAP: i32 = 30;
 pub(crate) const SAMPLE_GAP: i32 = 24;
 /// Gap between entries of a key beside each other.
 const ENTRY_GAP: i32 = 78;
-/// Least width of figures whose content may be of any.
+/// Least width of a figure.
 pub(crate) const WIDTH: i32 = 2880;
-/// Width of thin lines, and of lines of numbers.
+/// Width of thin lines, and of lines of data.
 pub(crate) const HAIR: u32 = 3;
 pub(crate) const STROKE: u32 = 8;
 /// Radius of markers.
@@ -64,11 +64,11 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// How far down it reaches.
+    /// Height used so far.
     pub(crate) top: i32,
 }
 
-/// Sample before the words of a key: a ground, a line on it and a symbol on that, as far as there are.
+/// Sample before the words of a key: a ground, on it a line, on that a symbol; each may be absent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -80,13 +80,13 @@ pub(crate) struct Sample {
 /// Samples with their words.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// The figure of these words around what `draw` draws.
+/// Figure with these words around the content that `draw` adds.
 pub(crate) fn figure(
     words: Words,
     width: i32,
     draw: impl FnOnce(&mut Sheet) -> Drawn,
 ) -> Result<Figure, ReportError> {
-    // Whole pixels.
+    // A whole number of pixels.
     let width = width.unsigned_abs().next_multiple_of(3) as i32;
     let drawing = Rc::new(RefCell::new(Drawing::new(width)));
     let mut sheet = Sheet {
@@ -195,7 +195,7 @@ impl Sheet {
         self.text(text, (x + wide + SAMPLE_GAP, y), HPos::Left, INK)
     }
 
-    /// Adds to the topmost shape words that a viewer shows when pointed at it.
+    /// Adds words to the topmost shape, which a viewer shows under the pointer.
     pub(crate) fn title(&self, words: &str) {
         self.drawing.borrow_mut().title(words);
     }

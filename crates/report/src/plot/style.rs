@@ -131,7 +131,7 @@ pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }
 
-/// A colour on the way from one to another, of which `share` from 0 to 1 is the other.
+/// A mix of two colours; `share` from 0 to 1 is that of the other.
 pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
     let mix = |one: u8, other: u8| {
         let (one, other) = (f64::from(one), f64::from(other));

@@ -5,7 +5,7 @@ use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the white rim that parts a marker from what is below it.
+/// Width of the white rim between a marker and the shapes below it.
 const RIM: f64 = 4.5;
 
 /// A marker of about `size` in radius on a white rim.

@@ -28,7 +28,7 @@ const SAMPLE: i32 = 120;
 /// The strip of shades in the key.
 const STRIP: Point = (78, 570);
 const SHADES: i32 = 95;
-/// Shades of the least and of the largest displacement, on which the arrows are still seen.
+/// Shades of the least and of the largest displacement. Arrows are still visible on both.
 const LIGHT: Colour = Colour(252, 252, 252);
 const DARK: Colour = Colour(130, 130, 130);
 
