@@ -1,6 +1,5 @@
 //! A figure: its shapes as drawn by plotters, and the SVG and PNG made of them.
 
-use super::lettering;
 use super::style::{Colour, WHITE};
 use crate::ReportError;
 use plotters::backend::{DrawingBackend, SVGBackend};
@@ -246,7 +245,7 @@ impl Shape {
             Form::Text(text, (x, y), em, before) => {
                 let mut drawn = Ok(());
                 let base = (f64::from(*x), f64::from(*y) + (SINK + 0.5 * X_HEIGHT) * em);
-                lettering::pixels(text, *em, base, *before, |place, covered| {
+                super::lettering::pixels(text, *em, base, *before, |place, covered| {
                     if drawn.is_ok() {
                         drawn = backend.draw_pixel(place, colour.mix(covered).to_backend_color());
                     }
