@@ -73,9 +73,9 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let glossary = glossary::section();
     let on_dark = plot::on_dark().into_iter();
     let on_dark: Vec<[String; 2]> = on_dark
-        .map(|(white, dark)| [white.hex(), dark.hex()])
+        .map(|(white, dark)| [plot::hex(white), plot::hex(dark)])
         .collect();
-    let dark = plot::DARK.hex();
+    let dark = plot::hex(plot::DARK);
     let template = environment.get_template("page.html")?;
     Ok(template.render(context! {
         scores, claims, counts, studies => sections, calibration, measured, glossary, dark, on_dark

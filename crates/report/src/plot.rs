@@ -2,28 +2,28 @@
 
 mod answer;
 mod calibration;
-mod canvas;
 mod captions;
 mod cells;
 mod chart;
 mod class_map;
 mod contacts;
-mod figure;
-mod frame;
+mod drawing;
 mod fronts;
 mod given;
 mod heat;
 mod lettering;
 mod lines;
-#[cfg(feature = "png")]
-mod pixels;
+mod panel;
 mod press_trace;
 mod profile;
 mod region;
 mod request;
 mod scale;
 mod select;
+mod series;
+mod sheet;
 mod style;
+mod symbol;
 mod uncertainty;
 mod usual;
 
@@ -34,13 +34,13 @@ use request::Request;
 pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
 pub(crate) use calibration::figure as calibration;
 pub(crate) use captions::swept_values;
-pub use figure::Figure;
+pub use drawing::Figure;
 pub(crate) use fronts::all as fronts;
 pub use fronts::tradeoff_figures;
 pub use heat::{Heat, HeatPanel, heat_figure};
 pub use press_trace::press_figures;
 pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
-pub(crate) use style::{DARK, on_dark};
+pub(crate) use style::{DARK, hex, on_dark};
 
 /// Draws every `[[plot]]` of the study, in the order of the config; where it has none, the relative rms error of the
 /// object's curvature over the first swept field, with a line per value of the second.

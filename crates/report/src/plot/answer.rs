@@ -1,14 +1,17 @@
 //! The answer of a design: a statistic over a field, its limit, and the values that keep it.
 
-use super::canvas::{Anchor, Canvas};
-use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest};
-use super::lettering::{width, wrap};
+use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
-use super::style::{Colour, FAINT, GRID, INK, MARKER, STROKE, Style, WHITE};
+use super::series::{self, Content, Line, Mark, Plot, SeriesKey};
+use super::sheet::{Key, MARKER, STROKE, Sample, Words};
+use super::style::{Colour, INK, Style, WHITE};
+use super::symbol::Symbol;
 use super::uncertainty::normal;
 use crate::ReportError;
 use palpate_study::Label;
+use plotters::coord::ranged1d::Ranged;
+use plotters::style::Color;
+use std::ops::Range;
 
 /// Answer of a design, as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,9 +80,10 @@ pub(crate) const MEETS: Colour = Colour(190, 220, 242);
 pub(crate) const OPEN: Colour = Colour(226, 226, 226);
 /// Outline of what misses it in a key.
 pub(crate) const MISSES: Colour = WHITE;
-const HEIGHT: f64 = 390.0;
-/// Side of a sample of a ground in the key.
-const SAMPLE: f64 = 26.0;
+/// Width of the line of the limit.
+const LIMIT: u32 = 6;
+/// A single value is widened to both sides by this share of the panel's width, to be visible.
+const THIN: f64 = 0.003;
 /// Ratio of values above which the statistic is on a logarithmic axis.
 const FAR: f64 = 8.0;
 
@@ -119,93 +123,58 @@ pub fn answer_figure(curve: &AnswerCurve) -> Result<Figure, ReportError> {
         subtitle: curve.subtitle.clone(),
         notes: curve.notes.clone(),
     };
-    let y_ticks = shown.y.ticks(6);
-    let left = EDGE + widest(&y_ticks) + TICK_GAP + 2.0;
-    let mut frame = Frame::new(words, WIDTH);
-    frame.key(SAMPLE, &key(curve), |canvas, (x, y), sample| match sample {
-        Sample::Ground(colour) => {
-            let (top, bottom) = (y - 0.35 * SAMPLE, y + 0.35 * SAMPLE);
-            let corners = [
-                (x, top),
-                (x + SAMPLE, top),
-                (x + SAMPLE, bottom),
-                (x, bottom),
-            ];
-            canvas.polygon(&corners, *colour);
-            super::frame::outline(canvas, (x, top), (SAMPLE, 0.7 * SAMPLE));
-        }
-        Sample::Line(style) => {
-            canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, STROKE);
-            canvas.marker(style.marker, (x + SAMPLE / 2.0, y), MARKER, style.colour);
-        }
-        Sample::Limit => canvas.dashes(&[(x, y), (x + SAMPLE, y)], INK, 2.0),
+    let limit = curve.limit * shown.factors[1];
+    let limit = shown.spacing[1].refusal(limit).is_none().then(|| Mark {
+        on_x: false,
+        at: limit,
+        label: curve.limit_label.clone(),
+        style: INK.stroke_width(LIMIT),
     });
-    let top = frame.top + LINE + 6.0;
-    let axes = Axes {
-        x: &shown.x,
-        y: &shown.y,
-        corner: (left, top),
-        size: (WIDTH - left - EDGE - 10.0, HEIGHT),
+    let lines = curve.lines.iter().enumerate();
+    let content = Content {
+        grounds: shown.grounds(curve),
+        lines: lines
+            .map(|(at, line)| shown.line(line, Style::of(at)))
+            .collect(),
+        ..Content::default()
     };
-    let y_label = (EDGE, frame.top + TEXT / 2.0 - 4.0);
-    let canvas = &mut frame.canvas;
-    canvas.text(&curve.y.text(), y_label, TEXT, Anchor::Left, INK);
-    shown.grounds(curve, &axes, canvas);
-    let lines = draw_axes(&axes, canvas);
-    for (number, line) in curve.lines.iter().enumerate() {
-        shown.line(line, Style::of(number), &axes, canvas);
-    }
-    let bottom = top + HEIGHT + TICK_GAP + lines as f64 * LINE + 10.0;
-    let middle = (axes.corner.0 + axes.size.0 / 2.0, bottom + TEXT / 2.0 - 2.0);
-    canvas.text(&curve.x.text(), middle, TEXT, Anchor::Middle, INK);
-    frame.top = bottom + LINE;
-    frame.finish()
+    let plot = Plot {
+        x_label: curve.x.text(),
+        y_label: curve.y.text(),
+        x: shown.x,
+        y: shown.y,
+        panels: vec![content],
+        key: key(curve),
+        series: SeriesKey::default(),
+        marks: limit.into_iter().collect(),
+        marker: 0.8 * MARKER,
+    };
+    series::figure(words, vec![plot])
 }
 
-/// Grid, ticks and outline; gives the number of lines of the labels below.
-pub(crate) fn draw_axes(axes: &Axes<'_>, canvas: &mut Canvas) -> usize {
-    let (x_ticks, y_ticks) = (axes.x.ticks(6), axes.y.ticks(6));
-    axes.rule(canvas, axes.x.minor(6), axes.y.minor(6), FAINT);
-    let places =
-        |ticks: &[super::scale::Tick]| ticks.iter().map(|tick| tick.at).collect::<Vec<_>>();
-    axes.rule(canvas, places(&x_ticks), places(&y_ticks), GRID);
-    axes.outline(canvas);
-    let room = axes.size.0 / x_ticks.len().max(1) as f64 - 12.0;
-    let labels: Vec<Vec<String>> = x_ticks
-        .iter()
-        .map(|tick| wrap(&tick.label, TEXT, room))
-        .collect();
-    for (tick, lines) in x_ticks.iter().zip(&labels) {
-        axes.label_x(canvas, tick.at, lines);
-    }
-    y_ticks.iter().for_each(|tick| axes.label_y(canvas, tick));
-    labels.iter().map(Vec::len).max().unwrap_or(1)
-}
-
-/// Sample before an entry of the key.
-enum Sample {
-    Ground(Colour),
-    Line(Style),
-    Limit,
-}
-
-fn key(curve: &AnswerCurve) -> Vec<(Sample, String)> {
-    let mut key = vec![(Sample::Limit, format!("limit, {}", curve.limit_label))];
-    if curve.runs.iter().any(|run| run.meets) {
-        key.push((Sample::Ground(MEETS), "meets the target".to_owned()));
-    }
-    if curve.runs.iter().any(|run| !run.meets) {
-        key.push((Sample::Ground(MISSES), "misses it".to_owned()));
-    }
-    if !undecided(curve).is_empty() {
-        key.push((Sample::Ground(OPEN), "undecided".to_owned()));
-    }
-    let named = curve
-        .lines
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| !line.label.is_empty());
-    key.extend(named.map(|(number, line)| (Sample::Line(Style::of(number)), line.label.clone())));
+fn key(curve: &AnswerCurve) -> Key {
+    let mut key = vec![(
+        Sample::dashed(INK.stroke_width(LIMIT)),
+        format!("limit, {}", curve.limit_label),
+    )];
+    let is_there = |meets: bool| curve.runs.iter().any(|run| run.meets == meets);
+    let grounds = [
+        (is_there(true), MEETS, "meets the target"),
+        (is_there(false), MISSES, "misses it"),
+        (!undecided(curve).is_empty(), OPEN, "undecided"),
+    ];
+    let grounds = grounds.into_iter().filter(|(is_there, ..)| *is_there);
+    key.extend(grounds.map(|(_, colour, words)| (Sample::ground(colour), words.to_owned())));
+    let named = curve.lines.iter().enumerate();
+    key.extend(
+        named
+            .filter(|(_, line)| !line.label.is_empty())
+            .map(|(at, line)| {
+                let style = Style::of(at);
+                let sample = Sample::line(style.colour.stroke_width(STROKE));
+                (sample.with(Symbol::new(style, MARKER)), line.label.clone())
+            }),
+    );
     key
 }
 
@@ -246,148 +215,97 @@ fn undecided(curve: &AnswerCurve) -> Vec<(f64, f64)> {
     open
 }
 
-/// Scales of a figure, in the units shown.
+/// Scales of the figure, in the units shown.
 struct Shown {
     x: Scale,
     y: Scale,
-    factors: (f64, f64),
-    is_log: (bool, bool),
+    factors: [f64; 2],
+    spacing: [Spacing; 2],
     is_named: bool,
 }
 
 impl Shown {
     fn of(curve: &AnswerCurve) -> Self {
         let is_named = !curve.names.is_empty();
-        let factors = (if is_named { 1.0 } else { curve.x.factor }, curve.y.factor);
+        let factors = [if is_named { 1.0 } else { curve.x.factor }, curve.y.factor];
         let points = || curve.lines.iter().flat_map(|line| &line.points);
         let values = || points().map(|point| point.y).chain([curve.limit]);
         let least = values().fold(f64::INFINITY, f64::min);
         let most = values().fold(f64::NEG_INFINITY, f64::max);
-        let is_log = (curve.is_log && !is_named, least > 0.0 && most / least > FAR);
-        let spacing = |is_log: bool| {
-            if is_log {
-                Spacing::Log
-            } else {
-                Spacing::Linear
-            }
+        let is_log = least > 0.0 && most / least > FAR;
+        let spacing = [curve.is_log && !is_named, is_log].map(Spacing::log);
+        let scale = |axis: usize, values: &mut dyn Iterator<Item = f64>| {
+            let places = values.map(|value| value * factors[axis]);
+            let places = places.filter(|place| spacing[axis].refusal(*place).is_none());
+            Scale::around(spacing[axis], places)
         };
         let bars = points().flat_map(|point| {
             let [low, high] = normal(point.y, point.std);
             [low, point.y, high]
         });
-        let places = |factor: f64, is_log: bool| {
-            let spacing = spacing(is_log);
-            move |value: &f64| spacing.refusal(value * factor).is_none()
-        };
+        // A log axis does not stretch to bars that end far below all points.
         let ys = bars
             .chain([curve.limit])
-            .filter(places(factors.1, is_log.1));
-        // A bar that reaches far below all points on a log axis does not stretch it.
-        let ys = ys.filter(|y| !is_log.1 || *y >= 0.5 * least);
-        let y = Scale::around(spacing(is_log.1), ys.map(|y| y * factors.1));
+            .filter(|y| !is_log || *y >= 0.5 * least);
         let runs = curve.runs.iter().flat_map(|run| [run.from, run.to]);
-        let xs = points().map(|point| point.x).chain(runs);
-        let xs = xs
-            .filter(places(factors.0, is_log.0))
-            .map(|x| x * factors.0);
-        let x = match is_named {
-            true => Scale::of_categories(curve.names.clone()),
-            false => Scale::around(spacing(is_log.0), xs),
-        };
         Self {
-            x,
-            y,
+            x: match is_named {
+                true => Scale::of_names(curve.names.clone()),
+                false => scale(0, &mut points().map(|point| point.x).chain(runs)),
+            },
+            y: scale(1, &mut ys.into_iter()),
             factors,
-            is_log,
+            spacing,
             is_named,
         }
     }
 
-    /// Grounds of the values that meet the target and of those that are undecided, and the line of the limit.
-    fn grounds(&self, curve: &AnswerCurve, axes: &Axes<'_>, canvas: &mut Canvas) {
-        let (left, right, top, bottom) = axes.edges();
+    /// Grounds of the values that are undecided, and of those that meet the target.
+    fn grounds(&self, curve: &AnswerCurve) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let half = if self.is_named { 0.5 } else { 0.0 };
-        let mut ground = |(from, to): (f64, f64), colour: Colour| {
-            let across = |x: f64| axes.across(x * self.factors.0).clamp(left, right);
-            let (mut from, mut to) = (across(from - half), across(to + half));
-            // A single value is seen, too.
-            if to - from < 2.0 {
-                (from, to) = ((from - 2.0).max(left), (to + 2.0).min(right));
-            }
-            canvas.polygon(
-                &[(from, top), (to, top), (to, bottom), (from, bottom)],
-                colour,
-            );
+        let Range { start, end } = self.y.range();
+        let ground = |(from, to): (f64, f64), colour: Colour| {
+            let place = |x: f64| self.x.place(x * self.factors[0]);
+            let (from, to) = (place(from - half), place(to + half));
+            let wider = if to - from < THIN { THIN } else { 0.0 };
+            let [left, right] =
+                [from - wider, to + wider].map(|at| self.x.value(at.clamp(0.0, 1.0)));
+            let corners = vec![(left, start), (right, start), (right, end), (left, end)];
+            (corners, colour)
         };
-        for stretch in undecided(curve) {
-            ground(stretch, OPEN);
-        }
-        for run in curve.runs.iter().filter(|run| run.meets) {
-            ground((run.from, run.to), MEETS);
-        }
-        let limit = curve.limit * self.factors.1;
-        let spacing = if self.is_log.1 {
-            Spacing::Log
-        } else {
-            Spacing::Linear
-        };
-        if spacing.refusal(limit).is_some() {
-            return;
-        }
-        let y = axes.down(limit);
-        canvas.dashes(&[(left, y), (right, y)], INK, 2.0);
-        let wide = width(&curve.limit_label, TEXT);
-        let place = (
-            right - 8.0 - wide,
-            if y - top > 2.0 * TEXT {
-                y - 0.7 * TEXT
-            } else {
-                y + 0.8 * TEXT
-            },
-        );
-        canvas.text(&curve.limit_label, place, TEXT, Anchor::Left, INK);
+        let open = undecided(curve).into_iter().map(|run| ground(run, OPEN));
+        let meets = curve.runs.iter().filter(|run| run.meets);
+        open.chain(meets.map(|run| ground((run.from, run.to), MEETS)))
+            .collect()
     }
 
-    /// Bars, the line and its markers; circles around those of survivors.
-    fn line(&self, line: &CurveLine, style: Style, axes: &Axes<'_>, canvas: &mut Canvas) {
-        let [x_spacing, y_spacing] = [self.is_log.0, self.is_log.1].map(|is_log| {
-            if is_log {
-                Spacing::Log
-            } else {
-                Spacing::Linear
-            }
-        });
-        let drawn = line.points.iter().filter(|point| {
-            x_spacing.refusal(point.x * self.factors.0).is_none()
-                && y_spacing.refusal(point.y * self.factors.1).is_none()
-        });
-        let drawn: Vec<&CurvePoint> = drawn.collect();
-        let (_, _, top, bottom) = axes.edges();
-        let down = |y: f64| match y_spacing.refusal(y * self.factors.1) {
-            None => axes.down(y * self.factors.1).clamp(top, bottom),
-            Some(_) => bottom,
+    /// The points with their bars, joined unless they have names.
+    fn line(&self, line: &CurveLine, style: Style) -> Line {
+        let [x_factor, y_factor] = self.factors;
+        let place = |point: &CurvePoint| (point.x * x_factor, point.y * y_factor);
+        let is_drawn = |point: &&CurvePoint| {
+            let (x, y) = place(point);
+            self.spacing[0].refusal(x).is_none() && self.spacing[1].refusal(y).is_none()
         };
-        let place = |point: &CurvePoint| (axes.across(point.x * self.factors.0), down(point.y));
-        for point in &drawn {
-            let ends =
-                normal(point.y, point.std).map(|end| y_spacing.nearest(end * self.factors.1));
-            axes.bar(canvas, point.x * self.factors.0, ends, 1.0, style.colour);
-        }
-        let places: Vec<_> = drawn.iter().map(|point| place(point)).collect();
-        if places.len() > 1 && !self.is_named {
-            canvas.line(&places, style.colour, STROKE);
-        }
-        for (point, place) in drawn.iter().zip(&places) {
-            let size = if drawn.len() > 25 {
-                0.6 * MARKER
-            } else {
-                0.8 * MARKER
-            };
-            if point.is_of_survivors {
-                canvas.disc(*place, 1.7 * size + 1.5, INK);
-                canvas.disc(*place, 1.7 * size, WHITE);
-            }
-            canvas.marker(style.marker, *place, size, style.colour);
+        let drawn: Vec<&CurvePoint> = line.points.iter().filter(is_drawn).collect();
+        let places: Vec<(f64, f64)> = drawn.iter().map(|point| place(point)).collect();
+        let survivors = drawn.iter().filter(|point| point.is_of_survivors);
+        let bars = drawn.iter().map(|point| {
+            let ends = normal(point.y, point.std);
+            (
+                point.x * x_factor,
+                ends.map(|end| self.spacing[1].nearest(end * y_factor)),
+            )
+        });
+        Line {
+            style,
+            dashed: false,
+            circled: survivors.map(|point| place(point)).collect(),
+            bars: bars.collect(),
+            runs: match self.is_named {
+                true => places.into_iter().map(|place| vec![place]).collect(),
+                false => vec![places],
+            },
         }
     }
 }

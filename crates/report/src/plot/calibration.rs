@@ -1,9 +1,9 @@
 //! Intervals stated and measured, one panel per estimator.
 
-use super::chart::{self, Chart, Legend, Line, Panel};
-use super::figure::Figure;
-use super::frame::Words;
+use super::drawing::Figure;
 use super::scale::Scale;
+use super::series::{self, Content, Line, Plot, SeriesKey};
+use super::sheet::{MARKER, Words};
 use super::style::{FRAME, Marker, Style};
 use crate::ReportError;
 use crate::calibration::{Estimator, STATED};
@@ -23,26 +23,27 @@ pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
                 .to_owned(),
         notes: Vec::new(),
     };
-    let chart = Chart {
+    let plot = Plot {
         x_label: "stated share of intervals that hold the true value (%)".to_owned(),
         y_label: "measured share (%)".to_owned(),
         x: Scale::exactly(STATED_RANGE[0], STATED_RANGE[1]),
         y: Scale::exactly(0.0, 100.0),
         panels: estimators.iter().map(panel).collect(),
-        legend: Legend {
+        series: SeriesKey {
             compared: Some((
                 "median cell; bars: nine of ten cells".to_owned(),
                 "as stated".to_owned(),
             )),
-            ..Legend::default()
+            ..SeriesKey::default()
         },
         marks: Vec::new(),
-        markers: true,
+        marker: MARKER,
+        key: Vec::new(),
     };
-    chart::figure(words, &[chart])
+    series::figure(words, vec![plot])
 }
 
-fn panel(estimator: &Estimator) -> Panel {
+fn panel(estimator: &Estimator) -> Content {
     let mut points = Vec::new();
     let mut bars = Vec::new();
     for (at, (_, stated)) in STATED.into_iter().enumerate() {
@@ -63,8 +64,8 @@ fn panel(estimator: &Estimator) -> Panel {
         colour: FRAME,
         marker: Marker::Dot,
     };
-    Panel {
-        title: Some(estimator.name.clone()),
+    Content {
+        title: estimator.name.clone(),
         lines: vec![
             Line {
                 runs: vec![STATED_RANGE.map(|share| (share, share)).to_vec()],
@@ -76,7 +77,7 @@ fn panel(estimator: &Estimator) -> Panel {
                 ..line(Style::of(0), false)
             },
         ],
-        points: Vec::new(),
+        ..Content::default()
     }
 }
 

@@ -1,68 +1,211 @@
-//! Charts: lines and points in panels on the same scales, with a legend.
+//! Charts: panels on the same axes beside and below each other, with a legend.
 
-mod content;
-mod legend;
-mod panel;
-mod room;
-
-use super::canvas::Anchor;
-use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, Words};
+use super::drawing::Figure;
+use super::lettering::{width, wrap};
+use super::panel::{Panel, Place};
+use super::scale::Scale;
+use super::sheet::{
+    self, Drawn, EDGE, Key, LINE, Point, SAMPLE_GAP, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
+};
 use super::style::INK;
 use crate::ReportError;
-use panel::Placed;
-use room::{GAP, Room};
+use plotters::style::text_anchor::HPos;
 
-pub(crate) use content::{Chart, Legend, Line, Mark, Panel, PointSet, Runs, scales};
+/// Gap between panels, and between them and the legend.
+const GAP: i32 = 90;
+const PANEL_HEIGHT: i32 = 1170;
+/// Names along x widen a panel, and a row of panels, up to this width.
+const LARGEST_WIDTH: i32 = 4500;
+/// Gap between names along x.
+const BESIDE: i32 = 36;
+/// Length of a sample in the legend, and in the key.
+const SAMPLE: i32 = 120;
+const KEY_SAMPLE: i32 = 78;
+/// Largest width of a line of the legend.
+const LIMIT: i32 = 750;
 
-/// Figure of charts below each other, at least one.
-pub(crate) fn figure(words: Words, charts: &[Chart]) -> Result<Figure, ReportError> {
-    let rooms = Room::for_all(charts);
-    let total = rooms.iter().map(|room| room.total).fold(0.0, f64::max);
-    let mut frame = Frame::new(words, total);
-    for (at, (chart, room)) in charts.iter().zip(&rooms).enumerate() {
-        if at > 0 {
-            frame.top += EDGE - 6.0;
-        }
-        draw(&mut frame, chart, room);
-    }
-    frame.finish()
+/// Draws into a panel by its number.
+type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
+
+/// Panels on the same axes.
+pub(crate) struct Chart<'a> {
+    /// May be empty.
+    pub(crate) x_label: String,
+    pub(crate) y_label: String,
+    pub(crate) x: Scale,
+    pub(crate) y: Scale,
+    /// Title of each panel, at least one; may be empty.
+    pub(crate) titles: Vec<String>,
+    /// Key above the panels.
+    pub(crate) key: Key,
+    /// Legend to their right.
+    pub(crate) legend: Legend,
+    /// Draws the content of the panel with a number.
+    pub(crate) draw: Draw<'a>,
 }
 
-fn draw(frame: &mut Frame, chart: &Chart, room: &Room) {
-    let canvas = &mut frame.canvas;
-    let (left, right) = room.margins;
-    let y_label = (EDGE, frame.top + 14.0 + TEXT / 2.0);
-    canvas.text(&chart.y_label, y_label, TEXT, Anchor::Left, INK);
-    let top = frame.top + 14.0 + LINE + 6.0;
-    for (at, panel) in chart.panels.iter().enumerate() {
-        let (row, column) = ((at / room.columns) as f64, (at % room.columns) as f64);
-        let axes = Axes {
-            x: &chart.x,
-            y: &chart.y,
-            corner: (
+/// Samples with their words below a heading; all may be empty.
+#[derive(Default)]
+pub(crate) struct Legend {
+    pub(crate) title: String,
+    pub(crate) entries: Key,
+}
+
+/// Figure of charts below each other, at least one.
+pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, ReportError> {
+    // Panels stand one above the other.
+    let margins = charts.iter().map(Chart::margins);
+    let margins = margins.fold([0; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
+    let rooms = charts.iter().map(|chart| Room::of(chart, margins));
+    let rooms: Vec<Room> = rooms.collect();
+    let width = rooms.iter().map(|room| room.total).max().unwrap_or(WIDTH);
+    sheet::figure(words, width, |sheet| {
+        for (at, (chart, room)) in charts.iter().zip(&rooms).enumerate() {
+            sheet.top += if at > 0 { EDGE - 18 } else { 0 };
+            chart.draw(sheet, room)?;
+        }
+        Ok(())
+    })
+}
+impl Chart<'_> {
+    /// Room to the left and right of the panels.
+    fn margins(&self) -> [i32; 2] {
+        let rows = self.legend.rows();
+        let widths = rows.iter().map(|(sample, text)| {
+            let indent = sample.map_or(0, |_| SAMPLE + SAMPLE_GAP);
+            indent + width(text, TEXT)
+        });
+        let right = widths.max().map_or(30, |widest| GAP + widest);
+        [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
+    }
+
+    /// Width of a panel in which every word of the names along x has room, but at most the largest width; 0 without
+    /// names.
+    fn named_width(&self) -> i32 {
+        let names = self.x.names();
+        let words = names.iter().flat_map(|name| name.split_whitespace());
+        let widest = words.map(|word| width(word, TEXT)).max().unwrap_or(0);
+        (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
+    }
+
+    /// Number of panels in a row. Rows get nearly the same number of panels, and names along x have room.
+    fn columns(&self, margins: i32) -> i32 {
+        let count = self.titles.len() as i32;
+        let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
+        // Four in a square are larger than four in a row.
+        let most = match count {
+            0..=3 => count,
+            4 => 2,
+            5 | 6 => 3,
+            _ => 4,
+        };
+        let rows = (count as u32).div_ceil(most.min(room).max(1) as u32);
+        (count as u32).div_ceil(rows.max(1)).max(1) as i32
+    }
+
+    fn draw(&self, sheet: &mut Sheet, room: &Room) -> Drawn {
+        if !self.key.is_empty() {
+            sheet.key(KEY_SAMPLE, &self.key)?;
+        }
+        let [left, right] = room.margins;
+        let top = sheet.top + 60 + LINE;
+        let y_label = (EDGE, sheet.top + 42 + TEXT / 2);
+        sheet.text(&self.y_label, y_label, HPos::Left, INK)?;
+        for (at, title) in self.titles.iter().enumerate() {
+            let (row, column) = (at as i32 / room.columns, at as i32 % room.columns);
+            let corner = (
                 left + column * (room.panel.0 + GAP),
                 top + row * room.row + room.heading,
-            ),
-            size: room.panel,
-        };
-        let placed = Placed {
-            chart,
-            room,
-            panel,
-            axes,
-            at,
-        };
-        placed.draw(canvas);
+            );
+            let middle = (corner.0 + room.panel.0 / 2, corner.1 - TEXT / 2 - 18);
+            sheet.text(title, middle, HPos::Center, INK)?;
+            let place = Place {
+                corner,
+                size: room.panel,
+                labelled: [true, column == 0],
+            };
+            (self.draw)(&mut place.panel(sheet, &room.x, &self.y)?, at)?;
+        }
+        let corner = (room.total - right + GAP, top + room.heading);
+        let legend = self.legend.draw(sheet, corner)?;
+        let rows = self.titles.len().div_ceil(room.columns as usize) as i32;
+        let mut bottom = top + rows * room.row;
+        if !self.x_label.is_empty() {
+            let place = ((left + room.total - right) / 2, bottom + TEXT / 2 - 6);
+            sheet.text(&self.x_label, place, HPos::Center, INK)?;
+            bottom += LINE;
+        }
+        sheet.top = bottom.max(legend);
+        Ok(())
     }
-    let corner = (room.total - right + GAP, top + room.heading);
-    let legend = legend::draw(canvas, chart, &room.legend, corner);
-    let mut bottom = top + chart.panels.len().div_ceil(room.columns) as f64 * room.row;
-    if !chart.x_label.is_empty() {
-        let middle = left + (room.total - right - left) / 2.0;
-        let place = (middle, bottom + TEXT / 2.0 - 2.0);
-        canvas.text(&chart.x_label, place, TEXT, Anchor::Middle, INK);
-        bottom += LINE;
+}
+
+impl Legend {
+    /// Lines of the legend, from the top. A line of the heading has no sample; a continued line has an empty one.
+    fn rows(&self) -> Vec<(Option<Sample>, String)> {
+        let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
+        let entries = self.entries.iter().flat_map(|(sample, text)| {
+            let samples = std::iter::once(*sample).chain(std::iter::repeat(Sample::default()));
+            let lines = wrap(text, TEXT, LIMIT - SAMPLE).into_iter();
+            samples.map(Some).zip(lines)
+        });
+        heading.map(|line| (None, line)).chain(entries).collect()
     }
-    frame.top = bottom.max(legend);
+
+    /// Draws the legend from its upper left corner on; returns how far down it reaches.
+    fn draw(&self, sheet: &Sheet, (left, top): Point) -> Drawn<i32> {
+        let mut y = top + TEXT / 2;
+        for (sample, text) in self.rows() {
+            match sample {
+                None => sheet.text(&text, (left, y), HPos::Left, INK)?,
+                Some(sample) => sheet.entry((left, y), SAMPLE, &sample, &text)?,
+            }
+            y += LINE;
+        }
+        Ok(y - TEXT / 2)
+    }
+}
+
+/// Sizes of a chart's parts.
+struct Room {
+    /// Width of the picture.
+    total: i32,
+    /// Room to the left and right of the panels.
+    margins: [i32; 2],
+    /// Width and height of each panel.
+    panel: Point,
+    /// Panels in a row.
+    columns: i32,
+    /// Room for the title above each panel.
+    heading: i32,
+    /// Distance from row to row of panels.
+    row: i32,
+    x: Scale,
+}
+
+impl Room {
+    fn of(chart: &Chart<'_>, margins: [i32; 2]) -> Self {
+        let around = margins[0] + margins[1];
+        let columns = chart.columns(around);
+        let gaps = GAP * (columns - 1);
+        let narrowest = match columns {
+            1 => 1680,
+            2 => 1140,
+            _ => 900,
+        };
+        let wide = (WIDTH - around - gaps) / columns;
+        let wide = wide.max(narrowest).max(chart.named_width());
+        let x = chart.x.clone().fitted(wide, BESIDE);
+        let titled = chart.titles.iter().any(|title| !title.is_empty());
+        let heading = if titled { LINE + 12 } else { 0 };
+        Self {
+            total: around + columns * wide + gaps,
+            margins,
+            panel: (wide, PANEL_HEIGHT),
+            columns,
+            heading,
+            row: heading + PANEL_HEIGHT + TICK_GAP + x.lines() * LINE + 30,
+            x,
+        }
+    }
 }

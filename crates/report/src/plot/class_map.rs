@@ -4,34 +4,37 @@ mod arrange;
 mod squares;
 mod table;
 
-use super::canvas::{Anchor, Canvas, Point};
 use super::cells::{self, Chosen};
-use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, outline, widest};
+use super::drawing::Figure;
 use super::lettering::{width, wrap};
+use super::panel::{Panel, Place, mesh, outline};
 use super::request::Request;
-use super::scale::{Scale, Tick};
-use super::style::{CLASSES, Colour, FRAME, INK, OUTLINE, QUIET, WHITE};
+use super::scale::Scale;
+use super::sheet::{self, Drawn, EDGE, Key, LINE, Sample, Sheet, TEXT, TICK_GAP, WIDTH};
+use super::style::{CLASSES, Colour, INK, OUTLINE, QUIET, WHITE};
 use crate::{ReportError, words};
 use arrange::{Row, Shown};
 use palpate_study::{label, number};
-use squares::{Band, bands, boundaries};
+use plotters::element::{PathElement, Rectangle};
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+use squares::{bands, boundaries};
 use table::{CellMap, Class};
 
 /// More panels than this are no picture.
 const MOST_CELLS: usize = 60;
-/// Gap between panels of a row, and between rows, pixels.
-const GAP: f64 = 22.0;
+/// Gap between panels of a row, and between rows.
+const GAP: i32 = 66;
 /// Side of a sample in the key.
-const SAMPLE: f64 = 18.0;
+const SAMPLE: i32 = 54;
 /// Width of a panel.
-const NARROWEST: f64 = 196.0;
-const WIDEST: f64 = 290.0;
+const NARROWEST: i32 = 588;
+const WIDEST: i32 = 870;
 /// Largest ratio of the sides of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Bands reach this far under those painted later, so that no seam shows between them.
-const OVERLAP: f64 = 1.0;
-const BOUNDARY: f64 = 1.6;
+/// Each band reaches under the bands painted later by this share of a panel, to leave no seam between them.
+const OVERLAP: f64 = 0.004;
+const BOUNDARY: u32 = 5;
 /// Ground of the sample of a boundary, as light on every page.
 const PALE: Colour = Colour(243, 243, 243);
 
@@ -54,11 +57,11 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let shown: Vec<Shown<'_>> = shown.collect();
     let arranged = arrange::rows(cells, &shown);
     let lines: Vec<Line<'_>> = arranged.iter().map(line).collect();
-    let sheet = Sheet::of(&lines, &label::spoken_unit(&maps.unit));
-    let mut frame = Frame::new(of.words(subtitle(of, &shown), notes), sheet.total);
-    frame.key(SAMPLE, &key(&lines), sample);
-    sheet.draw(&mut frame, &lines);
-    frame.finish()
+    let room = Room::of(&lines, &label::spoken_unit(&maps.unit));
+    sheet::figure(of.words(subtitle(of, &shown), notes), room.total, |sheet| {
+        sheet.key(SAMPLE, &key(&lines))?;
+        room.draw(sheet, &lines)
+    })
 }
 
 /// Subtitle of the maps: the settings that all panels share.
@@ -78,11 +81,11 @@ fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
 /// Row of panels.
 struct Line<'a> {
     heading: &'a str,
-    panels: Vec<Panel<'a>>,
+    panels: Vec<MapPanel<'a>>,
 }
 
 /// Map, and where it stands.
-struct Panel<'a> {
+struct MapPanel<'a> {
     column: usize,
     title: &'a str,
     map: &'a CellMap,
@@ -92,14 +95,14 @@ struct Panel<'a> {
 
 /// The true map stands in the first column, which is empty where the row has none.
 fn line<'a>(row: &'a Row<'a>) -> Line<'a> {
-    let truth = row.truth.map(|map| Panel {
+    let truth = row.truth.map(|map| MapPanel {
         column: 0,
         title: "truth",
         map,
         is_truth: true,
     });
     let cells = row.cells.iter().enumerate();
-    let cells = cells.map(|(at, (title, map))| Panel {
+    let cells = cells.map(|(at, (title, map))| MapPanel {
         column: at + 1,
         title,
         map,
@@ -111,14 +114,8 @@ fn line<'a>(row: &'a Row<'a>) -> Line<'a> {
     }
 }
 
-/// Sample before an entry of the key.
-enum Sample {
-    Class(Class),
-    Boundary,
-}
-
 /// The classes that occur, in the order of their table, and the boundary if there is one.
-fn key(lines: &[Line<'_>]) -> Vec<(Sample, String)> {
+fn key(lines: &[Line<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
         panels.map(|panel| panel.map)
@@ -128,33 +125,19 @@ fn key(lines: &[Line<'_>]) -> Vec<(Sample, String)> {
     };
     let named = CLASSES.iter().enumerate();
     let named = named.map(|(at, (name, _))| (Some(at), name.replace('-', " ")));
-    let mut entries: Vec<(Sample, String)> = named
+    let mut entries: Key = named
         .chain([(None, "not classified".to_owned())])
         .filter(|(class, _)| occurs(class))
-        .map(|(class, name)| (Sample::Class(class), name))
+        .map(|(class, name)| (Sample::ground(colour(class)), name))
         .collect();
     if maps().any(|map| map.truth.iter().any(|class| *class != map.truth[0])) {
-        entries.push((Sample::Boundary, "true boundary".to_owned()));
+        let boundary = Sample {
+            ground: Some(PALE),
+            ..Sample::line(OUTLINE.stroke_width(BOUNDARY))
+        };
+        entries.push((boundary, "true boundary".to_owned()));
     }
     entries
-}
-
-fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
-    match sample {
-        Sample::Class(class) => {
-            let (top, bottom, right) = (y - SAMPLE / 2.0, y + SAMPLE / 2.0, x + SAMPLE);
-            let square = [(x, top), (right, top), (right, bottom), (x, bottom)];
-            canvas.polygon(&square, colour(*class));
-            outline(canvas, (x, top), (SAMPLE, SAMPLE));
-        }
-        Sample::Boundary => {
-            let ground = [-0.5, 0.5].map(|half| (x, y + half * SAMPLE));
-            let right = |(x, y): Point| (x + SAMPLE, y);
-            let [top, bottom] = ground;
-            canvas.polygon(&[top, right(top), right(bottom), bottom], PALE);
-            canvas.line(&[(x, y), (x + SAMPLE, y)], OUTLINE, BOUNDARY);
-        }
-    }
 }
 
 fn colour(class: Class) -> Colour {
@@ -163,166 +146,130 @@ fn colour(class: Class) -> Colour {
 }
 
 /// Room for the panels.
-struct Sheet {
+struct Room {
     /// Width of the picture.
-    total: f64,
-    columns: usize,
+    total: i32,
+    columns: i32,
     /// Left edge of the first column.
-    left: f64,
+    left: i32,
     /// Width and height of each panel.
-    panel: (f64, f64),
+    panel: (i32, i32),
     x: Scale,
     y: Scale,
-    y_ticks: Vec<Tick>,
     x_label: String,
     y_label: String,
 }
 
-impl Sheet {
+impl Room {
     /// Room for `lines`, of which there are some; `unit` is that of x and y.
     fn of(lines: &[Line<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
-        let (x, y) = (
-            range(panels().map(|panel| &panel.map.x)),
-            range(panels().map(|panel| &panel.map.y)),
-        );
-        let columns = 1 + panels().map(|panel| panel.column).max().unwrap_or(0);
+        let x = range(panels().map(|panel| &panel.map.x));
+        let y = range(panels().map(|panel| &panel.map.y));
+        let columns = 1 + panels().map(|panel| panel.column).max().unwrap_or(0) as i32;
         let [x_label, y_label] = ["x", "y"].map(|name| label::with_unit(name, unit));
-        let y_ticks = y.ticks(2);
-        let left = EDGE + TICK_GAP + widest(&y_ticks).max(width(&y_label, TEXT));
-        let gaps = GAP * (columns - 1) as f64;
-        let wide = ((WIDTH - left - EDGE - gaps) / columns as f64).clamp(NARROWEST, WIDEST);
+        let left = EDGE + TICK_GAP + y.widest().max(width(&y_label, TEXT));
+        let gaps = GAP * (columns - 1);
+        let wide = ((WIDTH - left - EDGE - gaps) / columns).clamp(NARROWEST, WIDEST);
         let ratio = (y.ends().1 - y.ends().0) / (x.ends().1 - x.ends().0);
         let ratio = match ratio.is_finite() {
             true => ratio.clamp(1.0 / SLIMMEST, SLIMMEST),
             false => 1.0,
         };
+        let total = left + columns * wide + gaps + EDGE;
         Self {
-            total: (left + columns as f64 * wide + gaps + EDGE).max(WIDTH),
+            total: total.max(WIDTH),
             columns,
             left,
-            panel: (wide, (wide * ratio).round()),
+            panel: (wide, (f64::from(wide) * ratio) as i32),
             x,
             y,
-            y_ticks,
             x_label,
             y_label,
         }
     }
 
-    /// Left edge of a column.
-    fn column(&self, at: usize) -> f64 {
-        self.left + at as f64 * (self.panel.0 + GAP)
-    }
-
-    fn draw(&self, frame: &mut Frame, lines: &[Line<'_>]) {
+    fn draw(&self, sheet: &mut Sheet, lines: &[Line<'_>]) -> Drawn {
+        let (wide, high) = self.panel;
+        let column = |at: i32| self.left + at * (wide + GAP);
         for (at, line) in lines.iter().enumerate() {
-            let first = self.column(1.min(self.columns - 1));
-            frame.heading(line.heading, first, self.total - first - EDGE);
+            let first = column(1.min(self.columns - 1));
+            sheet.heading(line.heading, first, self.total - first - EDGE)?;
             let titles = line.panels.iter();
-            let titles = titles.map(|panel| wrap(panel.title, TEXT, self.panel.0 + GAP - 10.0));
+            let titles = titles.map(|panel| wrap(panel.title, TEXT, wide + GAP - 30));
             let titles: Vec<Vec<String>> = titles.collect();
-            let tallest = titles.iter().map(Vec::len).max().unwrap_or(0) as f64;
-            frame.top += (tallest + 1.0) * LINE + 4.0;
+            let tallest = titles.iter().map(Vec::len).max().unwrap_or(0) as i32;
+            sheet.top += (tallest + 1) * LINE + 12;
             let below = lines.get(at + 1).map_or(&[][..], |next| &next.panels);
             let mut deep = false;
-            for (order, (panel, title)) in line.panels.iter().zip(&titles).enumerate() {
-                let is_lowest = below.iter().all(|next| next.column != panel.column);
+            for (order, (map, title)) in line.panels.iter().zip(&titles).enumerate() {
+                // A panel above another one has no labels along x, and only the first of a row has labels along y.
+                let is_lowest = below.iter().all(|next| next.column != map.column);
                 deep |= is_lowest;
-                let placed = Placed {
-                    sheet: self,
-                    panel,
-                    axes: Axes {
-                        x: &self.x,
-                        y: &self.y,
-                        corner: (self.column(panel.column), frame.top),
-                        size: self.panel,
-                    },
+                let place = Place {
+                    corner: (column(map.column as i32), sheet.top),
+                    size: self.panel,
+                    labelled: [is_lowest, order == 0],
                 };
-                placed.draw(&mut frame.canvas, title, is_lowest, order == 0);
+                squares(&mut place.panel(sheet, &self.x, &self.y)?, map)?;
+                self.label(sheet, &place, map, title)?;
             }
-            let labels = if deep { TICK_GAP + LINE } else { 0.0 };
-            frame.top += self.panel.1 + GAP * 1.4 + labels;
+            let labels = if deep { TICK_GAP + LINE } else { 0 };
+            sheet.top += high + GAP * 7 / 5 + labels;
         }
-        let middle = self.left + (self.columns as f64 * (self.panel.0 + GAP) - GAP) / 2.0;
-        let place = (middle, frame.top - 0.7 * GAP);
-        let canvas = &mut frame.canvas;
-        canvas.text(&self.x_label, place, TEXT, Anchor::Middle, INK);
-        frame.top = place.1 + 0.6 * TEXT;
-    }
-}
-
-/// Panel in its place.
-struct Placed<'a> {
-    sheet: &'a Sheet,
-    panel: &'a Panel<'a>,
-    axes: Axes<'a>,
-}
-
-impl Placed<'_> {
-    /// Draws the map with labels below and to the left, where no neighbour has them.
-    fn draw(&self, canvas: &mut Canvas, title: &[String], below: bool, beside: bool) {
-        let CellMap {
-            side,
-            truth,
-            estimated,
-            ..
-        } = self.panel.map;
-        let (_, right, top, _) = self.axes.edges();
-        let [x, y] = [&self.panel.map.x, &self.panel.map.y].map(|lines| ends(lines));
-        let corner = |(i, j): (usize, usize)| self.axes.at((x[i], y[j]));
-        let classes = if self.panel.is_truth {
-            truth
-        } else {
-            estimated
-        };
-        // In order of rising x and y: each covers what the one before reaches into it.
-        for band in bands(*side, classes) {
-            let Band { class, x, y } = band;
-            let ((x0, y0), (x1, y1)) = (corner((x.0, y.0)), corner((x.1, y.1)));
-            let (x1, y1) = ((x1 + OVERLAP).min(right), (y1 - OVERLAP).max(top));
-            canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(class));
-        }
-        for edge in boundaries(*side, truth) {
-            canvas.line(&edge.map(corner), OUTLINE, BOUNDARY);
-        }
-        self.axes.outline(canvas);
-        self.label(canvas, title, below, beside);
+        let middle = (self.left + column(self.columns) - GAP) / 2;
+        sheet.top -= GAP * 7 / 10;
+        sheet.text(&self.x_label, (middle, sheet.top), HPos::Center, INK)?;
+        sheet.top += TEXT * 3 / 5;
+        Ok(())
     }
 
-    fn label(&self, canvas: &mut Canvas, title: &[String], below: bool, beside: bool) {
-        let (left, right, top, bottom) = self.axes.edges();
-        for tick in self.sheet.x.ticks(2).into_iter().filter(|_| below) {
-            let x = self.axes.across(tick.at);
-            canvas.line(&[(x, bottom), (x, bottom + 5.0)], FRAME, 1.0);
-            self.axes.label_x(canvas, tick.at, &[tick.label]);
+    /// Writes the title above a panel, and the share of correct points.
+    fn label(&self, sheet: &Sheet, place: &Place, map: &MapPanel<'_>, title: &[String]) -> Drawn {
+        let (left, top) = place.corner;
+        let mut y = top - TEXT / 2 - 18;
+        if place.labelled[1] {
+            sheet.text(&self.y_label, (left - TICK_GAP, y), HPos::Right, INK)?;
         }
-        let mut y = top - TEXT / 2.0 - 6.0;
-        if beside {
-            for tick in &self.sheet.y_ticks {
-                let y = self.axes.down(tick.at);
-                canvas.line(&[(left - 5.0, y), (left, y)], FRAME, 1.0);
-                self.axes.label_y(canvas, tick);
-            }
-            let place = (left - TICK_GAP, y);
-            canvas.text(&self.sheet.y_label, place, TEXT, Anchor::Right, INK);
-        }
-        let middle = (left + right) / 2.0;
-        if let Some(share) = self
-            .panel
-            .map
-            .share_correct()
-            .filter(|_| !self.panel.is_truth)
-        {
+        let middle = left + self.panel.0 / 2;
+        if let Some(share) = map.map.share_correct().filter(|_| !map.is_truth) {
             let share = format!("{} % correct", number::significant(100.0 * share, 3));
-            canvas.text(&share, (middle, y), TEXT, Anchor::Middle, QUIET);
+            sheet.text(&share, (middle, y), HPos::Center, QUIET)?;
             y -= LINE;
         }
         for text in title.iter().rev() {
-            canvas.text(text, (middle, y), TEXT, Anchor::Middle, INK);
+            sheet.text(text, (middle, y), HPos::Center, INK)?;
             y -= LINE;
         }
+        Ok(())
     }
+}
+
+/// Draws the squares of a map, and the boundaries between true classes.
+fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
+    let CellMap {
+        side,
+        truth,
+        estimated,
+        ..
+    } = map.map;
+    mesh(panel)?;
+    let [x, y] = [&map.map.x, &map.map.y].map(|lines| ends(lines));
+    let corner = |(i, j): (usize, usize)| (x[i], y[j]);
+    let classes = if map.is_truth { truth } else { estimated };
+    let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
+    // In order of rising x and y: each band covers the overlap of the one before.
+    panel.draw_series(bands(*side, classes).into_iter().map(|band| {
+        let (x, y) = corner((band.x.1, band.y.1));
+        let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];
+        Rectangle::new(corners, colour(band.class).filled())
+    }))?;
+    panel.draw_series(
+        boundaries(*side, truth)
+            .into_iter()
+            .map(|edge| PathElement::new(edge.map(corner), OUTLINE.stroke_width(BOUNDARY))),
+    )?;
+    outline(panel)
 }
 
 /// The ends of the squares around points on these lines, halfway between neighbours.
@@ -344,5 +291,5 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     let all: Vec<f64> = maps.flat_map(|lines| ends(lines)).collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Scale::exactly(low, high)
+    Scale::exactly(low, high).with_ticks(2)
 }

@@ -1,55 +1,69 @@
 //! The contacts of gliding fingers in space: their paths, normals and readings.
 
 mod table;
-mod view;
 
-use super::canvas::{Anchor, Canvas, Point};
 use super::captions;
-use super::figure::Figure;
-use super::frame::{EDGE, Frame, TEXT, WIDTH};
+use super::drawing::{Drawing, Figure};
 use super::request::Request;
-use super::scale::{Scale, Spacing, Tick};
-use super::style::{Colour, FAINT, FLOOR, FRAME, GRID, INK, QUIET, Style};
+use super::scale::{Scale, Spacing};
+use super::sheet::{self, Drawn, EDGE, HAIR, Key, Sample, Sheet, TEXT, WIDTH, dashed, letters};
+use super::style::{FAINT, FLOOR, GRID, INK, Marker, QUIET, Style, pale};
+use super::symbol::Symbol;
 use crate::{ReportError, words};
 use palpate_study::label::{spoken_unit, with_unit};
 use palpate_study::number;
+use plotters::chart::{ChartBuilder, ChartContext};
+use plotters::coord::cartesian::Cartesian3d;
+use plotters::coord::ranged1d::ValueFormatter;
+use plotters::element::{Circle, PathElement};
+use plotters::style::text_anchor::HPos;
+use plotters::style::{Color, TRANSPARENT};
 use table::{Contacts, Finger, Touch, Vector};
-use view::View;
 
+/// The direction to the eye: turned from +x to −y, then raised, in degrees.
+const TURN: f64 = 62.0;
+const RAISE: f64 = 36.0;
 /// Room for the labels of the axes, to the left and right of the box and below it.
-const BESIDE: f64 = 66.0;
-const BELOW: f64 = 16.0;
+const BESIDE: i32 = 198;
+const BELOW: i32 = 48;
 /// Height that the box may take.
-const TALLEST: f64 = 620.0;
+const TALLEST: i32 = 1860;
 /// Length of a stroke along a normal, as a share of the larger horizontal side of the contacts.
 const STROKE: f64 = 0.09;
 /// Length of a sample in the key.
-const SAMPLE: f64 = 34.0;
-const PATH: f64 = 2.5;
-const DOT: f64 = 5.0;
-/// Pixels per tick.
-const APART: f64 = 64.0;
+const SAMPLE: i32 = 102;
+const PATH: u32 = 8;
+const FINE: u32 = 4;
+const DOT: u32 = 15;
+/// Length of an axis per tick.
+const APART: f64 = 192.0;
+
+/// A chart in space. Its x leads to the right, y upward and z away from the eye; y and z of a glide are swapped.
+type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
 /// The figure that a plot asks for.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let contacts = table::read(of.study.files())?;
     let words = of.words(subtitle(of, &contacts), Vec::new());
-    let mut frame = Frame::new(words, WIDTH);
-    frame.key(SAMPLE, &key(&contacts), sample);
-    let (axes, stroke) = axes(&contacts);
-    let room = (WIDTH - 2.0 * (EDGE + BESIDE), TALLEST);
-    let scene = Scene {
-        view: View::new(axes, (EDGE + BESIDE, frame.top), room),
-        contacts: &contacts,
-        stroke,
-    };
-    scene.draw(&mut frame.canvas);
-    frame.top += scene.view.extent().1 + BELOW;
-    frame.finish()
+    sheet::figure(words, WIDTH, |sheet| {
+        sheet.key(SAMPLE, &key(&contacts))?;
+        let (scales, stroke) = scales(&contacts);
+        let view = View::of(&scales);
+        let scene = Scene {
+            space: view.space(sheet, &scales)?,
+            contacts: &contacts,
+            floor: scales[2].ends().0,
+            stroke,
+        };
+        view.name_axes(&scene.space, sheet, &spoken_unit(&contacts.unit), &scales)?;
+        scene.draw()?;
+        sheet.top += view.high + BELOW;
+        Ok(())
+    })
 }
 
-/// Axes that hold everything drawn, and the length of the strokes along normals.
-fn axes(contacts: &Contacts) -> ([Scale; 3], f64) {
+/// Scales that hold everything drawn, and the length of the strokes along normals.
+fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
     let touches = || contacts.fingers.iter().flat_map(|finger| &finger.touches);
     let mut places: Vec<Vector> = touches().map(|touch| touch.place).collect();
     let side = |axis: usize| {
@@ -83,210 +97,244 @@ fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
         [least, .., most] => format!("{least} to {most} contacts each"),
         [] => String::new(),
     };
-    let mut seen = format!("{} with {each}", plural(fingers, "finger"));
+    let mut sample = format!("{} with {each}", plural(fingers, "finger"));
     if let Some(off) = contacts.off {
         let unit = spoken_unit(&contacts.unit);
         let off = format!("{} {unit}", number::significant(off, 3));
-        seen += &format!("; the readings are off by {} (rms)", off.trim_end());
+        sample += &format!("; the readings are off by {} (rms)", off.trim_end());
     }
-    words::sentence(&object, &seen)
+    words::sentence(&object, &sample)
 }
 
 fn plural(count: usize, of: &str) -> String {
     format!("{count} {of}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Sample before an entry of the key.
-enum Sample {
-    /// Path and contacts of a finger.
-    Finger(usize),
-    Normal,
-    Reading,
-    Tip,
-}
-
-fn key(contacts: &Contacts) -> Vec<(Sample, String)> {
+fn key(contacts: &Contacts) -> Key {
+    let disc = |style: Style| {
+        Symbol::new(
+            Style {
+                marker: Marker::Circle,
+                ..style
+            },
+            DOT.into(),
+        )
+    };
     let fingers = contacts.fingers.iter().enumerate();
-    let mut entries: Vec<(Sample, String)> = fingers
-        .map(|(at, finger)| (Sample::Finger(at), format!("finger {}", finger.name)))
+    let mut entries: Key = fingers
+        .map(|(at, finger)| {
+            let line = Sample::line(Style::of(at).colour.stroke_width(PATH));
+            (
+                line.with(disc(Style::of(at))),
+                format!("finger {}", finger.name),
+            )
+        })
         .collect();
-    entries.push((Sample::Normal, "normal".to_owned()));
+    let normal = Sample::line(QUIET.stroke_width(FINE));
+    entries.push((normal, "normal".to_owned()));
     let mut fingers = contacts.fingers.iter();
     if fingers.any(|finger| !finger.readings.is_empty()) {
-        entries.push((Sample::Reading, "reading".to_owned()));
+        let reading = disc(Style {
+            colour: QUIET,
+            marker: Marker::Circle,
+        })
+        .open();
+        entries.push((Sample::symbol(reading), "reading".to_owned()));
     }
     if contacts.tips_apart {
-        entries.push((Sample::Tip, "tip centre".to_owned()));
+        let tip = Sample::dashed(QUIET.stroke_width(FINE));
+        entries.push((tip, "tip centre".to_owned()));
     }
     entries
 }
 
-fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
-    let (ends, middle) = ([(x, y), (x + SAMPLE, y)], (x + SAMPLE / 2.0, y));
-    match sample {
-        Sample::Finger(at) => {
-            let Style { colour, .. } = Style::of(*at);
-            canvas.line(&ends, colour, PATH);
-            canvas.disc(middle, DOT, colour);
+/// An orthographic view from above, with the same scale along all axes.
+struct View {
+    /// Unit vectors to the right, up and towards the eye.
+    right: Vector,
+    up: Vector,
+    toward: Vector,
+    /// Sides of the box.
+    sides: Vector,
+    /// Height of its picture.
+    high: i32,
+}
+
+impl View {
+    /// The view in which the box of these scales fills its room.
+    fn of(scales: &[Scale; 3]) -> Self {
+        let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
+        let (sin, cos) = libm::sincos(RAISE.to_radians());
+        let right = [-sin_turn, cos_turn, 0.0];
+        let up = [-sin * cos_turn, -sin * sin_turn, cos];
+        let sides = [0, 1, 2].map(|axis| scales[axis].ends().1 - scales[axis].ends().0);
+        let extent = |direction: Vector| {
+            let parts = (0..3).map(|axis| direction[axis].abs() * sides[axis]);
+            parts.sum::<f64>()
+        };
+        let room = f64::from(WIDTH - 2 * (EDGE + BESIDE)) / extent(right);
+        let scale = room.min(f64::from(TALLEST) / extent(up));
+        Self {
+            right,
+            up,
+            toward: [cos * cos_turn, cos * sin_turn, sin],
+            sides: sides.map(|side| scale * side),
+            high: (scale * extent(up)) as i32,
         }
-        Sample::Normal => canvas.line(&ends, QUIET, 1.5),
-        Sample::Reading => reading(canvas, middle, QUIET, GRID),
-        Sample::Tip => canvas.dashes(&ends, QUIET, 1.5),
+    }
+
+    /// The box below what is on the sheet, with its walls.
+    fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
+        let [x, y, z] = [0, 1, 2].map(|axis| {
+            let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
+            scales[axis].clone().with_ticks(about)
+        });
+        let middle = [f64::from(WIDTH / 2), f64::from(sheet.top + self.high / 2)];
+        let row = |direction: Vector, sign: f64, middle: f64| {
+            let along = |axis: usize| sign * direction[axis];
+            let centre = (0..3).map(|axis| along(axis) * self.sides[axis] / 2.0);
+            [along(0), along(2), along(1), middle - centre.sum::<f64>()]
+        };
+        let matrix = [
+            row(self.right, 1.0, middle[0]),
+            row(self.up, -1.0, middle[1]),
+            row(self.toward, -1.0, 0.0),
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        let [wide, deep, high] = self.sides.map(|side| side as i32);
+        // Labels stand on the side of an axis that is away from the middle of this area.
+        let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
+        let mut space =
+            ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
+        space.set_3d_pixel_range((wide, high, deep));
+        space.with_projection(|_| matrix.into());
+        space
+            .configure_axes()
+            .axis_panel_style(FLOOR.filled())
+            .bold_grid_style(FAINT.stroke_width(HAIR))
+            .light_grid_style(TRANSPARENT)
+            .label_style(letters(TEXT, INK, HPos::Center))
+            .tick_size(15)
+            .x_formatter(&|value| x.format_ext(value))
+            .y_formatter(&|value| z.format_ext(value))
+            .z_formatter(&|value| y.format_ext(value))
+            .draw()?;
+        Ok(space)
+    }
+
+    /// Writes the names of the axes.
+    fn name_axes(
+        &self,
+        space: &Space<'_>,
+        sheet: &Sheet,
+        unit: &str,
+        scales: &[Scale; 3],
+    ) -> Drawn {
+        let [x, y, z] = [0, 1, 2].map(|axis| scales[axis].ends());
+        let middle = |(low, high): (f64, f64)| low + (high - low) / 2.0;
+        for (name, place, (dx, dy), anchor) in [
+            ("x", [middle(x), y.0, z.0], (-108, 132), HPos::Center),
+            ("y", [x.1, middle(y), z.0], (156, 102), HPos::Left),
+            ("z", [x.0, y.0, z.1], (-30, -42), HPos::Right),
+        ] {
+            let (x, y) = space.plotting_area().map_coordinate(&at(place));
+            sheet.text(&with_unit(name, unit), (x + dx, y + dy), anchor, INK)?;
+        }
+        Ok(())
     }
 }
 
-fn reading(canvas: &mut Canvas, place: Point, rim: Colour, fill: Colour) {
-    canvas.disc(place, DOT, rim);
-    canvas.disc(place, DOT - 1.4, fill);
+/// A place in the axes of the chart.
+fn at([x, y, z]: Vector) -> (f64, f64, f64) {
+    (x, z, y)
 }
 
-/// The contacts as they are seen.
+/// The contacts in their space.
 struct Scene<'a> {
+    space: Space<'a>,
     contacts: &'a Contacts,
-    view: View,
+    /// Height of the floor.
+    floor: f64,
     /// Length of a stroke along a normal.
     stroke: f64,
 }
 
 impl Scene<'_> {
-    fn draw(&self, canvas: &mut Canvas) {
-        self.walls(canvas);
-        self.shadows(canvas);
-        self.links(canvas);
-        // What is near covers what is far.
-        let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
-        let nearness = |finger: &Finger| {
-            let touches = finger.touches.iter();
-            let all = touches.map(|touch| self.view.nearness(touch.place));
-            all.sum::<f64>() / finger.touches.len().max(1) as f64
-        };
-        order.sort_by(|a, b| nearness(a.1).total_cmp(&nearness(b.1)));
-        for (at, finger) in order {
-            self.finger(finger, Style::of(at), canvas);
-        }
-    }
-
-    fn at(&self, place: Vector) -> Point {
-        self.view.at(place)
-    }
-
-    /// The place at these shares of the sides of the box.
-    fn inside(&self, shares: Vector) -> Point {
-        self.at(self.view.inside(shares))
-    }
-
-    /// Ticks along an axis, each with its share of the side.
-    fn ticks(&self, axis: usize) -> Vec<(f64, Tick)> {
-        let about = (self.view.side(axis) / APART).clamp(2.0, 6.0) as usize;
-        let scale = &self.view.axes[axis];
-        let ticks = scale.ticks(about).into_iter();
-        ticks.map(|tick| (scale.place(tick.at), tick)).collect()
-    }
-
-    /// Floor and the two walls behind, ruled at the ticks; then the edges with their labels.
-    fn walls(&self, canvas: &mut Canvas) {
-        let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (xy, yz, xyz) = ([1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0; 3]);
-        canvas.polygon(&[o, x, xy, y].map(|corner| self.inside(corner)), FLOOR);
-        let ticks = [0, 1, 2].map(|axis| self.ticks(axis));
-        let rules: [fn(f64) -> [Vector; 3]; 3] = [
-            |x| [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 1.0]],
-            |y| [[1.0, y, 0.0], [0.0, y, 0.0], [0.0, y, 1.0]],
-            |z| [[0.0, 0.0, z], [0.0, 1.0, z], [1.0, 1.0, z]],
-        ];
-        for (ticks, rule) in ticks.iter().zip(rules) {
-            for (share, _) in ticks {
-                let ends = rule(*share).map(|end| self.inside(end));
-                canvas.line(&ends, FAINT, 1.0);
-            }
-        }
-        let edges: [(&[Vector], Colour); 5] = [
-            (&[o, x, xy], FRAME),
-            (&[o, y, xy], GRID),
-            (&[o, z, yz, xyz, xy], GRID),
-            (&[y, yz], GRID),
-            (&[o, z], FRAME),
-        ];
-        for (edge, colour) in edges {
-            let points: Vec<Point> = edge.iter().map(|corner| self.inside(*corner)).collect();
-            canvas.line(&points, colour, 1.0);
-        }
-        self.labels(&ticks, canvas);
-    }
-
-    fn labels(&self, [xs, ys, zs]: &[Vec<(f64, Tick)>; 3], canvas: &mut Canvas) {
-        let mut label = |text: &str, shares: Vector, (dx, dy): Point, anchor: Anchor| {
-            let (x, y) = self.inside(shares);
-            canvas.text(text, (x + dx, y + dy), TEXT, anchor, INK);
-        };
-        for (x, tick) in xs {
-            label(&tick.label, [*x, 0.0, 0.0], (-7.0, 17.0), Anchor::Middle);
-        }
-        for (y, tick) in ys {
-            label(&tick.label, [1.0, *y, 0.0], (10.0, 11.0), Anchor::Left);
-        }
-        for (z, tick) in zs {
-            label(&tick.label, [0.0, 0.0, *z], (-10.0, 0.0), Anchor::Right);
-        }
-        let unit = spoken_unit(&self.contacts.unit);
-        let [x, y, z] = ["x", "y", "z"].map(|axis| with_unit(axis, &unit));
-        label(&x, [0.5, 0.0, 0.0], (-36.0, 44.0), Anchor::Middle);
-        label(&y, [1.0, 0.5, 0.0], (52.0, 34.0), Anchor::Left);
-        label(&z, [0.0, 0.0, 1.0], (-10.0, -14.0), Anchor::Right);
-    }
-
-    /// The paths on the floor.
-    fn shadows(&self, canvas: &mut Canvas) {
-        let floor = self.view.axes[2].ends().0;
+    fn draw(&self) -> Drawn {
+        let area = self.space.plotting_area();
+        // The paths on the floor.
         for finger in &self.contacts.fingers {
             let places = finger.touches.iter().map(|touch| touch.place);
-            let down = places.map(|[x, y, _]| self.at([x, y, floor]));
-            canvas.line(&down.collect::<Vec<_>>(), GRID, 1.8);
+            let down = places.map(|[x, y, _]| at([x, y, self.floor]));
+            let down: Vec<_> = down.collect();
+            area.draw(&PathElement::new(down, GRID.stroke_width(FINE)))?;
         }
+        self.links()?;
+        // Near fingers cover far ones.
+        let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
+        let depth = |finger: &Finger| {
+            let depths = finger.touches.iter().map(|touch| {
+                let (x, y, z) = at(touch.place);
+                f64::from(area.as_coord_spec().projected_depth(&x, &y, &z))
+            });
+            depths.sum::<f64>() / finger.touches.len().max(1) as f64
+        };
+        order.sort_by(|a, b| depth(b.1).total_cmp(&depth(a.1)));
+        let mut order = order.into_iter();
+        order.try_for_each(|(number, finger)| self.finger(finger, Style::of(number)))
     }
 
     /// Lines from finger to finger through contacts made at one time, which show the surface between them.
-    fn links(&self, canvas: &mut Canvas) {
+    fn links(&self) -> Drawn {
         let fingers = &self.contacts.fingers;
         let counts = fingers.iter().map(|finger| finger.touches.len());
         let count = counts.clone().min().unwrap_or(0);
         if counts.max() != Some(count) {
-            return;
+            return Ok(());
         }
-        for at in 0..count {
-            let touches = fingers.iter().map(|finger| finger.touches[at]);
-            let across = touches.map(|touch| self.at(touch.place));
-            canvas.line(&across.collect::<Vec<_>>(), GRID, 1.2);
+        for number in 0..count {
+            let touches = fingers
+                .iter()
+                .map(|finger| at(finger.touches[number].place));
+            let across: Vec<_> = touches.collect();
+            let link = PathElement::new(across, GRID.stroke_width(FINE));
+            self.space.plotting_area().draw(&link)?;
         }
+        Ok(())
     }
 
-    fn finger(&self, finger: &Finger, style: Style, canvas: &mut Canvas) {
+    fn finger(&self, finger: &Finger, style: Style) -> Drawn {
+        let area = self.space.plotting_area();
+        let (colour, faint) = (style.colour, pale(style.colour));
         let places = |pick: fn(&Touch) -> Vector| {
             let touches = finger.touches.iter();
-            touches
-                .map(|touch| self.at(pick(touch)))
-                .collect::<Vec<Point>>()
+            touches.map(|touch| at(pick(touch))).collect::<Vec<_>>()
         };
         if self.contacts.tips_apart {
-            canvas.dashes(&places(|touch| touch.tip), style.pale(), 1.5);
+            area.draw(&dashed(places(|touch| touch.tip), faint.stroke_width(FINE)))?;
         }
         let path = places(|touch| touch.place);
         if finger.readings.len() == finger.touches.len() {
             for (place, read) in path.iter().zip(&finger.readings) {
-                canvas.line(&[*place, self.at(*read)], style.pale(), 1.0);
+                let error = [*place, at(*read)];
+                area.draw(&PathElement::new(error, faint.stroke_width(HAIR)))?;
             }
         }
-        canvas.line(&path, style.colour, PATH);
+        area.draw(&PathElement::new(path.clone(), colour.stroke_width(PATH)))?;
         for touch in &finger.touches {
             if let Some(end) = touch.along_normal(self.stroke) {
-                canvas.line(&[self.at(touch.place), self.at(end)], QUIET, 1.5);
+                let normal = [at(touch.place), at(end)];
+                area.draw(&PathElement::new(normal, QUIET.stroke_width(FINE)))?;
             }
         }
         for place in path {
-            canvas.disc(place, DOT, style.colour);
+            area.draw(&Circle::new(place, DOT, colour.filled()))?;
         }
         for read in &finger.readings {
-            reading(canvas, self.at(*read), style.colour, style.pale());
+            for (radius, colour) in [(DOT, colour), (DOT - 4, faint)] {
+                area.draw(&Circle::new(at(*read), radius, colour.filled()))?;
+            }
         }
+        Ok(())
     }
 }

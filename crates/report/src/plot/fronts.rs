@@ -3,24 +3,30 @@
 
 mod names;
 
-use super::canvas::{Anchor, Canvas, Point};
-use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest};
+use super::drawing::Figure;
+use super::panel::{Panel, Place, bar, mesh};
 use super::scale::{Scale, Spacing};
-use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
+use super::sheet::{
+    self, Drawn, EDGE, HAIR, Key, LINE, Point, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words, letters,
+};
+use super::style::{FRAME, INK, QUIET, Style, pale};
+use super::symbol::{Placed, Symbol};
 use super::uncertainty::normal;
 use crate::group::distinct;
 use crate::tradeoff::{Ladder, LadderScene, Rung, Tradeoff};
 use crate::{Files, ReportError, words};
 use names::NAME;
 use palpate_study::number;
+use plotters::element::{PathElement, Polygon};
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
 
-const PANEL_HEIGHT: f64 = 235.0;
-const MARKER: f64 = 5.0;
-const OTHER: f64 = 4.0;
-const STROKE: f64 = 2.0;
+const PANEL_HEIGHT: i32 = 705;
+const MARKER: f64 = 15.0;
+const OTHER: f64 = 12.0;
+const STROKE: u32 = 6;
 /// Length of a sample in the key.
-const SAMPLE: f64 = 2.4 * MARKER;
+const SAMPLE: i32 = 36;
 /// Ten times the truth; no answer that errs by more is worth telling apart. Such a rung is drawn as high as this, and
 /// as off the scale.
 const WORST: f64 = 10.0;
@@ -44,12 +50,13 @@ pub(crate) fn all(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
 /// The fronts of one ladder, whose costs are in `unit`.
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
-    let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost));
+    let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
     let y = Scale::around(Spacing::Log, rungs().map(shown));
+    let y = y.with_ticks(5).without_minor();
     // What errs, then remarks on it.
-    let mut told = ladder.error_of.split("; ");
-    let error_of = told.next().unwrap_or_default();
-    let remarks = told.map(|remark| words::sentence(&[], remark));
+    let mut parts = ladder.error_of.split("; ");
+    let error_of = parts.next().unwrap_or_default();
+    let remarks = parts.map(|remark| words::sentence(&[], remark));
     let has_bars = rungs().any(|rung| rung.error_std > 0.0);
     let bars = has_bars.then(|| {
         "Bars, where longer than their marker: 95 % intervals by the number of trials.".to_owned()
@@ -65,75 +72,61 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
         subtitle: subtitle.to_owned(),
         notes: remarks.chain(bars).chain(off_scale).collect(),
     };
-    let mut frame = Frame::new(words, WIDTH);
     let families: Vec<String> = rungs().map(|rung| family(&rung.name)).collect();
     let families = distinct(families.iter().map(String::as_str));
     let choices = distinct(rungs().map(|rung| rung.name.as_str())).len();
-    // One choice of each family has its name beside it.
-    if (2..choices).contains(&families.len()) {
-        let entries = families.iter().enumerate();
-        let entries: Vec<(Style, String)> = entries
-            .map(|(place, family)| (Style::of(place), (*family).to_owned()))
-            .collect();
-        frame.key(SAMPLE, &entries, |canvas, (x, y), style| {
-            canvas.marker(style.marker, (x + SAMPLE / 2.0, y), MARKER, style.colour);
-        });
-    }
-    frame.top += 8.0;
-    frame.heading(&format!("{error_of} (no unit)"), EDGE, WIDTH - 2.0 * EDGE);
+    let entries = families.iter().enumerate();
+    let key: Key = entries
+        .map(|(place, family)| {
+            let symbol = Symbol::new(Style::of(place), MARKER);
+            (Sample::symbol(symbol), (*family).to_owned())
+        })
+        .collect();
     let style_of = |rung: &Rung| {
         let family = family(&rung.name);
         let place = families.iter().position(|known| *known == family);
         Style::of(place.unwrap_or_default())
     };
-    let left = EDGE + widest(&y.ticks(5)) + TICK_GAP;
+    let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
-    let mut axes = Axes {
-        x: &x,
-        y: &y,
-        corner: (left, 0.0),
-        size,
-    };
-    frame.top += 6.0;
-    for scene in &ladder.scenes {
-        let heading = format!("{}: {}", scene.ease, scene.what);
-        frame.heading(&heading, left, size.0);
-        axes.corner.1 = frame.top + 2.0;
-        grid(axes, &mut frame.canvas);
-        panel(axes, scene, style_of, &mut frame.canvas);
-        frame.top = axes.corner.1 + PANEL_HEIGHT + 12.0;
-    }
-    for tick in x.ticks(8) {
-        axes.label_x(&mut frame.canvas, tick.at, &[tick.label]);
-    }
-    // Below the ticks of the last panel.
-    frame.top += TICK_GAP + 2.0 * LINE - 12.0;
-    let label = format!("cost of {} ({unit})", ladder.evaluation);
-    let place = (left + size.0 / 2.0, frame.top - LINE + TEXT / 2.0);
-    frame.canvas.text(&label, place, TEXT, Anchor::Middle, INK);
-    frame.finish()
-}
-
-fn grid(axes: Axes<'_>, canvas: &mut Canvas) {
-    let Axes { x, y, .. } = axes;
-    let [xs, ys] = [x.ticks(8), y.ticks(5)];
-    axes.rule(canvas, x.minor(8), [], FAINT);
-    let across = xs.iter().map(|tick| tick.at);
-    axes.rule(canvas, across, ys.iter().map(|tick| tick.at), GRID);
-    for tick in &ys {
-        axes.label_y(canvas, tick);
-    }
-    axes.outline(canvas);
+    sheet::figure(words, WIDTH, |sheet| {
+        // One choice of each family has its name beside it.
+        if (2..choices).contains(&families.len()) {
+            sheet.key(SAMPLE, &key)?;
+        }
+        sheet.top += 24;
+        sheet.heading(&format!("{error_of} (no unit)"), EDGE, WIDTH - 2 * EDGE)?;
+        sheet.top += 18;
+        for (at, scene) in ladder.scenes.iter().enumerate() {
+            let heading = format!("{}: {}", scene.ease, scene.what);
+            sheet.heading(&heading, left, size.0)?;
+            let place = Place {
+                corner: (left, sheet.top + 6),
+                size,
+                labelled: [at + 1 == ladder.scenes.len(), true],
+            };
+            front(sheet, &mut place.panel(sheet, &x, &y)?, scene, style_of)?;
+            sheet.top += PANEL_HEIGHT + 42;
+        }
+        // Below the ticks of the last panel.
+        sheet.top += TICK_GAP + LINE - 36;
+        let label = format!("cost of {} ({unit})", ladder.evaluation);
+        let place = (left + size.0 / 2, sheet.top + TEXT / 2);
+        sheet.text(&label, place, HPos::Center, INK)?;
+        sheet.top += LINE;
+        Ok(())
+    })
 }
 
 /// The rungs of one scene.
-fn panel(
-    axes: Axes<'_>,
+fn front(
+    sheet: &Sheet,
+    panel: &mut Panel<'_>,
     scene: &LadderScene,
     style_of: impl Fn(&Rung) -> Style,
-    canvas: &mut Canvas,
-) {
-    let place = |rung: &Rung| axes.at((rung.cost, shown(rung)));
+) -> Drawn {
+    mesh(panel)?;
+    let place = |rung: &Rung| panel.backend_coord(&(rung.cost, shown(rung)));
     let (mut front, beaten): (Vec<&Rung>, Vec<&Rung>) =
         scene.rungs.iter().partition(|rung| rung.on_front);
     front.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -141,51 +134,60 @@ fn panel(
         let called = rungs.iter().map(|rung| (named(rung), place(rung)));
         called.collect()
     };
-    let (left, right, top, bottom) = axes.edges();
-    let frame = [left, top, right, bottom];
-    let bars: Vec<[Point; 2]> = scene
-        .rungs
-        .iter()
-        .filter(|rung| !is_off_scale(rung))
-        .map(|rung| axes.upright(rung.cost, interval(rung)))
+    let (across, down) = panel.plotting_area().get_pixel_range();
+    let frame = [across.start, down.start, across.end, down.end];
+    let measured = scene.rungs.iter().filter(|rung| !is_off_scale(rung));
+    let bars: Vec<[Point; 2]> = measured
+        .map(|rung| {
+            let ends = interval(rung).map(|end| panel.backend_coord(&(rung.cost, end)));
+            ends.map(|(x, y)| (x, y.clamp(down.start, down.end)))
+        })
         .collect();
     let names = names::place(&called(&front), &called(&beaten), &bars, frame);
     if front.len() > 1 {
         let places: Vec<Point> = front.iter().map(|rung| place(rung)).collect();
-        canvas.line(&places, QUIET, STROKE);
+        sheet
+            .area
+            .draw(&PathElement::new(places, QUIET.stroke_width(STROKE)))?;
     }
-    for rung in beaten {
-        let style = style_of(rung);
-        bar(axes, rung, style.pale(), canvas);
+    let rung = |rung: &Rung, style: Style, size: f64| {
         if is_off_scale(rung) {
-            canvas.polygon(&arrow(place(rung)), style.pale());
+            let arrow = arrow(place(rung)).to_vec();
+            sheet.area.draw(&Polygon::new(arrow, style.colour))?;
+        } else {
+            bar(
+                panel,
+                rung.cost,
+                interval(rung),
+                2 * MARKER as i32,
+                style.colour,
+            )?;
         }
-        canvas.marker(style.marker, place(rung), OTHER, style.pale());
+        sheet
+            .area
+            .draw(&Placed(place(rung), Symbol::new(style, size)))
+    };
+    for beaten in beaten {
+        let style = style_of(beaten);
+        let colour = pale(style.colour);
+        rung(beaten, Style { colour, ..style }, OTHER)?;
         // Where there is no room for its name.
-        canvas.title(&named(rung));
+        sheet.title(&named(beaten));
     }
     for leader in names.iter().filter_map(|name| name.leader) {
-        canvas.line(&leader, FRAME, 1.0);
+        sheet
+            .area
+            .draw(&PathElement::new(leader, FRAME.stroke_width(HAIR)))?;
     }
-    for rung in front {
-        let Style { colour, marker } = style_of(rung);
-        bar(axes, rung, colour, canvas);
-        if is_off_scale(rung) {
-            canvas.polygon(&arrow(place(rung)), colour);
-        }
-        canvas.marker(marker, place(rung), MARKER, colour);
+    for best in front {
+        rung(best, style_of(best), MARKER)?;
     }
     for name in &names {
         let colour = if name.of_front { INK } else { QUIET };
-        canvas.text(&name.text, name.place, NAME, Anchor::Left, colour);
+        let style = letters(NAME, colour, HPos::Left);
+        sheet.area.draw_text(&name.text, &style, name.place)?;
     }
-}
-
-/// Interval of a rung's error, where it is longer than the marker.
-fn bar(axes: Axes<'_>, rung: &Rung, colour: Colour, canvas: &mut Canvas) {
-    if !is_off_scale(rung) {
-        axes.bar(canvas, rung.cost, interval(rung), 2.0 * MARKER, colour);
-    }
+    Ok(())
 }
 
 /// Ends of the 95 % interval of a rung's error.
@@ -211,12 +213,8 @@ fn is_off_scale(rung: &Rung) -> bool {
 
 /// Head of an arrow that points upwards, above a marker.
 fn arrow((x, y): Point) -> [Point; 3] {
-    let bottom = y - MARKER - 3.0;
-    [
-        (x - OTHER, bottom),
-        (x + OTHER, bottom),
-        (x, bottom - 1.3 * OTHER),
-    ]
+    let (size, bottom) = (OTHER as i32, y - MARKER as i32 - 9);
+    [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
 /// Name of a rung without its numbers: what rungs that differ in a setting have in common.

@@ -1,11 +1,12 @@
 //! Numbers from elsewhere in a plot: reference lines, and points.
 
-use super::chart::{Mark, PointSet};
 use super::scale::Spacing;
-use super::style::Style;
+use super::series::{Mark, OPEN_MARKER, PointSet};
+use super::style::{FRAME, Style};
 use crate::group::distinct;
 use crate::table::same;
 use palpate_study::{config, number};
+use plotters::style::Color;
 
 /// Axis of a plot, on which numbers of the table are shown.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +43,7 @@ pub(crate) fn marks(marks: &[config::Mark], [x, y]: [Along; 2]) -> Result<Vec<Ma
             on_x,
             at: along.place(mark.value, "mark")?,
             label: mark.label.clone(),
+            style: FRAME.stroke_width(4),
         })
     };
     marks.iter().map(place).collect()
@@ -85,6 +87,7 @@ impl Points {
                     colour: of_series.unwrap_or(look).colour,
                     ..look
                 },
+                size: OPEN_MARKER,
                 at: set
                     .x
                     .iter()

@@ -1,11 +1,17 @@
 //! Shares of every two of some things, as squares.
 
-use super::canvas::{Anchor, Canvas};
-use super::figure::Figure;
-use super::frame::{EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, outline};
-use super::lettering::{width, wrap};
-use super::style::{Colour, INK, WHITE};
+use super::drawing::Figure;
+use super::lettering::width;
+use super::panel::{Place, mesh};
+use super::scale::Scale;
+use super::sheet::{
+    self, Drawn, EDGE, HAIR, LINE, Point, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
+};
+use super::style::{Colour, FRAME, INK, WHITE, mixed};
 use crate::ReportError;
+use plotters::element::Rectangle;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
 
 /// Squares of shares, as they are drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,16 +44,23 @@ pub struct HeatPanel {
 /// Most things of a panel, and most panels, that make a picture.
 const MOST: usize = 40;
 const MOST_PANELS: usize = 24;
-/// Sides of squares, pixels: with their number in them, and without.
-const LARGE: f64 = 74.0;
-const SMALL: f64 = 22.0;
+/// Sides of squares: with a number in them, and without.
+const LARGE: i32 = 222;
+const SMALL: i32 = 66;
 /// Panel of more things than this has no numbers in its squares.
 const MOST_NUMBERED: usize = 12;
-/// Widest name, pixels.
-const NAME: f64 = 170.0;
-const GAP: f64 = 34.0;
+/// Widest name.
+const NAME: i32 = 510;
+const GAP: i32 = 102;
+/// Gap between names along x.
+const BESIDE: i32 = 12;
+/// Width of a sample in the key.
+const SAMPLE: i32 = 78;
 /// Share from which on a square is so dark that its number is white.
 const DARK: f64 = 0.6;
+/// Ground of squares without a share, and of share 1: a blue that colour-blind readers and a grey print also show.
+const NONE: Colour = Colour(236, 236, 236);
+const ALL: Colour = Colour(8, 48, 107);
 
 /// Draws shares as squares, darker the larger, with their number in percent where there are few.
 ///
@@ -91,82 +104,81 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     }
     let side = if most > MOST_NUMBERED { SMALL } else { LARGE };
     let names = heat.panels.iter().flat_map(|panel| &panel.names);
-    let widest = names
-        .map(|name| width(name, TEXT).min(NAME))
-        .fold(0.0, f64::max);
-    let wide = widest + TICK_GAP + side * most.max(1) as f64;
-    let columns = (((WIDTH - 2.0 * EDGE + GAP) / (wide + GAP)) as usize).max(1);
-    let columns = columns.min(heat.panels.len().max(1));
-    let total = (2.0 * EDGE + columns as f64 * (wide + GAP) - GAP).max(WIDTH);
+    let widest = names.map(|name| width(name, TEXT).min(NAME)).max();
+    let beside = widest.unwrap_or(0) + TICK_GAP;
+    let wide = beside + side * most.max(1) as i32;
+    let columns = ((WIDTH - 2 * EDGE + GAP) / (wide + GAP)).max(1);
+    let columns = columns.min(heat.panels.len().max(1) as i32);
+    let total = (2 * EDGE + columns * (wide + GAP) - GAP).max(WIDTH);
     let words = Words {
         name: heat.name.clone(),
         title: heat.title.clone(),
         subtitle: heat.subtitle.clone(),
         notes: heat.notes.clone(),
     };
-    let mut frame = Frame::new(words, total);
-    let shades = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (share, format!("{} %", 100.0 * share)));
-    frame.key(26.0, &shades, |canvas, (x, y), share| {
-        square(canvas, (x, y - 9.0), (26.0, 18.0), Some(*share));
+    let shades = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| {
+        let sample = Sample::ground(shade(Some(share)));
+        (sample, format!("{} %", 100.0 * share))
     });
-    frame.heading(&heat.axis, EDGE, total - 2.0 * EDGE);
-    frame.top += 6.0;
-    for row in heat.panels.chunks(columns) {
-        let top = frame.top;
-        let mut lowest = top;
-        for (column, panel) in row.iter().enumerate() {
-            let left = EDGE + column as f64 * (wide + GAP);
-            frame.top = top;
-            if !panel.title.is_empty() {
-                frame.heading(&panel.title, left, wide);
-                frame.top += 4.0;
+    sheet::figure(words, total, |sheet| {
+        sheet.key(SAMPLE, &shades.to_vec())?;
+        sheet.heading(&heat.axis, EDGE, total - 2 * EDGE)?;
+        sheet.top += 18;
+        for row in heat.panels.chunks(columns as usize) {
+            let top = sheet.top;
+            let mut lowest = top;
+            for (column, panel) in row.iter().enumerate() {
+                let left = EDGE + column as i32 * (wide + GAP);
+                sheet.top = top;
+                sheet.heading(&panel.title, left, wide)?;
+                let corner = (left + beside, sheet.top + 12);
+                lowest = lowest.max(draw(panel, sheet, corner, side)?);
             }
-            let corner = (left + widest + TICK_GAP, frame.top);
-            let lines = draw(panel, &mut frame.canvas, corner, side);
-            let high = side * panel.names.len() as f64;
-            lowest = lowest.max(corner.1 + high + TICK_GAP + lines as f64 * LINE);
+            sheet.top = lowest + 42;
         }
-        frame.top = lowest + 14.0;
-    }
-    frame.finish()
+        Ok(())
+    })
 }
 
-/// Draws a panel with its squares from `corner` on; gives the number of lines of the names below.
-fn draw(panel: &HeatPanel, canvas: &mut Canvas, corner: (f64, f64), side: f64) -> usize {
-    let count = panel.names.len();
+/// Draws a panel with its squares from `corner` on; returns how far down it reaches.
+fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
+    let mut names = panel.names.clone();
+    // Small squares have room for some of the names only.
+    let every = (LINE as usize).div_ceil(side as usize);
+    for (place, name) in names.iter_mut().enumerate() {
+        if place % every > 0 {
+            name.clear();
+        }
+    }
+    let high = side * names.len() as i32;
+    let x = Scale::of_names(names.clone()).fitted(high, BESIDE);
+    let place = Place {
+        corner,
+        size: (high, high),
+        labelled: [side == LARGE, true],
+    };
+    let mut squares = place.panel(sheet, &x, &Scale::of_names(names).reversed())?;
+    mesh(&mut squares)?;
     for (row, shares) in panel.shares.iter().enumerate() {
         for (column, share) in shares.iter().enumerate() {
-            let place = (
-                corner.0 + column as f64 * side,
-                corner.1 + row as f64 * side,
-            );
-            square(canvas, place, (side, side), *share);
-            let Some(share) = share.filter(|_| side == LARGE) else {
-                continue;
-            };
-            let colour = if share >= DARK { WHITE } else { INK };
-            let middle = (place.0 + side / 2.0, place.1 + side / 2.0);
-            canvas.text(&in_percent(share), middle, TEXT, Anchor::Middle, colour);
-        }
-    }
-    outline(canvas, corner, (side * count as f64, side * count as f64));
-    let mut lines = 0;
-    // Small squares have room for some of the names only.
-    let every = ((LINE / side).ceil() as usize).max(1);
-    for (place, name) in panel.names.iter().enumerate().step_by(every) {
-        let along = (place as f64 + 0.5) * side;
-        let left = (corner.0 - TICK_GAP, corner.1 + along);
-        canvas.text(name, left, TEXT, Anchor::Right, INK);
-        if side == LARGE {
-            let wrapped = wrap(name, TEXT, side - 4.0);
-            for (line, text) in wrapped.iter().enumerate() {
-                let y = corner.1 + side * count as f64 + TICK_GAP + TEXT / 2.0 + line as f64 * LINE;
-                canvas.text(text, (corner.0 + along, y), TEXT, Anchor::Middle, INK);
+            let (x, y) = (column as f64, row as f64);
+            let corners = [(x - 0.5, y - 0.5), (x + 0.5, y + 0.5)];
+            squares.draw_series([
+                Rectangle::new(corners, shade(*share).filled()),
+                Rectangle::new(corners, FRAME.stroke_width(HAIR)),
+            ])?;
+            if let Some(share) = share.filter(|_| side == LARGE) {
+                let colour = if share >= DARK { WHITE } else { INK };
+                let middle = squares.backend_coord(&(x, y));
+                sheet.text(&in_percent(share), middle, HPos::Center, colour)?;
             }
-            lines = lines.max(wrapped.len());
         }
     }
-    lines
+    let below = match side == LARGE {
+        true => TICK_GAP + x.lines() * LINE,
+        false => TICK_GAP,
+    };
+    Ok(corner.1 + high + below)
 }
 
 /// Share in percent, which is 100 % only where it is 1.
@@ -178,18 +190,7 @@ fn in_percent(share: f64) -> String {
     }
 }
 
-fn square(canvas: &mut Canvas, (x, y): (f64, f64), (wide, high): (f64, f64), share: Option<f64>) {
-    let colour = share.map_or(Colour(236, 236, 236), shade);
-    canvas.polygon(
-        &[(x, y), (x + wide, y), (x + wide, y + high), (x, y + high)],
-        colour,
-    );
-    outline(canvas, (x, y), (wide, high));
-}
-
-/// Blue, from white for 0 to nearly black for 1: seen alike by all eyes, and in grey.
-fn shade(share: f64) -> Colour {
-    let share = share.clamp(0.0, 1.0);
-    let mix = |from: f64, to: f64| (from + (to - from) * share).round() as u8;
-    Colour(mix(255.0, 8.0), mix(255.0, 48.0), mix(255.0, 107.0))
+/// Ground of a square: darker the larger its share.
+fn shade(share: Option<f64>) -> Colour {
+    share.map_or(NONE, |share| mixed(WHITE, ALL, share))
 }

@@ -1,8 +1,6 @@
-//! The built-in fonts: how wide a text is, and where it breaks.
+//! Text in the built-in fonts: its width, its line breaks and its pixels.
 
-use ab_glyph::{Font, FontRef, GlyphId};
-#[cfg(feature = "png")]
-use ab_glyph::{OutlineCurve, Point, point};
+use ab_glyph::{Font, FontRef};
 use std::sync::LazyLock;
 
 /// A sans-serif, and one with more characters to fall back on.
@@ -19,100 +17,68 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
 /// Viewers of an SVG have their own sans-serif, which may be wider than ours by this factor.
 const ROOM: f64 = 1.12;
 
-/// Width that `text` needs at `size` pixels per em, in pixels.
-pub(crate) fn width(text: &str, size: f64) -> f64 {
-    ROOM * f64::from(set(text, size as f32, |_, _, _, _| ()))
+/// Width of `text` at a size of `em`, with room for a wider font.
+pub(crate) fn width(text: &str, em: i32) -> i32 {
+    (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
 
-/// Sets a text at `size` pixels per em: hands over each glyph, its font, how far from the start it stands, and pixels
-/// per unit of its font. Gives the width of the whole.
-fn set(text: &str, size: f32, mut place: impl FnMut(&FontRef<'_>, GlyphId, f32, f32)) -> f32 {
+/// Sets a text: calls `place` with each letter, its font, and its distance from the start in ems. Returns the width in
+/// ems.
+fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
-    for (at, letters) in runs(text) {
-        let Some(font) = OUTLINES.get(at) else { break };
-        let unit = size / font.units_per_em().unwrap_or(1000.0);
-        let mut before: Option<GlyphId> = None;
-        for c in letters.chars() {
-            let id = font.glyph_id(c);
-            if let Some(previous) = before {
-                end += unit * font.kern_unscaled(previous, id);
-            }
-            place(font, id, end, unit);
-            end += unit * font.h_advance_unscaled(id);
-            before = Some(id);
+    let mut before = None;
+    for letter in text.chars() {
+        let has_it = |font: &&FontRef<'_>| font.glyph_id(letter).0 != 0;
+        let font = OUTLINES.iter().find(has_it).or(OUTLINES.first());
+        let Some(font) = font else { continue };
+        let em = f64::from(font.units_per_em().unwrap_or(1000.0));
+        let glyph = font.glyph_id(letter);
+        if let Some(before) = before {
+            end += f64::from(font.kern_unscaled(font.glyph_id(before), glyph)) / em;
         }
+        place(font, letter, end);
+        end += f64::from(font.h_advance_unscaled(glyph)) / em;
+        before = Some(letter);
     }
     end
 }
 
-/// A text as outlines.
+/// Calls `pixel` with the place of each pixel of a text on a base line around `x`, and how much of it is covered. The
+/// text has `before` of its width to the left of `x`.
 #[cfg(feature = "png")]
-pub(crate) struct Lettering {
-    /// Outlines in pixels from the start of the base line, to the right and down; one begins where a curve does not go on
-    /// from the one before.
-    pub(crate) curves: Vec<OutlineCurve>,
-    /// Width in pixels.
-    pub(crate) width: f32,
-    /// Height of small letters in pixels.
-    pub(crate) x_height: f64,
-}
-
-#[cfg(feature = "png")]
-impl Lettering {
-    /// Outlines of `text` at `size` pixels per em.
-    pub(crate) fn new(text: &str, size: f64) -> Self {
-        let mut curves = Vec::new();
-        let width = set(text, size as f32, |font, id, left, unit| {
-            let at = |p: Point| point(left + unit * p.x, -unit * p.y);
-            let outline = font.outline(id).map(|outline| outline.curves);
-            curves.extend(outline.into_iter().flatten().map(|curve| match curve {
-                OutlineCurve::Line(a, b) => OutlineCurve::Line(at(a), at(b)),
-                OutlineCurve::Quad(a, b, c) => OutlineCurve::Quad(at(a), at(b), at(c)),
-                OutlineCurve::Cubic(a, b, c, d) => OutlineCurve::Cubic(at(a), at(b), at(c), at(d)),
-            }));
-        });
-        let mut x_height = 0.0;
-        set("x", size as f32, |font, id, _, unit| {
-            let bounds = font.outline(id).map(|outline| outline.bounds);
-            x_height = bounds.map_or(0.0, |bounds| unit * bounds.min.y.max(bounds.max.y));
-        });
-        Self {
-            curves,
-            width,
-            x_height: x_height.into(),
+pub(crate) fn pixels(
+    text: &str,
+    em: f64,
+    (x, base): (f64, f64),
+    before: f64,
+    mut pixel: impl FnMut((i32, i32), f64),
+) {
+    let start = x - before * em * set(text, |_, _, _| ());
+    set(text, |font, letter, along| {
+        let height = f64::from(font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
+        let place = ab_glyph::point((start + em * along) as f32, base as f32);
+        let glyph = font.glyph_id(letter);
+        let glyph = glyph.with_scale_and_position((em * height) as f32, place);
+        if let Some(outline) = font.outline_glyph(glyph) {
+            let corner = outline.px_bounds().min;
+            outline.draw(|across, down, covered| {
+                let place = (
+                    corner.x as i32 + across as i32,
+                    corner.y as i32 + down as i32,
+                );
+                pixel(place, f64::from(covered));
+            });
         }
-    }
+    });
 }
 
-/// Runs of letters that one font has, each with the number of the font.
-fn runs(text: &str) -> Vec<(usize, &str)> {
-    let font_of = |c: char| {
-        let has_it = |font: &FontRef<'_>| font.glyph_id(c).0 != 0;
-        OUTLINES.iter().position(has_it).unwrap_or(0)
-    };
-    let mut runs: Vec<(usize, &str)> = Vec::new();
-    let mut start = 0;
-    for (at, c) in text.char_indices() {
-        let font = font_of(c);
-        let end = at + c.len_utf8();
-        match runs.last_mut() {
-            Some((same, run)) if *same == font => *run = &text[start..end],
-            _ => {
-                start = at;
-                runs.push((font, &text[at..end]));
-            }
-        }
-    }
-    runs
-}
-
-/// `text` in lines of at most `limit` pixels; a longer word stands alone.
-pub(crate) fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
+/// `text` in lines of at most `limit`; a longer word stands alone.
+pub(crate) fn wrap(text: &str, em: i32, limit: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         if let Some(line) = lines.last_mut() {
             let longer = format!("{line} {word}");
-            if width(&longer, size) <= limit {
+            if width(&longer, em) <= limit {
                 *line = longer;
                 continue;
             }
@@ -137,13 +103,10 @@ mod tests {
 
     #[test]
     fn text_wraps_at_the_limit() {
-        let lines = wrap("one two three four five six", 18.0, 90.0);
+        let lines = wrap("one two three four five six", 18, 90);
         assert!(lines.len() > 1, "{lines:?}");
         assert_eq!(lines.join(" "), "one two three four five six");
-        assert!(
-            lines.iter().all(|line| width(line, 18.0) <= 90.0),
-            "{lines:?}"
-        );
-        assert!(wrap("", 18.0, 90.0).is_empty());
+        assert!(lines.iter().all(|line| width(line, 18) <= 90), "{lines:?}");
+        assert!(wrap("", 18, 90).is_empty());
     }
 }

@@ -1,12 +1,13 @@
 //! Statistics of `cells.csv` as lines.
 
 use super::captions::{self, full_value, short_value};
-use super::chart::{self, Chart, Legend, Line, Mark, Panel, Runs, scales};
-use super::figure::Figure;
+use super::drawing::Figure;
 use super::given::{self, Along, Points};
 use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
 use super::select::{Column, Selection};
+use super::series::{self, Content, Line, Mark, Plot, Runs, SeriesKey, scales};
+use super::sheet::MARKER;
 use super::style::Style;
 use super::uncertainty;
 use crate::table::{Axis, same};
@@ -71,7 +72,7 @@ impl<'a> Lines<'a> {
             of,
             x,
             y,
-            spacing: logs.map(|log| if log { Spacing::Log } else { Spacing::Linear }),
+            spacing: logs.map(Spacing::log),
             categories,
         })
     }
@@ -87,13 +88,15 @@ impl<'a> Lines<'a> {
         let panel = |value: Option<&'a str>| {
             let value = self.of.panels.zip(value);
             let here = value.map_or(rows.clone(), |(axis, value)| with(rows, axis, value));
-            Panel {
-                title: value.map(|(axis, value)| full_value(axis, value)),
+            let title = value.map(|(axis, value)| full_value(axis, value));
+            Content {
+                title: title.unwrap_or_default(),
                 lines: self.lines(&here, &mut skipped),
                 points: points.of_panel(value.map(|(_, value)| value)),
+                ..Content::default()
             }
         };
-        let panels: Vec<Panel> = values.into_iter().map(panel).collect();
+        let panels: Vec<Content> = values.into_iter().map(panel).collect();
         let marks = given::marks(&of.plot.marks, self.along()).map_err(|why| of.bad(why))?;
         let [x, y] = self.scales(&panels, &marks);
         let mut lines = panels.iter().flat_map(|panel| &panel.lines);
@@ -101,24 +104,25 @@ impl<'a> Lines<'a> {
         let mut lines = panels.iter().flat_map(|panel| &panel.lines);
         let has_bars = lines.any(|line| !line.bars.is_empty());
         let words = of.words(self.subtitle(), self.notes(skipped, is_circled, has_bars));
-        let legend = Legend {
+        let series = SeriesKey {
             points: points.legend(),
-            ..self.legend()
+            ..self.key()
         };
-        let chart = Chart {
+        let plot = Plot {
             x_label: self.x.text(),
             y_label: self.y.text(),
             x,
             y,
             panels,
-            legend,
+            series,
             marks,
-            markers: true,
+            marker: MARKER,
+            key: Vec::new(),
         };
-        chart::figure(words, &[chart])
+        series::figure(words, vec![plot])
     }
 
-    fn scales(&self, panels: &[Panel], marks: &[Mark]) -> [Scale; 2] {
+    fn scales(&self, panels: &[Content], marks: &[Mark]) -> [Scale; 2] {
         let bars = || {
             let lines = panels.iter().flat_map(|panel| &panel.lines);
             lines.flat_map(|line| line.bars.iter().flat_map(|(_, ends)| *ends))
@@ -139,9 +143,10 @@ impl<'a> Lines<'a> {
             }
             Scale::around(self.spacing[axis], places.into_iter())
         });
-        let named = self.categories.as_ref().map(|names| {
-            Scale::of_categories(names.iter().map(|name| (*name).to_owned()).collect())
-        });
+        let named = self
+            .categories
+            .as_ref()
+            .map(|names| Scale::of_names(names.iter().map(|name| (*name).to_owned()).collect()));
         [named.unwrap_or(x), y]
     }
 
@@ -286,21 +291,21 @@ impl<'a> Lines<'a> {
         Points::of(&of.plot.points, self.along(), &panels, style_of).map_err(|why| of.bad(why))
     }
 
-    fn legend(&self) -> Legend {
+    fn key(&self) -> SeriesKey {
         let compare = self.of.of.plot.compare.as_deref();
         let compared = compare.map(|name| [self.of.y, name].map(words::short_statistic).into());
         let Some(axis) = self.of.series else {
-            return Legend {
+            return SeriesKey {
                 compared,
-                ..Legend::default()
+                ..SeriesKey::default()
             };
         };
         let entry = |value| (short_value(axis, value), style(axis, value));
-        Legend {
+        SeriesKey {
             title: Label::of_field(&axis.header).text(),
             entries: axis.among(&self.of.rows).into_iter().map(entry).collect(),
             compared,
-            ..Legend::default()
+            ..SeriesKey::default()
         }
     }
 

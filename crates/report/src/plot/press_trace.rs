@@ -5,7 +5,7 @@ mod profile;
 mod quiver;
 mod table;
 
-use super::figure::Figure;
+use super::drawing::Figure;
 use crate::{Files, ReportError};
 
 /// Draws a press from `trace.csv` and `readings.csv`, as `palpate trace` writes them: `quiver` shows the markers from

@@ -2,11 +2,11 @@
 
 use super::captions::{full_value, short_value};
 use super::cells::{self, Chosen};
-use super::chart::{self, Chart, Legend, Line, Panel, Runs, scales};
-use super::figure::Figure;
+use super::drawing::Figure;
 use super::given::{self, Along, Points};
 use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
+use super::series::{self, Content, Line, Plot, Runs, SeriesKey, scales};
 use super::style::{PLAIN, Style};
 use crate::group::distinct;
 use crate::records::Records;
@@ -56,13 +56,15 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
             Some((series.style, profile))
         });
         let title = axes.panel.zip(value);
-        Panel {
-            title: title.map(|(axis, value)| full_value(axis, value)),
+        let title = title.map(|(axis, value)| full_value(axis, value));
+        Content {
+            title: title.unwrap_or_default(),
             lines: lines(&shown.collect::<Vec<_>>()),
             points: points.of_panel(value),
+            ..Content::default()
         }
     };
-    let panels: Vec<Panel> = match panel_values.is_empty() {
+    let panels: Vec<Content> = match panel_values.is_empty() {
         true => vec![panel(None)],
         false => panel_values
             .iter()
@@ -86,12 +88,12 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let subtitle = words::sentence(&cells::in_common(of.study, &rows), of_what);
     let named = series.iter().filter(|_| !axes.names.is_empty());
     let [x_unit, y_unit] = profiles.units.each_ref().map(|unit| spoken_unit(unit));
-    let chart = Chart {
+    let plot = Plot {
         x_label: with_unit("radial position", &x_unit),
         y_label: with_unit(displacement, &y_unit),
         x,
         y,
-        legend: Legend {
+        series: SeriesKey {
             title: axes.title(),
             entries: named
                 .map(|series| (series.label.clone(), series.style))
@@ -101,9 +103,10 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
         },
         panels,
         marks,
-        markers: false,
+        marker: 0.0,
+        key: Vec::new(),
     };
-    chart::figure(of.words(subtitle, notes), &[chart])
+    series::figure(of.words(subtitle, notes), vec![plot])
 }
 
 /// The lines of one panel: what is true, then what is estimated. A truth that several cells share is drawn once, in

@@ -1,13 +1,15 @@
 //! Feasible region of two fields: which values of one meet a target, over the values of the other.
 
-use super::answer::{MEETS, MISSES, OPEN, Stretch, draw_axes};
-use super::canvas::{Anchor, Canvas, Point};
-use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, bar, outline, widest};
+use super::answer::{MEETS, MISSES, OPEN, Stretch};
+use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
-use super::style::{Colour, INK, MARKER, Marker, STROKE, WHITE};
+use super::series::{self, Content, Line, Plot, PointSet, SeriesKey};
+use super::sheet::{Key, MARKER, STROKE, Sample, Words};
+use super::style::{Colour, INK, Marker, Style};
+use super::symbol::Symbol;
 use crate::ReportError;
 use palpate_study::Label;
+use plotters::style::Color;
 
 /// Feasible region, as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,14 +65,20 @@ pub struct RegionStrip {
     pub runs: Vec<Stretch>,
 }
 
-const HEIGHT: f64 = 390.0;
-/// Height of a panel where there are several.
-const LOW: f64 = 270.0;
-const GAP: f64 = 34.0;
-/// Side of a sample in the key.
-const SAMPLE: f64 = 26.0;
-/// Half the width of a column that has no neighbour, pixels.
-const ALONE: f64 = 24.0;
+/// Markers of crossings of the target, and of the best value.
+const CROSSING: Style = Style {
+    colour: INK,
+    marker: Marker::Circle,
+};
+const BEST: Style = Style {
+    colour: INK,
+    marker: Marker::Diamond,
+};
+const BEST_SIZE: f64 = 36.0;
+/// Half the width of a column that has no neighbour, as a share of the panel's.
+const ALONE: f64 = 0.03;
+/// A single value is widened to both sides by this share of the panel's height, to be visible.
+const THIN: f64 = 0.002;
 
 /// Draws a feasible region: what meets the target on a blue ground, what is undecided on a grey one, and the target's
 /// contour, which is between them.
@@ -109,279 +117,217 @@ const ALONE: f64 = 24.0;
 /// # Errors
 /// The picture is too large.
 pub fn region_figure(map: &RegionMap) -> Result<Figure, ReportError> {
-    let [x, y] = [&map.x, &map.y].map(scale);
     let words = Words {
         name: map.name.clone(),
         title: map.title.clone(),
         subtitle: map.subtitle.clone(),
         notes: map.notes.clone(),
     };
-    let mut frame = Frame::new(words, WIDTH);
-    frame.key(SAMPLE, &key(map), sample);
-    let (columns, high) = match map.panels.len() {
-        0 | 1 => (1, HEIGHT),
-        _ => (2, LOW),
-    };
-    let room = EDGE + widest(&y.ticks(6)) + TICK_GAP + 2.0;
-    let wide = (WIDTH - 2.0 * EDGE - GAP * (columns - 1) as f64) / columns as f64;
-    for row in map.panels.chunks(columns) {
-        let titles = row.iter().any(|panel| !panel.title.is_empty());
-        let y_label = (EDGE, frame.top + TEXT / 2.0 - 4.0);
-        let canvas = &mut frame.canvas;
-        canvas.text(&map.y.label.text(), y_label, TEXT, Anchor::Left, INK);
-        let top = frame.top + LINE + 6.0 + if titles { LINE } else { 0.0 };
-        let mut deepest = 1;
-        for (column, panel) in row.iter().enumerate() {
-            let left = column as f64 * (wide + GAP);
-            let axes = Axes {
-                x: &x,
-                y: &y,
-                corner: (left + room, top),
-                size: (wide + EDGE - room - 10.0, high),
-            };
-            let middle = axes.corner.0 + axes.size.0 / 2.0;
-            let title = (middle, top - TEXT / 2.0 - 6.0);
-            canvas.text(&panel.title, title, TEXT, Anchor::Middle, INK);
-            let placed = Placed { map, panel, axes };
-            placed.grounds(canvas);
-            deepest = deepest.max(draw_axes(&axes, canvas));
-            placed.contours(canvas);
-            let below = top + high + TICK_GAP + deepest as f64 * LINE + 10.0 + TEXT / 2.0 - 2.0;
-            canvas.text(
-                &map.x.label.text(),
-                (middle, below),
-                TEXT,
-                Anchor::Middle,
-                INK,
-            );
+    let [x, y] = [&map.x, &map.y].map(scale);
+    let panel = |panel: &RegionPanel| {
+        let columns = panel.columns.iter();
+        let columns = columns.map(|strip| Column {
+            at: x.place(strip.x * map.x.factor()),
+            sides: strip.runs.iter().map(|run| run.meets).collect(),
+            runs: strip
+                .runs
+                .iter()
+                .map(|run| map.y.places(&y, (run.from, run.to)))
+                .collect(),
+        });
+        let region = Region {
+            x: &x,
+            y: &y,
+            is_named: [&map.x, &map.y].map(|axis| !axis.names.is_empty()),
+            range: match map.y.names.len() {
+                0 => map.y.places(&y, map.y.ends),
+                count => map.y.places(&y, (0.0, count as f64 - 1.0)),
+            },
+            columns: columns.collect(),
+        };
+        let best = panel.best.map(|(x, y)| PointSet {
+            label: String::new(),
+            style: BEST,
+            size: BEST_SIZE,
+            at: vec![(x * map.x.factor(), y * map.y.factor())],
+        });
+        Content {
+            title: panel.title.clone(),
+            grounds: region.grounds(),
+            lines: region.contours(),
+            points: best.into_iter().collect(),
         }
-        frame.top = top + high + TICK_GAP + deepest as f64 * LINE + 10.0 + 1.6 * LINE;
-    }
-    frame.finish()
+    };
+    let plot = Plot {
+        x_label: map.x.label.text(),
+        y_label: map.y.label.text(),
+        panels: map.panels.iter().map(panel).collect(),
+        key: key(map),
+        series: SeriesKey::default(),
+        marks: Vec::new(),
+        marker: 0.7 * MARKER,
+        x: x.clone(),
+        y: y.clone(),
+    };
+    series::figure(words, vec![plot])
 }
 
 fn scale(axis: &RegionAxis) -> Scale {
     if !axis.names.is_empty() {
-        return Scale::of_categories(axis.names.clone());
+        return Scale::of_names(axis.names.clone());
     }
     let ends = [axis.ends.0, axis.ends.1].map(|end| end * axis.label.factor);
     let is_positive = ends.iter().all(|end| *end > 0.0);
-    let spacing = match axis.is_log && is_positive {
-        true => Spacing::Log,
-        false => Spacing::Linear,
-    };
-    Scale::around(spacing, ends.into_iter())
+    Scale::around(Spacing::log(axis.is_log && is_positive), ends.into_iter())
 }
 
-/// Sample before an entry of the key.
-enum Sample {
-    Ground(Colour),
-    Contour,
-    Best,
-}
-
-fn key(map: &RegionMap) -> Vec<(Sample, String)> {
-    let mut key = vec![
-        (Sample::Ground(MEETS), "meets the target".to_owned()),
-        (Sample::Ground(MISSES), "misses it".to_owned()),
-        (Sample::Ground(OPEN), "undecided".to_owned()),
-        (Sample::Contour, "just meets it".to_owned()),
+fn key(map: &RegionMap) -> Key {
+    let contour = Sample::line(INK.stroke_width(STROKE)).with(Symbol::new(CROSSING, 0.7 * MARKER));
+    let key = [
+        (Sample::ground(MEETS), "meets the target"),
+        (Sample::ground(MISSES), "misses it"),
+        (Sample::ground(OPEN), "undecided"),
+        (contour, "just meets it"),
     ];
-    key.extend(map.best.iter().map(|words| (Sample::Best, words.clone())));
-    key
+    let best = Sample::symbol(Symbol::new(BEST, BEST_SIZE).open());
+    let best = map.best.iter().map(|words| (best, words.as_str()));
+    let all = key.into_iter().chain(best);
+    all.map(|(sample, words)| (sample, words.to_owned()))
+        .collect()
 }
 
-fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
-    match sample {
-        Sample::Ground(colour) => {
-            let (top, bottom) = (y - 0.35 * SAMPLE, y + 0.35 * SAMPLE);
-            let right = x + SAMPLE;
-            canvas.polygon(
-                &[(x, top), (right, top), (right, bottom), (x, bottom)],
-                *colour,
-            );
-            outline(canvas, (x, top), (SAMPLE, 0.7 * SAMPLE));
-        }
-        Sample::Contour => {
-            canvas.line(&[(x, y), (x + SAMPLE, y)], INK, STROKE);
-            canvas.marker(Marker::Circle, (x + SAMPLE / 2.0, y), 0.7 * MARKER, INK);
-        }
-        Sample::Best => best(canvas, (x + SAMPLE / 2.0, y)),
-    }
-}
-
-fn best(canvas: &mut Canvas, place: Point) {
-    canvas.marker(Marker::Diamond, place, 1.9 * MARKER, INK);
-    canvas.marker(Marker::Diamond, place, 1.2 * MARKER, WHITE);
-}
-
-/// Panel in its place.
-struct Placed<'a> {
-    map: &'a RegionMap,
-    panel: &'a RegionPanel,
-    axes: Axes<'a>,
-}
-
-impl Placed<'_> {
-    fn across(&self, x: f64) -> f64 {
-        let factor = match self.map.x.names.is_empty() {
-            true => self.map.x.label.factor,
+impl RegionAxis {
+    /// Factor from values to the numbers shown.
+    fn factor(&self) -> f64 {
+        match self.names.is_empty() {
+            true => self.label.factor,
             false => 1.0,
-        };
-        self.axes.across(x * factor)
+        }
     }
 
-    fn down(&self, y: f64) -> f64 {
-        let factor = match self.map.y.names.is_empty() {
-            true => self.map.y.label.factor,
-            false => 1.0,
-        };
-        self.axes.down(y * factor)
+    /// Places along the scale of the ends of a range of values.
+    fn places(&self, scale: &Scale, (from, to): (f64, f64)) -> [f64; 2] {
+        let half = if self.names.is_empty() { 0.0 } else { 0.5 };
+        [from - half, to + half].map(|value| scale.place(value * self.factor()))
     }
+}
 
-    /// Lower and upper edge of values of y.
-    fn edges(&self, from: f64, to: f64) -> (f64, f64) {
-        let half = if self.map.y.names.is_empty() {
-            0.0
-        } else {
-            0.5
-        };
-        (self.down(from - half), self.down(to + half))
-    }
+/// A panel in places along its scales, from 0 to 1.
+struct Region<'a> {
+    x: &'a Scale,
+    y: &'a Scale,
+    is_named: [bool; 2],
+    /// Ends of the range of y.
+    range: [f64; 2],
+    columns: Vec<Column>,
+}
 
+/// Runs of values of y at one value of x.
+struct Column {
+    at: f64,
+    /// Whether each run meets the target.
+    sides: Vec<bool>,
+    /// Ends of each run.
+    runs: Vec<[f64; 2]>,
+}
+
+impl Region<'_> {
     /// Whether the curve between two columns is known well enough to be drawn as one.
-    fn are_alike(&self, one: &RegionStrip, other: &RegionStrip) -> bool {
-        let sides =
-            |strip: &RegionStrip| strip.runs.iter().map(|run| run.meets).collect::<Vec<_>>();
-        self.map.x.names.is_empty() && self.map.y.names.is_empty() && sides(one) == sides(other)
+    fn are_alike(&self, one: &Column, other: &Column) -> bool {
+        self.is_named == [false; 2] && one.sides == other.sides
     }
 
-    fn grounds(&self, canvas: &mut Canvas) {
-        let strips = &self.panel.columns;
-        let xs: Vec<f64> = strips.iter().map(|strip| self.across(strip.x)).collect();
-        let (first, last) = match self.map.y.names.len() {
-            0 => self.map.y.ends,
-            count => (0.0, count as f64 - 1.0),
-        };
-        let colour = |meets: bool| if meets { MEETS } else { MISSES };
-        let mut strip = |strip: &RegionStrip, left: f64, right: f64| {
-            let mut ground = |(from, to): (f64, f64), colour: Colour| {
-                let (mut low, mut high) = self.edges(from, to);
-                // A single value is seen, too.
-                if low - high < 2.0 {
-                    (low, high) = (low + 1.0, high - 1.0);
-                }
-                canvas.polygon(
-                    &[(left, low), (right, low), (right, high), (left, high)],
-                    colour,
-                );
+    /// Grounds between alike columns, and around the others up to the middle between neighbours.
+    fn grounds(&self) -> Vec<(Vec<(f64, f64)>, Colour)> {
+        let columns = &self.columns;
+        let mut grounds = Vec::new();
+        let pairs = columns.windows(2);
+        let closest = pairs
+            .map(|pair| pair[1].at - pair[0].at)
+            .fold(f64::INFINITY, f64::min);
+        let alone = ALONE.min(0.5 * closest);
+        for (number, one) in columns.iter().enumerate() {
+            let edge = |other: Option<&Column>, sign: f64| match other {
+                _ if self.is_named[0] || columns.len() == 1 => one.at + sign * alone,
+                Some(other) if !self.are_alike(one, other) => 0.5 * (one.at + other.at),
+                _ => one.at,
             };
-            ground((first, last), OPEN);
-            for run in &strip.runs {
-                ground((run.from, run.to), colour(run.meets));
-            }
-        };
-        for (place, one) in strips.iter().enumerate() {
-            let x = xs[place];
-            let is_joined =
-                |other: Option<&RegionStrip>| other.is_some_and(|other| self.are_alike(one, other));
-            let middle = |other: Option<&f64>| other.map(|other| 0.5 * (x + other));
-            let before = place.checked_sub(1);
-            let left = middle(before.and_then(|before| xs.get(before)));
-            let right = middle(xs.get(place + 1));
-            let alone = ALONE.min(
-                [left.map(|left| x - left), right.map(|right| right - x)]
-                    .into_iter()
-                    .flatten()
-                    .fold(f64::INFINITY, f64::min),
-            );
-            let is_named = !self.map.x.names.is_empty();
-            let edge = |side: Option<f64>, sign: f64| match side {
-                Some(side) if !is_named => side,
-                Some(_) | None if is_named || strips.len() == 1 => x + sign * alone,
-                _ => x,
-            };
-            let (from, to) = (
-                if is_joined(before.and_then(|before| strips.get(before))) {
-                    x
-                } else {
-                    edge(left, -1.0)
-                },
-                if is_joined(strips.get(place + 1)) {
-                    x
-                } else {
-                    edge(right, 1.0)
-                },
-            );
-            if to > from {
-                strip(one, from, to);
+            let before = number.checked_sub(1).and_then(|before| columns.get(before));
+            let (left, right) = (edge(before, -1.0), edge(columns.get(number + 1), 1.0));
+            if right > left {
+                self.between((left, one), (right, one), &mut grounds);
             }
         }
-        for (pair, x) in strips.windows(2).zip(xs.windows(2)) {
-            let [one, other] = pair else { continue };
-            if !self.are_alike(one, other) {
-                continue;
-            }
-            let mut ground = |one: (f64, f64), other: (f64, f64), colour: Colour| {
-                let ((low, high), (next_low, next_high)) =
-                    (self.edges(one.0, one.1), self.edges(other.0, other.1));
-                canvas.polygon(
-                    &[
-                        (x[0], low),
-                        (x[1], next_low),
-                        (x[1], next_high),
-                        (x[0], high),
-                    ],
-                    colour,
-                );
-            };
-            ground((first, last), (first, last), OPEN);
-            for (one, other) in one.runs.iter().zip(&other.runs) {
-                ground(
-                    (one.from, one.to),
-                    (other.from, other.to),
-                    colour(one.meets),
-                );
-            }
-        }
-    }
-
-    /// Lines between crossings of neighbours, and at each a bar over what is undecided.
-    fn contours(&self, canvas: &mut Canvas) {
-        let is_named = !self.map.y.names.is_empty();
-        let crossings = |strip: &RegionStrip| -> Vec<(f64, f64)> {
-            let pairs = strip.runs.windows(2);
-            pairs
-                .filter(|pair| !is_named && pair[0].meets != pair[1].meets)
-                .map(|pair| (self.down(pair[0].to), self.down(pair[1].from)))
-                .collect()
-        };
-        let strips = &self.panel.columns;
-        let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
-        for pair in strips
+        for pair in columns
             .windows(2)
             .filter(|pair| self.are_alike(&pair[0], &pair[1]))
         {
-            let ends = pair
-                .iter()
-                .map(|strip| (self.across(strip.x), crossings(strip)));
-            let ends: Vec<(f64, Vec<(f64, f64)>)> = ends.collect();
-            for (one, other) in ends[0].1.iter().zip(&ends[1].1) {
-                let line = [(ends[0].0, middle(*one)), (ends[1].0, middle(*other))];
-                canvas.line(&line, INK, STROKE);
+            self.between((pair[0].at, &pair[0]), (pair[1].at, &pair[1]), &mut grounds);
+        }
+        grounds
+    }
+
+    /// Adds the grounds from the runs of one column at a place to those of another.
+    fn between(
+        &self,
+        (left, one): (f64, &Column),
+        (right, other): (f64, &Column),
+        grounds: &mut Vec<(Vec<(f64, f64)>, Colour)>,
+    ) {
+        let mut ground =
+            |[low, high]: [f64; 2], [next_low, next_high]: [f64; 2], colour: Colour| {
+                let thin = if high - low < THIN { THIN } else { 0.0 };
+                let corners = [
+                    (left, low - thin),
+                    (right, next_low - thin),
+                    (right, next_high + thin),
+                    (left, high + thin),
+                ];
+                grounds.push((corners.map(|corner| self.at(corner)).to_vec(), colour));
+            };
+        ground(self.range, self.range, OPEN);
+        for ((run, next), meets) in one.runs.iter().zip(&other.runs).zip(&one.sides) {
+            ground(*run, *next, if *meets { MEETS } else { MISSES });
+        }
+    }
+
+    /// Lines between crossings of alike neighbours, and at each a bar over what is undecided.
+    fn contours(&self) -> Vec<Line> {
+        let crossings = |column: &Column| -> Vec<[f64; 2]> {
+            let sides = column.sides.windows(2);
+            let runs = column.runs.windows(2).zip(sides);
+            let crossed = runs.filter(|(_, side)| !self.is_named[1] && side[0] != side[1]);
+            crossed.map(|(pair, _)| [pair[0][1], pair[1][0]]).collect()
+        };
+        let mut contours = Vec::new();
+        for chain in self
+            .columns
+            .chunk_by(|one, other| self.are_alike(one, other))
+        {
+            let crossed: Vec<_> = chain.iter().map(crossings).collect();
+            for number in 0..crossed[0].len() {
+                let ends = chain
+                    .iter()
+                    .zip(&crossed)
+                    .map(|(column, all)| (column.at, all[number]));
+                let middles = ends
+                    .clone()
+                    .map(|(at, [low, high])| self.at((at, 0.5 * (low + high))));
+                let bars =
+                    ends.map(|(at, ends)| (self.x.value(at), ends.map(|end| self.y.value(end))));
+                contours.push(Line {
+                    style: CROSSING,
+                    dashed: false,
+                    runs: vec![middles.collect()],
+                    circled: Vec::new(),
+                    bars: bars.collect(),
+                });
             }
         }
-        for strip in strips {
-            let x = self.across(strip.x);
-            for (low, high) in crossings(strip) {
-                if low - high > 2.0 * MARKER {
-                    bar(canvas, x, [low, high], [true; 2], INK);
-                }
-                canvas.marker(Marker::Circle, (x, middle((low, high))), 0.7 * MARKER, INK);
-            }
-        }
-        if let Some((x, y)) = self.panel.best {
-            best(canvas, (self.across(x), self.down(y)));
-        }
+        contours
+    }
+
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.value(x), self.y.value(y))
     }
 }

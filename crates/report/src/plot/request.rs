@@ -1,6 +1,6 @@
 //! A `[[plot]]` that a study asks for, and what is said when it cannot be drawn.
 
-use super::frame::Words;
+use super::sheet::Words;
 use crate::table::Axis;
 use crate::{ReportError, Study};
 use palpate_study::config::PlotConfig;

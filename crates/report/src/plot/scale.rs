@@ -1,6 +1,10 @@
-//! From values to places along an axis, and where the ticks stand.
+//! Axes: values to places along them, and ticks.
 
+use super::lettering::{width, wrap};
+use super::sheet::TEXT;
 use palpate_study::number;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use std::ops::Range;
 
 /// The spacing of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,19 +20,32 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// An axis: its range and what divides it. Ticks lie inside the range.
+/// An axis as a coordinate of plotters: range, ticks and grid lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
+    /// Ends; of a logarithmic axis, their logarithms to base 10.
     min: f64,
     max: f64,
-    categories: Vec<String>,
+    /// Names of the places 0, 1, …; empty for numbers.
+    names: Vec<String>,
+    /// Number of ticks to aim at.
+    about: usize,
+    /// Whether there are grid lines between the ticks.
+    has_minor: bool,
 }
 
 /// Values beyond this, or closer to zero than its inverse, are not drawn.
-pub(crate) const LARGEST: f64 = 1e300;
+const LARGEST: f64 = 1e300;
+/// Gap between numbers along x.
+const BETWEEN_NUMBERS: i32 = 24;
 
 impl Spacing {
+    /// Logarithmic or linear.
+    pub(crate) fn log(is_log: bool) -> Self {
+        if is_log { Self::Log } else { Self::Linear }
+    }
+
     /// Reason for which `value` has no place on such an axis, if it has none.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
@@ -39,9 +56,7 @@ impl Spacing {
             _ => None,
         }
     }
-}
 
-impl Spacing {
     /// The number nearest to `value` that has a place on such an axis.
     pub(crate) fn nearest(self, value: f64) -> f64 {
         let least = match self {
@@ -77,9 +92,7 @@ impl Scale {
         };
         Self {
             spacing,
-            min,
-            max,
-            categories: Vec::new(),
+            ..Self::exactly(min, max)
         }
     }
 
@@ -89,8 +102,67 @@ impl Scale {
             spacing: Spacing::Linear,
             min,
             max,
-            categories: Vec::new(),
+            names: Vec::new(),
+            about: 6,
+            has_minor: true,
         }
+    }
+
+    /// An axis of named places: the first at 0, the next at 1, …
+    pub(crate) fn of_names(names: Vec<String>) -> Self {
+        let end = names.len() as f64 - 0.5;
+        Self {
+            names,
+            ..Self::exactly(-0.5, end)
+        }
+    }
+
+    /// The axis turned round.
+    pub(crate) fn reversed(self) -> Self {
+        Self {
+            min: self.max,
+            max: self.min,
+            ..self
+        }
+    }
+
+    /// The axis with about this number of ticks.
+    pub(crate) fn with_ticks(self, about: usize) -> Self {
+        Self { about, ..self }
+    }
+
+    /// The axis without grid lines between its ticks.
+    pub(crate) fn without_minor(self) -> Self {
+        Self {
+            has_minor: false,
+            ..self
+        }
+    }
+
+    /// The axis with the most ticks whose labels have room below a panel of this width; names are broken into lines,
+    /// with a gap between neighbours.
+    pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
+        if !self.names.is_empty() {
+            let slot = panel / self.names.len() as i32 - gap;
+            for name in &mut self.names {
+                *name = wrap(name, TEXT, slot).join("\n");
+            }
+            return self;
+        }
+        let fits = |axis: &Self| {
+            let mut end = i32::MIN / 2;
+            axis.ticks().iter().all(|tick| {
+                let half = width(&tick.label, TEXT) / 2;
+                let middle = axis.map(&tick.at, (0, panel));
+                let free = middle - half >= end + BETWEEN_NUMBERS;
+                end = middle + half;
+                free
+            })
+        };
+        let mut choices = (3..=self.about)
+            .rev()
+            .map(|about| self.clone().with_ticks(about));
+        choices.find(fits).unwrap_or(self.clone().with_ticks(2))
     }
 
     /// The lower and the upper end of a linear axis.
@@ -98,139 +170,124 @@ impl Scale {
         (self.min, self.max)
     }
 
-    /// An axis of named places: the first at 0, the next at 1, …
-    pub(crate) fn of_categories(categories: Vec<String>) -> Self {
-        let max = categories.len() as f64 - 0.5;
-        Self {
-            spacing: Spacing::Linear,
-            min: -0.5,
-            max,
-            categories,
-        }
+    /// The names along the axis; empty for numbers.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
     }
 
-    /// The names along the axis; empty for numbers.
-    pub(crate) fn categories(&self) -> &[String] {
-        &self.categories
+    /// Width of the widest label.
+    pub(crate) fn widest(&self) -> i32 {
+        let ticks = self.ticks();
+        let widths = ticks.iter().map(|tick| width(&tick.label, TEXT));
+        widths.max().unwrap_or(0)
+    }
+
+    /// Largest number of lines of a label.
+    pub(crate) fn lines(&self) -> i32 {
+        let lines = self.names.iter().map(|name| name.lines().count() as i32);
+        lines.max().unwrap_or(1)
     }
 
     /// Place of `value` along the axis: 0 at the lower end, 1 at the upper.
     pub(crate) fn place(&self, value: f64) -> f64 {
-        let value = if self.spacing == Spacing::Log {
-            libm::log10(value)
-        } else {
-            value
+        let value = match self.spacing {
+            Spacing::Log => libm::log10(value),
+            Spacing::Linear => value,
         };
         (value - self.min) / (self.max - self.min)
     }
 
-    /// About as many labelled ticks as asked for, at least one, at round values.
-    pub(crate) fn ticks(&self, about: usize) -> Vec<Tick> {
-        if !self.categories.is_empty() {
+    /// The value at a place along the axis.
+    pub(crate) fn value(&self, place: f64) -> f64 {
+        let value = self.min + place * (self.max - self.min);
+        match self.spacing {
+            Spacing::Log => libm::pow(10.0, value),
+            Spacing::Linear => value,
+        }
+    }
+
+    /// About as many labelled ticks as are aimed at, at least one, at round values; or all names.
+    pub(crate) fn ticks(&self) -> Vec<Tick> {
+        if !self.names.is_empty() {
             let tick = |(at, label): (usize, &String)| Tick {
                 at: at as f64,
                 label: label.clone(),
             };
-            return self.categories.iter().enumerate().map(tick).collect();
+            return self.names.iter().enumerate().map(tick).collect();
         }
         match self.spacing {
-            Spacing::Linear => self.linear_ticks(about),
-            Spacing::Log => self.log_ticks(about),
+            Spacing::Linear => self.linear_ticks(),
+            Spacing::Log => self.log_ticks(),
         }
     }
 
     /// Places of unlabelled grid lines between the ticks.
-    pub(crate) fn minor(&self, about: usize) -> Vec<f64> {
-        if !self.categories.is_empty() {
-            return Vec::new();
-        }
+    fn minor(&self) -> Vec<f64> {
         match self.spacing {
-            Spacing::Linear => self.multiples(round_step(
-                (self.max - self.min) / (4 * about.max(1)) as f64,
-            )),
+            _ if !self.has_minor || !self.names.is_empty() => Vec::new(),
+            Spacing::Linear => {
+                self.multiples(round_step((self.max - self.min) / (4 * self.about) as f64))
+            }
             Spacing::Log if self.max - self.min > 8.0 => Vec::new(),
-            Spacing::Log => self
-                .decades()
-                .flat_map(|ten| (2..10).map(move |k| f64::from(k) * ten))
-                .filter(|v| self.holds(*v))
-                .collect(),
+            Spacing::Log => self.digits(&[2, 3, 4, 5, 6, 7, 8, 9]),
         }
+    }
+
+    /// Values inside that are one of these digits times a power of ten.
+    fn digits(&self, digits: &[i32]) -> Vec<f64> {
+        let decades = self.min.floor() as i32..=self.max.ceil() as i32;
+        let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
+        values.filter(|v| self.holds(*v)).collect()
     }
 
     fn holds(&self, value: f64) -> bool {
         (-1e-9..=1.0 + 1e-9).contains(&self.place(value))
     }
 
-    fn decades(&self) -> impl Iterator<Item = f64> + use<> {
-        (self.min.floor() as i32..=self.max.ceil() as i32).map(power)
-    }
-
-    fn log_ticks(&self, about: usize) -> Vec<Tick> {
+    fn log_ticks(&self) -> Vec<Tick> {
+        let about = self.about;
         let exponents: Vec<i32> = (self.min.ceil() as i32..=self.max.floor() as i32).collect();
         if exponents.len() >= 3.min(about) {
-            let step = exponents.len().div_ceil(about.max(1)) as i32;
+            let step = exponents.len().div_ceil(about) as i32;
             let big = exponents.iter().any(|e| !(-3..=4).contains(e));
-            let label = |e: i32| {
-                if big {
-                    format!("10{}", number::superscript(e))
-                } else {
-                    number::rounded(power(e))
-                }
+            let tick = |e: &i32| Tick {
+                at: power(*e),
+                label: match big {
+                    true => format!("10{}", number::superscript(*e)),
+                    false => number::rounded(power(*e)),
+                },
             };
-            return exponents
-                .into_iter()
-                .filter(|e| e.rem_euclid(step) == 0)
-                .map(|e| Tick {
-                    at: power(e),
-                    label: label(e),
-                })
-                .collect();
+            let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
+            return shown.map(tick).collect();
         }
         // Less than three decades: divide them, as finely as there is room for.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
-        let tick = |value: f64| Tick {
-            at: value,
-            label: number::significant(value, 3),
+        let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
+        let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));
+        if found.is_none() && (exponents.is_empty() || self.max - self.min < 0.5) {
+            return Self::exactly(self.value(0.0), self.value(1.0))
+                .with_ticks(about)
+                .linear_ticks();
+        }
+        let values = found.unwrap_or(exponents.into_iter().map(power).collect());
+        let tick = |at: f64| Tick {
+            at,
+            label: number::significant(at, 3),
         };
-        for digits in choices {
-            let values: Vec<f64> = self
-                .decades()
-                .flat_map(|ten| digits.iter().map(move |k| f64::from(*k) * ten))
-                .filter(|v| self.holds(*v))
-                .collect();
-            if (2..=about.max(3)).contains(&values.len()) {
-                return values.into_iter().map(tick).collect();
-            }
-        }
-        if exponents.is_empty() || self.max - self.min < 0.5 {
-            let narrow = Self {
-                spacing: Spacing::Linear,
-                min: libm::pow(10f64, self.min),
-                max: libm::pow(10f64, self.max),
-                categories: Vec::new(),
-            };
-            return narrow.linear_ticks(about);
-        }
-        exponents.into_iter().map(|e| tick(power(e))).collect()
+        values.into_iter().map(tick).collect()
     }
 
-    fn linear_ticks(&self, about: usize) -> Vec<Tick> {
-        let step = round_step((self.max - self.min) / about.max(1) as f64);
+    fn linear_ticks(&self) -> Vec<Tick> {
+        let step = round_step((self.max - self.min) / self.about as f64);
         let decimals = usize::try_from(-libm::log10(step).floor() as i32).unwrap_or(0);
-        let label = |value: f64| {
-            if decimals > 5 || value.abs() >= 1e6 {
-                number::rounded(value)
-            } else {
-                format!("{value:.decimals$}").replace('-', "−")
-            }
+        let tick = |at: f64| Tick {
+            at,
+            label: match decimals > 5 || at.abs() >= 1e6 {
+                true => number::rounded(at),
+                false => format!("{at:.decimals$}").replace('-', "−"),
+            },
         };
-        self.multiples(step)
-            .into_iter()
-            .map(|at| Tick {
-                at,
-                label: label(at),
-            })
-            .collect()
+        self.multiples(step).into_iter().map(tick).collect()
     }
 
     fn multiples(&self, step: f64) -> Vec<f64> {
@@ -242,6 +299,36 @@ impl Scale {
             .take_while(|k| *k <= last)
             .map(|k| k * step + 0.0)
             .collect()
+    }
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        // Plotters counts in `i32`, so places far beyond the ends are drawn nearer.
+        let place = self.place(*value).clamp(-9.0, 9.0);
+        start + (place * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        match hint.weight().allow_light_points() {
+            true => self.minor(),
+            false => self.ticks().into_iter().map(|tick| tick.at).collect(),
+        }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.value(0.0)..self.value(1.0)
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format_ext(&self, value: &f64) -> String {
+        let mut ticks = self.ticks().into_iter();
+        let tick = ticks.find(|tick| tick.at == *value);
+        tick.map_or(String::new(), |tick| tick.label)
     }
 }
 
@@ -289,12 +376,9 @@ fn linear_range(min: f64, max: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    fn labels(scale: &Scale, about: usize) -> Vec<String> {
-        scale
-            .ticks(about)
-            .into_iter()
-            .map(|tick| tick.label)
-            .collect()
+    fn labels(axis: &Scale, about: usize) -> Vec<String> {
+        let ticks = axis.clone().with_ticks(about).ticks();
+        ticks.into_iter().map(|tick| tick.label).collect()
     }
 
     #[test]
@@ -335,36 +419,22 @@ mod tests {
             (-3.0, -3.0),
         ];
         for (a, b) in pairs {
-            let scale = Scale::around(Spacing::Linear, [a, b].into_iter());
-            let ticks = scale.ticks(5);
+            let axis = Scale::around(Spacing::Linear, [a, b].into_iter()).with_ticks(5);
+            let ticks = axis.ticks();
             assert!((1..=12).contains(&ticks.len()), "{a} {b}: {ticks:?}");
-            assert!(
-                ticks.iter().all(|tick| scale.holds(tick.at)),
-                "{a} {b}: {ticks:?}"
-            );
-            assert!((0.0..=1.0).contains(&scale.place(a)));
-            assert!(scale.minor(5).len() < 100);
+            let holds = ticks.iter().all(|tick| axis.holds(tick.at));
+            assert!(holds && axis.holds(a), "{a} {b}: {ticks:?}");
+            assert!(axis.minor().len() < 100);
         }
-        assert!(
-            !Scale::around(Spacing::Log, std::iter::empty())
-                .ticks(5)
-                .is_empty()
-        );
+        let nothing = Scale::around(Spacing::Log, std::iter::empty());
+        assert!(!nothing.ticks().is_empty());
     }
 
     #[test]
     fn what_a_log_axis_cannot_show_is_refused() {
-        assert!(
-            Spacing::Log
-                .refusal(0.0)
-                .is_some_and(|why| why.contains("exactly 0"))
-        );
-        assert!(
-            Spacing::Log
-                .refusal(-1.0)
-                .is_some_and(|why| why.contains("negative"))
-        );
-        assert!(Spacing::Log.refusal(1e-9).is_none());
+        let refused = |value: f64| Spacing::Log.refusal(value).unwrap_or_default();
+        assert!(refused(0.0).contains("exactly 0") && refused(-1.0).contains("negative"));
+        assert_eq!(refused(1e-9), "");
         assert!(Spacing::Linear.refusal(0.0).is_none());
         assert!(Spacing::Linear.refusal(f64::NAN).is_some());
     }

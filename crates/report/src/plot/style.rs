@@ -1,8 +1,6 @@
 //! Colours, and markers of series: the Okabe–Ito palette, told apart by shape as well.
 
-/// Red, green and blue, 0 to 255.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+pub(crate) use plotters::style::RGBColor as Colour;
 
 pub(crate) const INK: Colour = Colour(34, 34, 34);
 pub(crate) const QUIET: Colour = Colour(90, 90, 90);
@@ -38,10 +36,9 @@ pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
         Colour(0, 114, 178) => Colour(64, 158, 217),
         other => other,
     };
-    let paled = |colour: Colour| colour.mixed(WHITE);
     let series = COLOURS.into_iter().flat_map(|colour| {
         let dark = on_dark(colour);
-        [(colour, dark), (paled(colour), dark.mixed(DARK))]
+        [(colour, dark), (pale(colour), mixed(dark, DARK, 0.5))]
     });
     neutral
         .into_iter()
@@ -49,11 +46,6 @@ pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
         .filter(|(white, dark)| white != dark)
         .collect()
 }
-
-/// Width of a line of numbers, and radius of its markers.
-pub(crate) const STROKE: f64 = 2.5;
-pub(crate) const MARKER: f64 = 6.0;
-pub(crate) const OPEN_MARKER: f64 = 7.0;
 
 /// Okabe and Ito's colours that carry a line on white (their yellow does not).
 const COLOURS: [Colour; 7] = [
@@ -132,28 +124,29 @@ impl Style {
             marker: OPEN[index % OPEN.len()],
         }
     }
-
-    /// The colour mixed half with white.
-    pub(crate) fn pale(self) -> Colour {
-        self.colour.mixed(WHITE)
-    }
 }
 
-impl Colour {
-    /// Mean of this colour and another.
-    fn mixed(self, other: Self) -> Self {
-        Self(
-            self.0.midpoint(other.0),
-            self.1.midpoint(other.1),
-            self.2.midpoint(other.2),
-        )
-    }
+/// The colour mixed half with white.
+pub(crate) fn pale(colour: Colour) -> Colour {
+    mixed(colour, WHITE, 0.5)
+}
 
-    /// Its name in SVG and CSS.
-    pub(crate) fn hex(self) -> String {
-        let Self(red, green, blue) = self;
-        format!("#{red:02X}{green:02X}{blue:02X}")
-    }
+/// A mix of two colours; `share` from 0 to 1 is that of the other.
+pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
+    let mix = |one: u8, other: u8| {
+        let (one, other) = (f64::from(one), f64::from(other));
+        (one + (other - one) * share.clamp(0.0, 1.0)) as u8
+    };
+    Colour(
+        mix(one.0, other.0),
+        mix(one.1, other.1),
+        mix(one.2, other.2),
+    )
+}
+
+/// The name of a colour in SVG and CSS.
+pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// The eight classes of shape in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0), by the names in
@@ -212,7 +205,7 @@ mod tests {
                 "{colour:?}"
             );
             // What is paler on white is darker here: it steps back on both.
-            let pale = shown(colour.mixed(WHITE));
+            let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");
             }

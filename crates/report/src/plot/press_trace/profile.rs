@@ -3,14 +3,14 @@
 use super::contact::outward;
 use super::table::{Displacement, Trace};
 use crate::ReportError;
-use crate::plot::chart::{self, Chart, Legend, Panel, PointSet};
-use crate::plot::figure::Figure;
-use crate::plot::frame::Words;
+use crate::plot::drawing::Figure;
 use crate::plot::scale::{Scale, Spacing};
+use crate::plot::series::{self, Content, OPEN_MARKER, Plot, PointSet, SeriesKey};
+use crate::plot::sheet::{MARKER, Words};
 use crate::plot::style::{Marker, Style};
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// The charts, the normal displacement on top.
+/// The plots, the normal displacement on top.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
     let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();
@@ -18,8 +18,8 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let normal = places(trace, |_, moved| Some(moved.normal));
     let samples = normal.iter().map(|set| (set.label.clone(), set.style));
     let samples = samples.collect();
-    let mut charts = vec![chart(normal, &x, label("displacement inward"))];
-    charts[0].legend.points = samples;
+    let mut plots = vec![plot(normal, &x, label("displacement inward"))];
+    plots[0].series.points = samples;
     if trace.reads_tangential {
         let places_of = trace.markers.iter().map(|marker| marker.place);
         let away = outward(&places_of.collect::<Vec<_>>(), &distances);
@@ -27,13 +27,13 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
             let ([x, y], [east, north]) = (moved.tangential?, away[at]?);
             Some(x * east + y * north)
         });
-        charts.push(chart(
+        plots.push(plot(
             along,
             &x,
             label("displacement along the skin, outward"),
         ));
     }
-    if let Some(last) = charts.last_mut() {
+    if let Some(last) = plots.last_mut() {
         last.x_label = label("distance from the contact");
     }
     let words = Words {
@@ -42,7 +42,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
         subtitle: trace.subtitle(),
         notes: Vec::new(),
     };
-    chart::figure(words, &charts)
+    series::figure(words, plots)
 }
 
 /// Points of a component of each marker's displacement, true and read.
@@ -58,6 +58,7 @@ fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>
             marker,
             ..Style::of(index)
         },
+        size: OPEN_MARKER,
         at,
     };
     vec![
@@ -66,19 +67,20 @@ fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>
     ]
 }
 
-fn chart(points: Vec<PointSet>, x: &Scale, y_label: String) -> Chart {
+fn plot(points: Vec<PointSet>, x: &Scale, y_label: String) -> Plot {
     let values = points.iter().flat_map(|set| &set.at).map(|place| place.1);
-    Chart {
+    Plot {
         x_label: String::new(),
         y_label,
         x: x.clone(),
         y: Scale::around(Spacing::Linear, values),
-        panels: vec![Panel {
+        panels: vec![Content {
             points,
-            ..Panel::default()
+            ..Content::default()
         }],
-        legend: Legend::default(),
+        series: SeriesKey::default(),
         marks: Vec::new(),
-        markers: true,
+        marker: MARKER,
+        key: Vec::new(),
     }
 }

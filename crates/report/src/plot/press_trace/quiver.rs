@@ -2,28 +2,35 @@
 
 use super::table::{Marker, Trace};
 use crate::ReportError;
-use crate::plot::canvas::{Anchor, Canvas, Point};
-use crate::plot::figure::Figure;
-use crate::plot::frame::{
-    Axes, EDGE, Frame, LINE, SAMPLE_GAP, TEXT, TICK_GAP, WIDTH, Words, outline, widest,
-};
+use crate::plot::drawing::Figure;
+use crate::plot::panel::{Panel, Place, mesh};
 use crate::plot::scale::{Scale, Spacing, round_step};
-use crate::plot::style::{Colour, FRAME, GRID, INK, Marker as Shape, Style, WHITE};
+use crate::plot::sheet::{
+    self, Drawn, EDGE, HAIR, LINE, Point, SAMPLE_GAP, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
+};
+use crate::plot::style::{Colour, FRAME, INK, Marker as Shape, Style, WHITE, mixed};
+use crate::plot::symbol::{Placed, Symbol};
 use palpate_study::label::{spoken_unit, with_unit};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
 
 /// Room for the key, and between it and the box.
-const KEY: f64 = 240.0;
-const GAP: f64 = 30.0;
+const KEY: i32 = 720;
+const GAP: i32 = 90;
 /// Displacements smaller than this are none.
 const LEAST: f64 = 1e-290;
 /// Widths of the arrows: the read one lies on the true one.
-const TRUE: f64 = 5.0;
-const READ: f64 = 2.0;
+const TRUE: f64 = 15.0;
+const READ: f64 = 6.0;
 /// Length of a sample in the key.
-const SAMPLE: f64 = 40.0;
+const SAMPLE: i32 = 120;
 /// The strip of shades in the key.
-const STRIP: (f64, f64) = (26.0, 190.0);
-const SHADES: u32 = 95;
+const STRIP: Point = (78, 570);
+const SHADES: i32 = 95;
+/// Shades of the least and of the largest displacement. Arrows are still visible on both.
+const LIGHT: Colour = Colour(252, 252, 252);
+const DARK: Colour = Colour(130, 130, 130);
 
 /// The markers and the key.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
@@ -34,13 +41,10 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
         notes: Vec::new(),
     };
     let [x, y] = scales(trace);
-    let left = EDGE + widest(&y.ticks(5)) + TICK_GAP + 2.0;
+    let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
-    let mut frame = Frame::new(words, WIDTH);
-    let top = frame.top + 14.0 + LINE + 6.0;
-
     // Sized so that neighbours in an even pattern would not touch.
-    let apart = side / (trace.markers.len() as f64).sqrt();
+    let apart = f64::from(side) / (trace.markers.len() as f64).sqrt();
     let moves = trace.markers.iter().flat_map(|marker| {
         let read = marker.reading.and_then(|reading| reading.tangential);
         marker.truth.tangential.into_iter().chain(read)
@@ -49,20 +53,35 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let normals = trace.markers.iter().map(|marker| marker.truth.normal);
     let quiver = Quiver {
         trace,
-        axes: Axes {
-            x: &x,
-            y: &y,
-            corner: (left, top),
-            size: (side, side),
-        },
-        shade: Scale::around(Spacing::Linear, normals),
-        radius: (0.17 * apart).clamp(2.0, 11.0),
+        shade: Scale::around(Spacing::Linear, normals).with_ticks(5),
+        radius: (0.17 * apart).clamp(6.0, 33.0),
         longest,
-        stretch: (longest > LEAST).then(|| (0.8 * apart).clamp(12.0, 70.0) / longest),
+        stretch: (longest > LEAST).then(|| (0.8 * apart).clamp(36.0, 210.0) / longest),
     };
-    quiver.draw(&mut frame);
-    frame.top = top + side + TICK_GAP + 2.0 * LINE + 10.0;
-    frame.finish()
+    sheet::figure(words, WIDTH, |sheet| {
+        sheet.top += 60;
+        let y_label = (EDGE, sheet.top - 18 + TEXT / 2);
+        sheet.text(&quiver.in_unit("y"), y_label, HPos::Left, INK)?;
+        sheet.top += LINE;
+        let place = Place {
+            corner: (left, sheet.top),
+            size: (side, side),
+            labelled: [true; 2],
+        };
+        let mut panel = place.panel(sheet, &x, &y)?;
+        mesh(&mut panel)?;
+        for marker in &trace.markers {
+            quiver.marker(marker, &panel)?;
+        }
+        for marker in &trace.markers {
+            quiver.arrows(marker, &panel, sheet)?;
+        }
+        let bottom = sheet.top + side + TICK_GAP;
+        quiver.key(left + side + GAP, sheet)?;
+        sheet.top = bottom + 2 * LINE + 30;
+        let x_label = (left + side / 2, bottom + LINE * 3 / 2 + 24);
+        sheet.text(&quiver.in_unit("x"), x_label, HPos::Center, INK)
+    })
 }
 
 /// Scales of the same length around all markers.
@@ -76,150 +95,119 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     ends.map(|(low, high)| {
         let middle = low + half((low, high));
         Scale::exactly(middle - reach, middle + reach)
+            .with_ticks(5)
+            .without_minor()
     })
 }
 
-/// The picture with the place of everything.
+/// A trace with how its parts are drawn.
 struct Quiver<'a> {
     trace: &'a Trace,
-    axes: Axes<'a>,
     /// Scale of the shade that shows the true normal displacement.
     shade: Scale,
     /// Radius of a marker.
     radius: f64,
     /// Length of the longest displacement along the skin.
     longest: f64,
-    /// Pixels per unit of displacement; none if nothing moves along the skin.
+    /// Length per unit of displacement; none if nothing moves along the skin.
     stretch: Option<f64>,
 }
 
 impl Quiver<'_> {
-    fn draw(&self, frame: &mut Frame) {
-        let canvas = &mut frame.canvas;
-        self.frame(canvas);
-        for marker in &self.trace.markers {
-            self.marker(marker, canvas);
-        }
-        for marker in &self.trace.markers {
-            self.arrows(marker, canvas);
-        }
-        self.key(frame);
-    }
-
     /// A label with the unit of the tables.
     fn in_unit(&self, label: &str) -> String {
         with_unit(label, &spoken_unit(&self.trace.unit))
     }
 
-    fn frame(&self, canvas: &mut Canvas) {
-        let Axes { x, y, .. } = self.axes;
-        let (left, right, top, bottom) = self.axes.edges();
-        let [xs, ys] = [x, y].map(|scale| scale.ticks(5));
-        let places = [&xs, &ys].map(|ticks| ticks.iter().map(|tick| tick.at));
-        let [across, up] = places;
-        self.axes.rule(canvas, across, up, GRID);
-        self.axes.outline(canvas);
-        for tick in xs {
-            self.axes.label_x(canvas, tick.at, &[tick.label]);
-        }
-        for tick in ys {
-            self.axes.label_y(canvas, &tick);
-        }
-        let x_label = ((left + right) / 2.0, bottom + TICK_GAP + 1.5 * LINE + 8.0);
-        canvas.text(&self.in_unit("x"), x_label, TEXT, Anchor::Middle, INK);
-        let y_label = (EDGE, top - 6.0 - LINE + TEXT / 2.0);
-        canvas.text(&self.in_unit("y"), y_label, TEXT, Anchor::Left, INK);
-    }
-
     /// The marker at rest, shaded by its normal displacement; crossed if it has no reading.
-    fn marker(&self, marker: &Marker, canvas: &mut Canvas) {
-        let place = self.axes.at(marker.place.into());
-        canvas.disc(place, self.radius, FRAME);
-        let shade = shade(self.shade.place(marker.truth.normal));
-        canvas.disc(place, self.radius - 1.0, shade);
-        if marker.reading.is_none() {
-            crossed(place, (0.6 * self.radius).max(3.0), canvas);
+    fn marker(&self, marker: &Marker, panel: &Panel<'_>) -> Drawn {
+        let area = panel.plotting_area();
+        let shade = mixed(LIGHT, DARK, self.shade.place(marker.truth.normal));
+        for (radius, colour) in [(self.radius, FRAME), (self.radius - 3.0, shade)] {
+            area.draw(&Circle::new(marker.place.into(), radius, colour.filled()))?;
         }
+        if marker.reading.is_none() {
+            let cross = lost((0.6 * self.radius).max(9.0));
+            area.draw(&Placed(marker.place.into(), cross))?;
+        }
+        Ok(())
     }
 
-    fn arrows(&self, marker: &Marker, canvas: &mut Canvas) {
+    fn arrows(&self, marker: &Marker, panel: &Panel<'_>, sheet: &Sheet) -> Drawn {
         let read = marker.reading.and_then(|reading| reading.tangential);
         for (moved, colour, wide) in [
             (marker.truth.tangential, true_colour(), TRUE),
             (read, read_colour(), READ),
         ] {
             if let (Some([x, y]), Some(stretch)) = (moved, self.stretch) {
-                let from = self.axes.at(marker.place.into());
-                arrow(from, (stretch * x, -stretch * y), colour, wide, canvas);
+                let from = panel.backend_coord(&marker.place.into());
+                arrow(sheet, from, (stretch * x, -stretch * y), colour, wide)?;
             }
         }
+        Ok(())
     }
 
-    fn key(&self, frame: &mut Frame) {
-        let (_, right, top, _) = self.axes.edges();
-        let left = right + GAP;
-        let line = |frame: &mut Frame, along: f64, colour: Colour, wide: f64, words: &str| {
-            let y = frame.top + TEXT / 2.0;
-            arrow((left, y), (along, 0.0), colour, wide, &mut frame.canvas);
-            beside(frame, left + along.max(SAMPLE), words);
+    fn key(&self, left: i32, sheet: &mut Sheet) -> Drawn {
+        let line = |sheet: &mut Sheet, along: f64, colour: Colour, wide: f64, words: &str| {
+            let y = sheet.top + TEXT / 2;
+            arrow(sheet, (left, y), (along, 0.0), colour, wide)?;
+            sheet.top += LINE;
+            let place = (left + SAMPLE.max(along as i32) + SAMPLE_GAP, y);
+            sheet.text(words, place, HPos::Left, INK)
         };
-        frame.top = top;
         if let Some(stretch) = self.stretch {
-            frame.heading("along the skin", left, KEY);
-            line(frame, SAMPLE, true_colour(), TRUE, "truth");
+            let sample = f64::from(SAMPLE);
+            sheet.heading("along the skin", left, KEY)?;
+            line(sheet, sample, true_colour(), TRUE, "truth")?;
             if self.trace.reads_tangential {
-                line(frame, SAMPLE, read_colour(), READ, "reading");
+                line(sheet, sample, read_colour(), READ, "reading")?;
             }
             let length = round_step(0.8 * self.longest);
-            line(
-                frame,
-                stretch * length,
-                INK,
-                READ,
-                &self.trace.length(length, 1),
-            );
+            let words = self.trace.length(length, 1);
+            line(sheet, stretch * length, INK, READ, &words)?;
         } else {
-            frame.heading("nothing along the skin", left, KEY);
+            sheet.heading("nothing along the skin", left, KEY)?;
         }
-        frame.top += 0.8 * LINE;
-        frame.heading(&self.in_unit("inward, truth"), left, KEY);
-        frame.top += TEXT / 2.0;
-        self.strip((left, frame.top), &mut frame.canvas);
+        sheet.top += LINE * 4 / 5;
+        sheet.heading(&self.in_unit("inward, truth"), left, KEY)?;
+        sheet.top += TEXT / 2;
+        self.strip(left, sheet)?;
         if self.trace.lost() > 0 {
-            frame.top += STRIP.1 + 1.2 * LINE - TEXT / 2.0;
-            let place = (left + 12.0, frame.top + TEXT / 2.0);
-            frame.canvas.disc(place, 11.0, FRAME);
-            frame.canvas.disc(place, 10.0, WHITE);
-            crossed(place, 6.6, &mut frame.canvas);
-            beside(frame, left + 24.0, "no reading");
+            let place = (left + 36, sheet.top + STRIP.1 + LINE * 6 / 5);
+            for (radius, colour) in [(33, FRAME), (30, WHITE)] {
+                sheet
+                    .area
+                    .draw(&Circle::new(place, radius, colour.filled()))?;
+            }
+            let cross = Sample::symbol(lost(20.0));
+            sheet.entry((left, place.1), 72, &cross, "no reading")?;
         }
+        Ok(())
     }
 
-    /// The shades with their values, from `corner` down.
-    fn strip(&self, (left, top): Point, canvas: &mut Canvas) {
-        let (right, bottom) = (left + STRIP.0, top + STRIP.1);
-        let height = |share: f64| bottom - share * STRIP.1;
-        let step = 1.0 / f64::from(SHADES);
+    /// The shades with their values.
+    fn strip(&self, left: i32, sheet: &Sheet) -> Drawn {
+        let (right, bottom) = (left + STRIP.0, sheet.top + STRIP.1);
         for at in 0..SHADES {
-            let low = f64::from(at) * step;
-            let (below, above) = (height(low), height(low + step));
-            let band = [(left, below), (right, below), (right, above), (left, above)];
-            canvas.polygon(&band, shade(low + 0.5 * step));
+            let [below, above] = [at, at + 1].map(|at| bottom - at * STRIP.1 / SHADES);
+            let shade = mixed(LIGHT, DARK, (f64::from(at) + 0.5) / f64::from(SHADES));
+            let band = Rectangle::new([(left, above), (right, below)], shade.filled());
+            sheet.area.draw(&band)?;
         }
-        outline(canvas, (left, top), STRIP);
-        for tick in self.shade.ticks(5) {
-            let y = height(self.shade.place(tick.at));
-            canvas.line(&[(right, y), (right + 5.0, y)], FRAME, 1.0);
-            canvas.text(&tick.label, (right + 10.0, y), TEXT, Anchor::Left, INK);
+        let corners = [(left, sheet.top), (right, bottom)];
+        sheet
+            .area
+            .draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))?;
+        for tick in self.shade.ticks() {
+            let y = bottom - (self.shade.place(tick.at) * f64::from(STRIP.1)) as i32;
+            let mark = [(right, y), (right + 15, y)];
+            sheet
+                .area
+                .draw(&PathElement::new(mark, FRAME.stroke_width(HAIR)))?;
+            sheet.text(&tick.label, (right + 30, y), HPos::Left, INK)?;
         }
+        Ok(())
     }
-}
-
-/// Words to the right of a sample that ends at `from`; the next line of the key begins below.
-fn beside(frame: &mut Frame, from: f64, words: &str) {
-    let place = (from + SAMPLE_GAP, frame.top + TEXT / 2.0);
-    frame.canvas.text(words, place, TEXT, Anchor::Left, INK);
-    frame.top += LINE;
 }
 
 fn true_colour() -> Colour {
@@ -230,37 +218,43 @@ fn read_colour() -> Colour {
     Style::of(1).colour
 }
 
-/// Nearly white at 0, a grey on which the arrows are still seen at 1.
-fn shade(share: f64) -> Colour {
-    let grey = (252.0 - 122.0 * share.clamp(0.0, 1.0)).round() as u8;
-    Colour(grey, grey, grey)
-}
-
 /// The mark of a marker without a reading.
-fn crossed(place: Point, size: f64, canvas: &mut Canvas) {
-    canvas.marker(Shape::Cross, place, size, read_colour());
+fn lost(size: f64) -> Symbol {
+    let style = Style {
+        colour: read_colour(),
+        marker: Shape::Cross,
+    };
+    Symbol::new(style, size)
 }
 
 /// An arrow; one too short to be seen is not drawn.
-fn arrow((x, y): Point, (along, down): Point, colour: Colour, wide: f64, canvas: &mut Canvas) {
+fn arrow(
+    sheet: &Sheet,
+    (x, y): Point,
+    (along, down): (f64, f64),
+    colour: Colour,
+    wide: f64,
+) -> Drawn {
     let length = libm::hypot(along, down);
-    if length < 1.0 {
-        return;
+    if length < 3.0 {
+        return Ok(());
     }
-    let head = (2.0 * wide + 6.0).min(0.6 * length);
+    let head = (2.0 * wide + 18.0).min(0.6 * length);
     let (east, south) = (along / length, down / length);
     let at = |forward: f64, aside: f64| {
         (
-            x + forward * east - aside * south,
-            y + forward * south + aside * east,
+            x + (forward * east - aside * south).round() as i32,
+            y + (forward * south + aside * east).round() as i32,
         )
     };
-    canvas.line(&[(x, y), at(length - 0.8 * head, 0.0)], colour, wide);
+    let shaft = [(x, y), at(length - 0.8 * head, 0.0)];
+    let shaft = PathElement::new(shaft, colour.stroke_width(wide as u32));
+    sheet.area.draw(&shaft)?;
     let half = 0.42 * head.max(wide);
     let tip = [
         at(length, 0.0),
         at(length - head, half),
         at(length - head, -half),
     ];
-    canvas.polygon(&tip, colour);
+    sheet.area.draw(&Polygon::new(tip, colour))
 }

@@ -1,0 +1,240 @@
+//! The sheet on which all figures are drawn: title, subtitle, key and notes around what a figure shows.
+
+use super::drawing::{Drawing, Figure, LEADING};
+use super::lettering::{width, wrap};
+use super::style::{Colour, FRAME, INK, QUIET};
+use super::symbol::{Placed, Symbol};
+use crate::ReportError;
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{DashedPathElement, PathElement, Rectangle};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontDesc, FontFamily, ShapeStyle, TextStyle};
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::rc::Rc;
+use std::vec;
+
+// Lengths are in thirds of a pixel, which are the units of a drawing.
+
+/// Size of the title.
+const TITLE: i32 = 75;
+/// Size of all other text.
+pub(crate) const TEXT: i32 = 54;
+/// Distance between lines of text.
+pub(crate) const LINE: i32 = 73;
+/// Margin around the picture.
+pub(crate) const EDGE: i32 = 66;
+/// Gap between a panel and the labels of its ticks.
+pub(crate) const TICK_GAP: i32 = 30;
+/// Gap between a sample in a key and its words.
+pub(crate) const SAMPLE_GAP: i32 = 24;
+/// Gap between entries of a key beside each other.
+const ENTRY_GAP: i32 = 78;
+/// Least width of a figure.
+pub(crate) const WIDTH: i32 = 2880;
+/// Width of thin lines, and of lines of data.
+pub(crate) const HAIR: u32 = 3;
+pub(crate) const STROKE: u32 = 8;
+/// Radius of markers.
+pub(crate) const MARKER: f64 = 18.0;
+/// Length of dashes, and of the gaps between them.
+const DASH: i32 = 24;
+const DASH_GAP: i32 = 15;
+
+/// Result of drawing.
+pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
+/// Place, from the upper left corner.
+pub(crate) type Point = (i32, i32);
+
+/// Words around a figure.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Words {
+    /// File stem.
+    pub(crate) name: String,
+    pub(crate) title: String,
+    /// Sample size and what is held fixed.
+    pub(crate) subtitle: String,
+    /// Notes on what is not drawn, with reasons.
+    pub(crate) notes: Vec<String>,
+}
+
+/// A figure while it is drawn.
+pub(crate) struct Sheet {
+    drawing: Rc<RefCell<Drawing>>,
+    pub(crate) area: DrawingArea<Drawing, Shift>,
+    pub(crate) width: i32,
+    /// Height used so far.
+    pub(crate) top: i32,
+}
+
+/// Sample before the words of a key: a ground, on it a line, on that a symbol; each may be absent.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sample {
+    pub(crate) ground: Option<Colour>,
+    pub(crate) line: Option<ShapeStyle>,
+    pub(crate) is_dashed: bool,
+    pub(crate) symbol: Option<Symbol>,
+}
+
+/// Samples with their words.
+pub(crate) type Key = Vec<(Sample, String)>;
+
+/// Figure with these words around the content that `draw` adds.
+pub(crate) fn figure(
+    words: Words,
+    width: i32,
+    draw: impl FnOnce(&mut Sheet) -> Drawn,
+) -> Result<Figure, ReportError> {
+    // A whole number of pixels.
+    let width = width.unsigned_abs().next_multiple_of(3) as i32;
+    let drawing = Rc::new(RefCell::new(Drawing::new(width)));
+    let mut sheet = Sheet {
+        area: DrawingArea::from(&drawing),
+        drawing,
+        width,
+        top: EDGE,
+    };
+    let drawn = sheet.around(&words, draw);
+    drawn.map_err(|error| ReportError::Draw {
+        path: format!("{}.svg", words.name).into(),
+        message: error.to_string(),
+    })?;
+    let mut drawing = sheet.drawing.borrow().clone();
+    drawing.size.1 = (sheet.top + EDGE - 18).unsigned_abs().next_multiple_of(3);
+    Figure::new(words.name, words.title, drawing)
+}
+
+/// Style of a text of this colour that stands at the middle of its height.
+pub(crate) fn letters(em: i32, colour: Colour, horizontal: HPos) -> TextStyle<'static> {
+    let font = FontDesc::from((FontFamily::SansSerif, em));
+    font.color(&colour).pos(Pos::new(horizontal, VPos::Center))
+}
+
+/// A dashed line through `points`.
+pub(crate) fn dashed<C: Clone>(
+    points: Vec<C>,
+    style: ShapeStyle,
+) -> DashedPathElement<vec::IntoIter<C>, i32> {
+    DashedPathElement::new(points, DASH, DASH_GAP, style)
+}
+
+impl Sheet {
+    fn around(&mut self, words: &Words, draw: impl FnOnce(&mut Self) -> Drawn) -> Drawn {
+        self.paragraph(&words.title, TITLE, INK)?;
+        self.paragraph(&words.subtitle, TEXT, QUIET)?;
+        draw(self)?;
+        if !words.notes.is_empty() {
+            self.top += 30;
+        }
+        let mut notes = words.notes.iter();
+        notes.try_for_each(|note| self.paragraph(note, TEXT, QUIET))
+    }
+
+    /// Text in as many lines as it needs.
+    fn paragraph(&mut self, text: &str, em: i32, colour: Colour) -> Drawn {
+        for line in wrap(text, em, self.width - 2 * EDGE) {
+            let place = (EDGE, self.top + em / 2);
+            let style = letters(em, colour, HPos::Left);
+            self.area.draw_text(&line, &style, place)?;
+            self.top += (f64::from(em) * LEADING) as i32;
+        }
+        Ok(())
+    }
+
+    /// A line of text whose middle height is at `place`.
+    pub(crate) fn text(&self, text: &str, place: Point, anchor: HPos, colour: Colour) -> Drawn {
+        self.area
+            .draw_text(text, &letters(TEXT, colour, anchor), place)
+    }
+
+    /// Text in as many lines as it needs to the right of `left`, at most `limit` wide.
+    pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
+        for line in wrap(text, TEXT, limit) {
+            self.text(&line, (left, self.top + TEXT / 2), HPos::Left, INK)?;
+            self.top += LINE;
+        }
+        Ok(())
+    }
+
+    /// Samples of a width with their words, beside each other in as many lines as they need.
+    pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
+        self.top += 36;
+        let mut x = EDGE;
+        for (kind, text) in entries {
+            let wide = sample + SAMPLE_GAP + width(text, TEXT);
+            if x > EDGE && x + wide > self.width - EDGE {
+                (x, self.top) = (EDGE, self.top + LINE + 12);
+            }
+            self.entry((x, self.top + TEXT / 2), sample, kind, text)?;
+            x += wide + ENTRY_GAP;
+        }
+        if !entries.is_empty() {
+            self.top += TEXT / 2 + 80;
+        }
+        Ok(())
+    }
+
+    /// A sample of a width, from the left end of its middle height, with its words.
+    pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
+        if let Some(ground) = sample.ground {
+            let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];
+            self.area.draw(&Rectangle::new(corners, ground.filled()))?;
+            self.area
+                .draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))?;
+        }
+        let ends = vec![(x, y), (x + wide, y)];
+        match sample.line {
+            Some(style) if sample.is_dashed => self.area.draw(&dashed(ends, style))?,
+            Some(style) => self.area.draw(&PathElement::new(ends, style))?,
+            None => {}
+        }
+        if let Some(symbol) = sample.symbol {
+            self.area.draw(&Placed((x + wide / 2, y), symbol))?;
+        }
+        self.text(text, (x + wide + SAMPLE_GAP, y), HPos::Left, INK)
+    }
+
+    /// Adds words to the topmost shape, which a viewer shows under the pointer.
+    pub(crate) fn title(&self, words: &str) {
+        self.drawing.borrow_mut().title(words);
+    }
+}
+
+impl Sample {
+    pub(crate) fn ground(colour: Colour) -> Self {
+        Self {
+            ground: Some(colour),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn line(style: ShapeStyle) -> Self {
+        Self {
+            line: Some(style),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn dashed(style: ShapeStyle) -> Self {
+        Self {
+            is_dashed: true,
+            ..Self::line(style)
+        }
+    }
+
+    pub(crate) fn symbol(symbol: Symbol) -> Self {
+        Self {
+            symbol: Some(symbol),
+            ..Self::default()
+        }
+    }
+
+    /// The sample with a symbol on it.
+    pub(crate) fn with(self, symbol: Symbol) -> Self {
+        Self {
+            symbol: Some(symbol),
+            ..self
+        }
+    }
+}
