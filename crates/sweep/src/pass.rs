@@ -189,13 +189,13 @@ impl<S: Simd> Parts<S> {
                 self.holds(self.half_widths[1], std, size),
                 self.holds(self.half_widths[2], std, size),
             ];
-            for place in 0..SUMS {
-                self.sums[place][part] = simd.add_f64s(self.sums[place][part], terms[place]);
+            for (sums, term) in self.sums.iter_mut().zip(&terms) {
+                sums[part] = simd.add_f64s(sums[part], *term);
             }
-            let values = [truth, error];
-            for place in 0..2 {
-                self.low[place][part] = simd.min_f64s(self.low[place][part], values[place]);
-                self.high[place][part] = simd.max_f64s(self.high[place][part], values[place]);
+            let ranges = self.low.iter_mut().zip(&mut self.high);
+            for ((low, high), value) in ranges.zip(&[truth, error]) {
+                low[part] = simd.min_f64s(low[part], *value);
+                high[part] = simd.max_f64s(high[part], *value);
             }
         }
     }
