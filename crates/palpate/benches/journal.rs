@@ -49,7 +49,7 @@ fn bare(simulation: &Simulation<'_>) -> usize {
     };
     let cancelled = AtomicBool::new(false);
     simulation
-        .stream(0, None, &cancelled, &|_| (), made, take)
+        .stream(0, &cancelled, &|_| (), made, take)
         .unwrap();
     bytes
 }
@@ -67,7 +67,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
     let mut journal = Journal::new(dir, &header).unwrap();
     let made = |finished: palpate::Finished| {
         let rows = simulation.rows(&finished);
-        CellRecord::new(finished.cell(), true, rows)
+        CellRecord::new(finished.cell(), rows)
     };
     let take = &mut |_, taken| {
         if let Taken::Result(record) = taken {
@@ -77,7 +77,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
     };
     let cancelled = AtomicBool::new(false);
     simulation
-        .stream(0, None, &cancelled, &|_| (), made, take)
+        .stream(0, &cancelled, &|_| (), made, take)
         .unwrap();
     journal.end().unwrap();
 }

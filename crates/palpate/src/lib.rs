@@ -77,8 +77,8 @@ pub use palpate_scene::{
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, glossary};
 pub use palpate_sweep::{
-    CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Partial, Plan,
-    PlanError, Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,
+    CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Plan, PlanError,
+    Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};

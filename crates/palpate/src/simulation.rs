@@ -13,15 +13,16 @@ use palpate_scene::{Arch, MapTable, Parts, Scene, Scenes};
 use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_sweep::{
-    CellStatistics, NoThreads, Partial, RunOptions, Runner, SUPERBLOCK, Seen, Stop, Sweep,
-    SweepError, Taken, Task,
+    CellStatistics, NoThreads, RunOptions, Runner, Stop, Sweep, SweepError, Taken, Task,
+    TrialObservations,
 };
 use thiserror::Error;
 
 use crate::columns::ColumnType;
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
-use crate::share::{Part, Shard, Share};
+use crate::means;
+use crate::share::{Shard, Share};
 use crate::tables::{self, Row};
 use crate::trial::SceneTrial;
 
@@ -122,7 +123,7 @@ impl<'a> Simulation<'a> {
             study,
             runner,
             arch: Arch::new(),
-            share: Share::new(study, numbers, shard),
+            share: Share::new(numbers, shard),
             states_bounds: tables::states_bounds(study),
             maps,
             warnings: Warnings::default(),
@@ -141,16 +142,12 @@ impl<'a> Simulation<'a> {
         let warnings = Mutex::new(Warnings::default());
         let count = self.share.tasks() as usize;
         self.runner.check(count, |place| {
-            let part = self.share.part(self.study, place as u64);
-            if self.is_sampled() && self.study.sample().binary_search(&part.cell).is_err() {
+            let number = self.share.cell(place as u64);
+            if self.is_sampled() && self.study.sample().binary_search(&number).is_err() {
                 return Ok(());
             }
-            // Where superblocks of a cell follow each other, the first stands for all.
-            if place > 0 && self.share.part(self.study, place as u64 - 1).cell == part.cell {
-                return Ok(());
-            }
-            let cell = self.study.cell(part.cell)?;
-            let scene = self.scene(part.cell, &cell)?;
+            let cell = self.study.cell(number)?;
+            let scene = self.scene(number, &cell)?;
             if let Some(maps) = &self.maps
                 && map_table(self.study, &scene)? != *maps
             {
@@ -158,10 +155,10 @@ impl<'a> Simulation<'a> {
             }
             let lines = warnings_of(&scene);
             if !lines.is_empty() {
-                lock(&warnings).add(part.cell, lines);
+                lock(&warnings).add(number, lines);
             }
             if place < KEPT {
-                lock(&self.kept).insert(part.cell, (cell, scene));
+                lock(&self.kept).insert(number, (cell, scene));
             }
             Ok::<(), ConfigError>(())
         })?;
@@ -200,7 +197,7 @@ impl<'a> Simulation<'a> {
         self.share.trials_before(self.study, tasks)
     }
 
-    /// Number of tasks: of cells, and of superblocks of the trials of heavy cells.
+    /// Number of tasks: the cells of this shard.
     pub fn tasks(&self) -> u64 {
         self.share.tasks()
     }
@@ -213,13 +210,12 @@ impl<'a> Simulation<'a> {
 
     /// Number of tasks of all shards together.
     pub fn all_tasks(&self) -> u64 {
-        self.share.all
+        self.share.cells.len() as u64
     }
 
-    /// Cell, and superblock of its trials, of the task with this number.
-    pub fn place(&self, task: u64) -> (usize, u64) {
-        let part = self.share.part(self.study, task);
-        (part.cell, part.superblock)
+    /// Cell of the task with this number.
+    pub fn cell_of(&self, task: u64) -> usize {
+        self.share.cell(task)
     }
 
     /// Warnings of the cells that have been set up, in which the theory or the estimator does not hold.
@@ -258,10 +254,9 @@ impl<'a> Simulation<'a> {
         self.maps.as_ref().map_or("cells", |maps| maps.lacks)
     }
 
-    /// Runs the tasks from `first` on, of which the first trials may have been `started`, until another thread sets `cancelled` or `take` breaks. `make` is called by any
-    /// thread; `take` is handed what it made, in the order of the tasks and one at a time, and before it the rows of the
-    /// task's trials where these are told. `progress` is told by any thread
-    /// how many trials it has done since it last told.
+    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` breaks. Any thread calls `make`.
+    /// `take` receives the results in task order. With per-trial output, each result follows the rows of its trials.
+    /// Any thread calls `progress` with the number of trials that it has done since its last call.
     ///
     /// # Errors
     /// [`SweepError::Cancelled`], also where `take` broke; [`SweepError::SetUp`] of a cell that has not been checked.
@@ -271,7 +266,6 @@ impl<'a> Simulation<'a> {
     pub fn stream<R: Send>(
         &self,
         first: u64,
-        started: Option<(Partial, u64)>,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
         make: impl Fn(Finished) -> R + Sync,
@@ -280,7 +274,6 @@ impl<'a> Simulation<'a> {
         let tasks = Tasks {
             simulation: self,
             first,
-            started,
             make,
         };
         let take = &mut |number: u64, taken: Taken<R>| take(first + number, taken);
@@ -303,35 +296,23 @@ impl<'a> Simulation<'a> {
         let mut cells: Vec<Finished> = Vec::new();
         let mut trials = tables::TRIALS.join(",") + "\n";
         let take = &mut |_: u64, taken: Taken<Finished>| {
-            match (taken, cells.last_mut()) {
-                (Taken::Note(rows), _) => trials.push_str(&rows),
-                (Taken::Open(..), _) => {}
-                (Taken::Result(finished), Some(last)) if last.part.cell == finished.part.cell => {
-                    last.merge(finished);
-                }
-                (Taken::Result(finished), _) => cells.push(finished),
+            match taken {
+                Taken::Note(rows) => trials.push_str(&rows),
+                Taken::Result(finished) => cells.push(finished),
             }
             ControlFlow::Continue(())
         };
-        self.stream(0, None, cancelled, progress, |finished| finished, take)?;
-        let statistics: Vec<CellStatistics> = cells.iter().map(Finished::statistics).collect();
-        let rows = cells.iter().zip(&statistics);
-        let rows: Vec<Row<'_>> = rows
-            .map(|(cell, statistics)| Row {
-                cell: cell.part.cell,
-                facts: &cell.facts,
-                statistics,
-            })
-            .collect();
+        self.stream(0, cancelled, progress, |finished| finished, take)?;
+        let rows: Vec<Row<'_>> = cells.iter().map(Finished::row).collect();
         Ok(Ran {
             cells: tables::cells(self.study, &rows, self.states_bounds),
             failures: tables::failures(&rows),
+            trials: self.tells_trials.then_some(trials),
             map: self.maps.is_some().then(|| {
                 let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
                 Map::of_cells(maps)
             }),
-            trials: self.tells_trials.then_some(trials),
-            statistics,
+            statistics: cells.into_iter().map(|cell| cell.statistics).collect(),
         })
     }
 
@@ -384,7 +365,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,
-    started: Option<(Partial, u64)>,
     make: F,
 }
 
@@ -400,10 +380,6 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     fn task(&self, number: u64) -> Task {
         let simulation = self.simulation;
         simulation.share.task(simulation.study, self.first + number)
-    }
-
-    fn started(&self) -> Option<(Partial, u64)> {
-        self.started.clone()
     }
 
     fn set_up(&self, cell: usize) -> Result<Ready, ConfigError> {
@@ -422,7 +398,7 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
         &self,
         trial: &Ready,
         number: u64,
-        seen: Result<&Seen<'_>, &'static str>,
+        observed: Result<&TrialObservations<'_>, &'static str>,
         text: &mut String,
     ) {
         let unit = self.simulation.study.config.length_unit;
@@ -431,84 +407,36 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
             (trial.cell, number),
             trial.facts.quantities,
             unit,
-            seen,
+            observed,
         );
     }
 
-    fn finish(&self, task: &Task, trial: &Ready, partial: Partial) -> R {
-        let study = self.simulation.study;
-        let trials = study.trials_of(task.cell);
-        let is_whole = task.may_stop || Task::superblocks(trials) == 1;
-        let part = Part {
-            cell: task.cell,
-            trials,
-            superblock: if is_whole {
-                0
-            } else {
-                task.trials.start / SUPERBLOCK
-            },
-            of: if is_whole {
-                1
-            } else {
-                Task::superblocks(trials)
-            },
-        };
+    fn finish(&self, cell: usize, trial: &Ready, mut statistics: CellStatistics) -> R {
+        means::withhold(trial.facts.quantities, &mut statistics.quantities);
         (self.make)(Finished {
-            part,
+            cell,
             facts: Arc::clone(&trial.facts),
             warnings: trial.warnings.clone(),
             map: trial.map.clone(),
-            partial,
+            statistics,
         })
     }
 }
 
 impl Simulation<'_> {
-    /// Rows of the tables of a cell of which all superblocks have been run.
+    /// Rows of the tables of a cell.
     pub fn rows(&self, finished: &Finished) -> CellRows {
-        let statistics = finished.statistics();
-        let rows = [Row {
-            cell: finished.part.cell,
-            facts: &finished.facts,
-            statistics: &statistics,
-        }];
+        let rows = [finished.row()];
         let map = finished.map.as_ref();
         CellRows {
             cells: tables::cells_csv(self.study, &rows[0], self.states_bounds),
             failures: tables::failures(&rows).rows_to_csv(),
             map: map.map_or_else(String::new, CellMap::rows),
             map_failed: map.and_then(|map| map.failed),
-            trials: statistics.trials,
-            kinds: statistics.failures,
+            trials: finished.statistics.trials,
+            kinds: finished.statistics.failures.clone(),
             warnings: finished.warnings.clone(),
         }
-    }
-
-    /// Cell of which all superblocks were run elsewhere.
-    ///
-    /// # Errors
-    /// [`ConfigError`] where it cannot be set up.
-    pub fn finished(&self, cell: usize, partial: Partial) -> Result<Finished, ConfigError> {
-        let Ready {
-            facts,
-            map,
-            warnings,
-            ..
-        } = self.set_up(cell)?;
-        let trials = self.study.trials_of(cell);
-        let part = Part {
-            cell,
-            trials,
-            superblock: 0,
-            of: Task::superblocks(trials),
-        };
-        Ok(Finished {
-            part,
-            facts,
-            warnings,
-            map,
-            partial,
-        })
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::{Display, Write};
 use palpate_study::config::{LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study};
 use palpate_study::number::Shortest;
 use palpate_study::{Quantity, Table, push_row};
-use palpate_sweep::{CellStatistics, Seen, Summary};
+use palpate_sweep::{CellStatistics, Summary, TrialObservations};
 
 use crate::columns::ColumnType;
 use crate::facts::Facts;
@@ -200,18 +200,18 @@ pub(crate) fn push_trial(
     (cell, trial): (usize, u64),
     quantities: &[Quantity],
     length_unit: LengthUnit,
-    seen: Result<&Seen<'_>, &'static str>,
+    observed: Result<&TrialObservations<'_>, &'static str>,
 ) {
     // Writing to a string does not fail; names and units need no quotation marks.
-    let seen = match seen {
-        Ok(seen) => seen,
+    let observed = match observed {
+        Ok(observed) => observed,
         Err(kind) => {
             let _ = writeln!(text, "{cell},{trial},,,,,,{kind}");
             return;
         }
     };
     for (place, quantity) in quantities.iter().enumerate() {
-        for observation in seen.observations(place) {
+        for observation in observed.of(place) {
             let (name, unit) = (quantity.name, quantity.unit.of(length_unit));
             let [estimate, truth] = [observation.estimate, observation.truth].map(Shortest);
             let _ = write!(text, "{cell},{trial},{name},{unit},{estimate},{truth},");

@@ -30,14 +30,9 @@ impl Trial for SceneTrial {
     }
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        match &self.scene {
-            // So quick that calls one by one would show.
-            Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
-            scene => scene.trial(trial, |quantity, outcome| {
-                record.observe(quantity, observation(outcome));
-            })?,
-        }
-        Ok(())
+        self.scene.trial(trial, |quantity, outcome| {
+            record.observe(quantity, observation(outcome));
+        })
     }
 
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {

@@ -6,12 +6,10 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use crate::certainty::student;
-use crate::histogram::Histogram;
-use crate::part::{Part, Workspace};
-use crate::partial::Partial;
+use crate::partial::{Accumulator, Partial};
+use crate::record::Record;
 use crate::runner::Runner;
 use crate::summary::CellStatistics;
-use crate::sums::Sums;
 use crate::trial::{BLOCK, Trial};
 
 /// Number of batches: enough for Student's t to be nearly normal, few enough for each to have several of few trials.
@@ -113,7 +111,7 @@ impl Batches {
 
     fn merged(&self) -> Partial {
         let mut all = Partial::default();
-        for batch in self.batches.iter().filter(|batch| batch.trials() > 0) {
+        for batch in self.batches.iter().filter(|batch| batch.trials > 0) {
             all.merge(batch.clone());
         }
         all
@@ -123,7 +121,7 @@ impl Batches {
     /// without any one of the batches.
     pub fn estimate(&self, statistic: impl Fn(&CellStatistics) -> Option<f64>) -> Option<Estimate> {
         let value = statistic(&self.statistics())?;
-        let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials() > 0).collect();
+        let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
         let mut without = Vec::new();
         if run.len() > 1 {
             // Sums of the batches behind each.
@@ -136,7 +134,7 @@ impl Batches {
             let mut before = Partial::default();
             for (batch, behind) in run.into_iter().zip(behind) {
                 let mut rest = before.clone();
-                if behind.trials() > 0 {
+                if behind.trials > 0 {
                     rest.merge(behind);
                 }
                 without.push(statistic(&rest.statistics())?);
@@ -227,22 +225,15 @@ struct Job<'a, T: ?Sized> {
 }
 
 impl<T: Trial + ?Sized> Job<'_, T> {
-    fn run(self, workspace: &mut Workspace) {
-        let mut part = Part::new(self.trial.quantities());
+    fn run(self, record: &mut Record) {
+        let mut ran = Partial::new(self.trial.quantities());
         let mut start = self.trials.start;
         while start < self.trials.end {
             let end = self.trials.end.min(start.saturating_add(BLOCK));
-            part.run_block(
-                self.trial,
-                start..end,
-                workspace,
-                &AtomicBool::new(false),
-                None,
-            );
+            let never = AtomicBool::new(false);
+            ran.run_block(&self.trial, start..end, record, &never, None);
             start = end;
         }
-        let mut ran = Partial::new(self.trial.quantities());
-        part.add_to(&mut ran);
         if let Some(kept) = self.kept {
             kept.thin(&mut ran);
         }
@@ -252,14 +243,11 @@ impl<T: Trial + ?Sized> Job<'_, T> {
 
 impl Kept {
     fn thin(&self, partial: &mut Partial) {
-        for (place, sums) in partial.sums.iter_mut().enumerate() {
+        for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
             if !self.quantities.contains(&place) {
-                *sums = Sums::default();
-            }
-        }
-        for (place, histogram) in partial.histograms.iter_mut().enumerate() {
-            if !self.histograms || !self.quantities.contains(&place) {
-                *histogram = Histogram::default();
+                *accumulator = Accumulator::default();
+            } else if !self.histograms {
+                accumulator.drop_histogram();
             }
         }
     }
@@ -312,7 +300,7 @@ impl Runner {
         }
         self.install(|| {
             let jobs = jobs.into_par_iter().with_max_len(1);
-            jobs.for_each_init(Workspace::default, |workspace, job| job.run(workspace));
+            jobs.for_each_init(Record::default, |record, job| job.run(record));
         });
     }
 }

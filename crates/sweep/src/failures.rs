@@ -1,10 +1,5 @@
 //! Trials that gave no result, counted by kind.
 
-use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
-
-use serde::{Deserialize, Deserializer, Serialize};
-
 /// Kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
 pub const NOT_FINITE: &str = "not-finite";
 /// Kind of a trial that recorded a standard deviation below zero.
@@ -13,7 +8,7 @@ pub const NEGATIVE_STD: &str = "negative-std";
 pub const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
 /// All failures of one kind in a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Stable kebab-case name of the kind.
     pub kind: &'static str,
@@ -23,43 +18,8 @@ pub struct Failure {
     pub first_trial: u64,
 }
 
-/// Failures of a kind as they are read back.
-#[derive(Deserialize)]
-struct Written {
-    kind: String,
-    count: u64,
-    first_trial: u64,
-}
-
-impl<'de> Deserialize<'de> for Failure {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Written {
-            kind,
-            count,
-            first_trial,
-        } = Written::deserialize(deserializer)?;
-        Ok(Self {
-            kind: kept(kind),
-            count,
-            first_trial,
-        })
-    }
-}
-
-/// Name of a kind that was written down. There are few, so that each is kept once for good.
-fn kept(kind: String) -> &'static str {
-    static KNOWN: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    let same = known.get(kind.as_str()).copied();
-    same.unwrap_or_else(|| {
-        let kind: &'static str = kind.leak();
-        known.insert(kind);
-        kind
-    })
-}
-
 /// Failures by kind, in no particular order until [`Failures::sorted`].
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Failures(Vec<Failure>);
 
 impl Failures {
@@ -81,13 +41,6 @@ impl Failures {
     pub(crate) fn sorted(mut self) -> Vec<Failure> {
         self.0.sort_by_key(|failure| failure.kind);
         self.0
-    }
-}
-
-/// Equality of the counts, in whatever order they were made.
-impl PartialEq for Failures {
-    fn eq(&self, other: &Self) -> bool {
-        self.clone().sorted() == other.clone().sorted()
     }
 }
 

@@ -7,8 +7,7 @@
 //! Guarantees, for trials that depend on nothing but their number:
 //!
 //! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`]; the sums of
-//!   the blocks of a [`SUPERBLOCK`] are folded in their order, those of superblocks in theirs, and everything else that
-//!   is merged is an integer or an extremum. So superblocks can be run anywhere and put together ([`Partial`]).
+//!   the blocks of a cell are folded in their order, and everything else that is merged is an integer or an extremum.
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. What is undefined is `None`.
 //!
@@ -39,18 +38,14 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
-mod alone;
 mod batches;
 mod certainty;
 mod column;
 mod failures;
 mod histogram;
-mod magnitude;
 mod moments;
-mod note;
 mod observation;
 mod order;
-mod part;
 mod partial;
 mod pass;
 mod plan;
@@ -61,27 +56,23 @@ mod runner;
 mod scale;
 mod search;
 mod squares;
-mod stop;
 mod stream;
 mod summary;
 mod sums;
 mod task;
 mod trial;
-mod watch;
 
 pub use batches::{Batches, Estimate, Growth};
 pub use certainty::{share_at_most, wilson};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use note::Seen;
 pub use observation::{Observation, Observations};
 pub use order::{Order, Repeats, Told, both_above, in_order, repeats};
 pub use palpate_chance::CERTAIN;
-pub use partial::Partial;
 pub use plan::{
     Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,
     SHARE_OF_MODEL, plan, spread,
 };
-pub use record::Record;
+pub use record::{Record, TrialObservations};
 pub use run::run;
 pub use runner::{NoThreads, RunOptions, Runner, SweepError};
 pub use search::{
@@ -90,7 +81,7 @@ pub use search::{
 pub use stream::{Sweep, Taken};
 pub use summary::{CellStatistics, Summary};
 pub use task::{Stop, Task, Watched};
-pub use trial::{BLOCK, Cell, SUPERBLOCK, Trial};
+pub use trial::{BLOCK, Cell, Trial};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,22 +1,16 @@
 //! Mean and spread of a run of numbers, mergeable, sound for every finite number.
 
-use serde::{Deserialize, Serialize};
+use crate::scale::{exponent, is_ordinary, largest, power_of_two, sum};
 
-use crate::magnitude::MeanMagnitude;
-use crate::pass::Totals;
-use crate::scale::{exponent, power_of_two, sum};
-use crate::squares::TrialSquares;
-
-/// Count, range, mean and squared deviations of some finite numbers.
+/// Count, mean and squared deviations of some finite numbers.
 ///
-/// Sums of very large or very small numbers are kept in units of a power of two near the largest magnitude, so that
-/// squares neither overflow nor vanish, and all about the first number, so that a small spread about a large mean is not lost. Merging follows Chan, Golub and
-/// LeVeque (1983). It is exact in `count`, `min` and `max`; elsewhere the order of merging shows in the last bits.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+/// Deviations are counted from the first number, so that a small spread about a large mean is not lost: the first is one
+/// of the numbers, so that cancellation costs at most a factor of the count. Very large or very small numbers are kept in
+/// units of a power of two, so that squares neither overflow nor vanish. Merging follows Chan, Golub and LeVeque (1983);
+/// its order shows in the last bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
-    min: f64,
-    max: f64,
     /// Exponent of the unit 2^exponent in which the fields below are kept.
     exponent: i32,
     /// First of the numbers, from which `mean` counts.
@@ -29,50 +23,62 @@ pub(crate) struct Moments {
 
 impl Moments {
     /// Moments of finite `values`; all zero without values.
-    pub(crate) fn of(values: &[f64]) -> Moments {
-        Self::with_magnitude(values).0
-    }
-
-    /// Moments of finite `values`, the mean of their magnitudes, and their squares where each is of a trial of its own.
-    pub(crate) fn with_magnitude(values: &[f64]) -> (Moments, MeanMagnitude, TrialSquares) {
+    pub(crate) fn of(values: &[f64]) -> Self {
         let Some(&first) = values.first() else {
-            return Default::default();
+            return Self::default();
         };
-        let totals = Totals::of(values, first);
-        let Totals { min, max, .. } = totals;
-        let largest = max.max(-min);
-        let exponent = exponent(largest);
+        let exponent = exponent(largest(values));
         let per_unit = power_of_two(-exponent);
         let origin = first * per_unit;
-        let count = values.len() as u64;
-        let (mean, squares) = match exponent {
-            0 => (totals.differences / count as f64, totals.squares),
-            _ => {
-                let differences = sum(values, |x| x * per_unit - origin);
-                let mean = differences / count as f64;
-                let squares = sum(values, |x| {
-                    let deviation = (x * per_unit - origin) - mean;
-                    deviation * deviation
-                });
-                (mean, squares)
+        let deviation = |value: f64| value * per_unit - origin;
+        let sums = [
+            sum(values, deviation),
+            sum(values, |value| deviation(value) * deviation(value)),
+        ];
+        Self::about(origin, exponent, values.len() as u64, sums)
+    }
+
+    /// Moments of one finite number.
+    pub(crate) fn one(value: f64) -> Self {
+        Self::of(&[value])
+    }
+
+    /// Moments of finite `values` from the `sums` of their deviations from the first and of the squares of these, where
+    /// these need no unit.
+    pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
+        match values.first() {
+            Some(&first) if is_ordinary(sums[1]) => {
+                Self::about(first, 0, values.len() as u64, sums)
             }
-        };
-        let moments = Moments {
+            _ => Self::of(values),
+        }
+    }
+
+    fn about(origin: f64, exponent: i32, count: u64, [sum, squares]: [f64; 2]) -> Self {
+        let mean = sum / count as f64;
+        Self {
             count,
-            min,
-            max,
             exponent,
             origin,
             mean,
-            squares,
-        };
-        let magnitude = MeanMagnitude::of(values, largest, totals.magnitudes);
-        let squares = TrialSquares::of_each(values, largest, totals.of_squares);
-        (moments, magnitude, squares)
+            squares: (squares - sum * mean).max(0.0),
+        }
+    }
+
+    /// Moments of the magnitudes of the same numbers, whose mean is this.
+    pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
+        let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
+        let excess = (signed - mean) * (signed + mean) * self.count as f64;
+        Self {
+            origin: 0.0,
+            mean,
+            squares: (self.squares + excess).max(0.0),
+            ..*self
+        }
     }
 
     /// Adds the numbers of `other`, which come after those summed so far.
-    pub(crate) fn merge(&mut self, other: &Moments) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
         }
@@ -90,21 +96,7 @@ impl Moments {
         let delta = (other.origin - self.origin) + (other.mean - self.mean);
         self.mean += delta * share;
         self.squares += other.squares + delta * delta * share * self.count as f64;
-        self.min = self.min.min(other.min);
-        self.max = self.max.max(other.max);
         self.count = count;
-    }
-
-    /// Moments that the same numbers have after `by` is added to each of them.
-    pub(crate) fn shifted(&self, by: f64) -> Moments {
-        let mut shifted = *self;
-        shifted.rescale(self.exponent.max(exponent(by)));
-        // A new origin rather than a sum, which would round the old one away.
-        shifted.mean += shifted.origin;
-        shifted.origin = by * power_of_two(-shifted.exponent);
-        shifted.min += by;
-        shifted.max += by;
-        shifted
     }
 
     /// Changes the unit to 2^exponent, which must be no smaller than the present one.
@@ -121,14 +113,9 @@ impl Moments {
         self.count
     }
 
-    /// `value` moved to the nearest number between the smallest and the largest.
-    pub(crate) fn clamp(&self, value: f64) -> f64 {
-        value.max(self.min).min(self.max)
-    }
-
     /// Arithmetic mean; `None` without numbers.
     pub(crate) fn mean(&self) -> Option<f64> {
-        (self.count > 0).then(|| self.clamp(self.in_plain_units(self.origin + self.mean)))
+        (self.count > 0).then(|| self.in_plain_units(self.origin + self.mean))
     }
 
     /// Root of the mean square; `None` without numbers.
@@ -142,6 +129,11 @@ impl Moments {
     pub(crate) fn std(&self) -> Option<f64> {
         let variance = self.squares / self.count.checked_sub(1)? as f64;
         (self.count > 1).then(|| self.in_plain_units(variance.sqrt()))
+    }
+
+    /// Standard error of the mean; `None` of fewer than two.
+    pub(crate) fn std_of_mean(&self) -> Option<f64> {
+        Some(self.std()? / (self.count as f64).sqrt())
     }
 
     fn in_plain_units(&self, value: f64) -> f64 {
@@ -208,27 +200,6 @@ mod tests {
             1e9 + 4.0 * ulp,
             max_relative = 1e-16
         );
-    }
-
-    #[test]
-    fn shifting_is_adding_to_every_number() {
-        let values = [1.0, 2.5, -4.0, 0.125];
-        for by in [0.0, 1.0, -1e9, 1e250, 1e-250] {
-            let added = Moments::of(&values.map(|value| value + by));
-            let shifted = Moments::of(&values).shifted(by);
-            assert_relative_eq!(
-                shifted.mean().unwrap(),
-                added.mean().unwrap(),
-                max_relative = 1e-15
-            );
-            if by.abs() < 1e100 {
-                assert_relative_eq!(
-                    shifted.std().unwrap(),
-                    added.std().unwrap(),
-                    max_relative = 1e-7
-                );
-            }
-        }
     }
 
     #[test]

@@ -4,12 +4,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::alone::alone;
 use palpate_chance::score_of_tail;
 
 use crate::certainty::wilson;
-use crate::column::Column;
-use crate::record::Record;
+use crate::record::{Record, TrialObservations};
 use crate::runner::Runner;
 use crate::trial::Trial;
 
@@ -83,9 +81,7 @@ impl Runner {
             count.min(1)
         };
         let run = |record: &mut Record, place: u64| {
-            let told = alone(record, &trial, numbers.start + place, |columns| {
-                columns.get(quantity).and_then(mean)
-            });
+            let told = record.alone(&trial, numbers.start + place, |told| mean(told, quantity));
             told.ok().flatten()
         };
         self.install(|| {
@@ -97,15 +93,15 @@ impl Runner {
     }
 }
 
-/// Mean estimate and mean truth of a column; `None` without observations.
-fn mean(column: &Column) -> Told {
-    let count = column.len() as f64;
-    let sums = column
-        .pairs()
-        .fold((0.0, 0.0), |(estimates, truths), (estimate, truth)| {
-            (estimates + estimate / count, truths + truth / count)
-        });
-    (count > 0.0 && sums.0.is_finite() && sums.1.is_finite()).then_some(sums)
+/// Mean estimate and mean truth of a quantity in a trial; `None` without observations.
+fn mean(trial: &TrialObservations<'_>, quantity: usize) -> Told {
+    let count = trial.of(quantity).count() as f64;
+    let (mut estimate, mut truth) = (0.0, 0.0);
+    for observation in trial.of(quantity) {
+        estimate += observation.estimate / count;
+        truth += observation.truth / count;
+    }
+    (count > 0.0 && estimate.is_finite() && truth.is_finite()).then_some((estimate, truth))
 }
 
 /// Probability that an estimate of one experiment is below one of another, drawn by themselves: over all pairs of their

@@ -1,80 +1,217 @@
 //! Statistics of some trials of a cell, before they are complete.
 
-use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::failures::Failures;
+use crate::column::Column;
+use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
+use crate::record::{Record, TrialObservations};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::Sums;
-use crate::watch::Terms;
+use crate::trial::Trial;
 
-/// Sums and histograms of the trials of a task, which can be written down, read back and put together to the last bit.
-///
-/// ```
-/// use palpate_sweep::{Partial, SUPERBLOCK};
-///
-/// let cell = Partial::default();
-/// assert_eq!(cell.statistics().trials, 0);
-/// ```
-#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub struct Partial {
+/// Accumulator of one quantity: it takes the observations of blocks of trials, and gives all statistics.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Accumulator {
+    /// Errors; merging is exact in any order.
+    histogram: Histogram,
+    /// Sums of blocks that have not been folded into those before them, in the order of the trials.
+    blocks: Vec<Sums>,
+}
+
+impl Accumulator {
+    /// Adds the observations of the block that follows, and clears them.
+    pub(crate) fn add(&mut self, column: &mut Column) {
+        self.blocks.push(column.sum_up(&mut self.histogram));
+    }
+
+    /// Folds the sums of the blocks, which must begin with the first of the trials.
+    fn fold(&mut self) {
+        if let Some((first, rest)) = self.blocks.split_first_mut() {
+            rest.iter().for_each(|block| first.merge(block));
+            self.blocks.truncate(1);
+        }
+    }
+
+    /// Adds the blocks that follow.
+    fn merge(&mut self, next: Self) {
+        self.histogram.merge(next.histogram);
+        self.blocks.extend(next.blocks);
+        self.fold();
+    }
+
+    /// Sums of the blocks, which are folded.
+    pub(crate) fn sums(&self) -> Sums {
+        self.blocks.first().copied().unwrap_or_default()
+    }
+
+    /// Forgets the quantiles.
+    pub(crate) fn drop_histogram(&mut self) {
+        self.histogram = Histogram::default();
+    }
+
+    fn summary(&self) -> Summary {
+        Summary::new(&self.sums(), &self.histogram)
+    }
+}
+
+/// Accumulators of all quantities over consecutive blocks of trials.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Partial {
     pub(crate) trials: u64,
     pub(crate) failures: Failures,
-    /// Histogram of the errors of each quantity; merging is exact in any order.
-    pub(crate) histograms: Vec<Histogram>,
-    /// Sums of each quantity, folded in the order of the trials.
-    pub(crate) sums: Vec<Sums>,
-    /// Numbers by which a rule judges whether these trials are enough, where it is asked again after more of them.
-    pub(crate) watched: Option<Terms>,
+    pub(crate) quantities: Vec<Accumulator>,
 }
+
+/// Listener to trials: told of what each observed, or of the kind of its failure.
+pub(crate) type Note<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {
     pub(crate) fn new(quantities: usize) -> Self {
         Self {
-            histograms: vec![Histogram::default(); quantities],
+            quantities: vec![Accumulator::default(); quantities],
             ..Self::default()
         }
     }
 
-    /// Adds the sums of a block that follows, whose errors are in the histograms.
-    pub(crate) fn fold(&mut self, block: Vec<Sums>) {
-        if self.sums.is_empty() {
-            self.sums = block;
-        } else {
-            for (own, more) in self.sums.iter_mut().zip(&block) {
-                own.merge(more);
-            }
+    /// Runs the block that follows; cut short where the run is cancelled.
+    #[inline(never)] // by this name instructions are counted
+    pub(crate) fn run_block(
+        &mut self,
+        trial: &dyn Trial,
+        trials: Range<u64>,
+        record: &mut Record,
+        cancelled: &AtomicBool,
+        note: Option<&mut Note<'_>>,
+    ) {
+        self.trials += trials.end - trials.start;
+        let failures = run_trials(trial, trials, record, cancelled, note);
+        self.failures.merge(failures);
+        self.add_block(record.columns());
+    }
+
+    fn add_block(&mut self, columns: &mut [Column]) {
+        for (accumulator, column) in self.quantities.iter_mut().zip(columns) {
+            accumulator.add(column);
         }
     }
 
-    /// Adds the trials of the superblock that follows.
-    pub fn merge(&mut self, next: Self) {
-        if self.histograms.is_empty() {
-            *self = next;
-            return;
-        }
+    /// Folds the sums of its blocks, which must begin with the first of the trials.
+    pub(crate) fn fold(&mut self) {
+        self.quantities.iter_mut().for_each(Accumulator::fold);
+    }
+
+    /// Adds the blocks that follow.
+    pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
-        for (own, more) in self.histograms.iter_mut().zip(next.histograms) {
+        self.quantities.resize_with(
+            next.quantities.len().max(self.quantities.len()),
+            Accumulator::default,
+        );
+        for (own, more) in self.quantities.iter_mut().zip(next.quantities) {
             own.merge(more);
         }
-        self.fold(next.sums);
     }
 
-    /// Number of trials run, failed ones included.
-    pub fn trials(&self) -> u64 {
-        self.trials
-    }
-
-    /// Statistics of these trials.
-    pub fn statistics(&self) -> CellStatistics {
-        let quantities = self.sums.iter().zip(&self.histograms);
+    /// Statistics of these trials, whose blocks are folded.
+    pub(crate) fn statistics(&self) -> CellStatistics {
         CellStatistics {
             trials: self.trials,
             failures: self.failures.clone().sorted(),
-            quantities: quantities
-                .map(|(sums, histogram)| Summary::new(sums, histogram))
-                .collect(),
+            quantities: self.quantities.iter().map(Accumulator::summary).collect(),
         }
     }
+}
+
+/// Observations of some of the trials of a block, which are summed up when the whole block is there.
+#[derive(Debug, Default)]
+pub(crate) struct Slice {
+    trials: u64,
+    failures: Failures,
+    columns: Vec<Column>,
+}
+
+impl Slice {
+    /// Runs some of the trials of a block; cut short where the run is cancelled.
+    pub(crate) fn run(
+        trial: &dyn Trial,
+        trials: Range<u64>,
+        record: &mut Record,
+        cancelled: &AtomicBool,
+        note: Option<&mut Note<'_>>,
+    ) -> Self {
+        Self {
+            trials: trials.end - trials.start,
+            failures: run_trials(trial, trials, record, cancelled, note),
+            columns: record.columns().iter_mut().map(std::mem::take).collect(),
+        }
+    }
+
+    /// Adds the trials that follow.
+    pub(crate) fn append(&mut self, next: Self) {
+        self.trials += next.trials;
+        self.failures.merge(next.failures);
+        self.columns
+            .resize_with(next.columns.len(), Column::default);
+        for (own, more) in self.columns.iter_mut().zip(next.columns) {
+            own.append(more);
+        }
+    }
+
+    /// Adds the block of which these are all trials.
+    pub(crate) fn end(mut self, partial: &mut Partial) {
+        partial.trials += self.trials;
+        partial.failures.merge(self.failures);
+        let quantities = partial.quantities.len().max(self.columns.len());
+        partial
+            .quantities
+            .resize_with(quantities, Accumulator::default);
+        partial.add_block(&mut self.columns);
+        partial.fold();
+    }
+}
+
+/// Runs trials into a record without observations; gives those that failed.
+fn run_trials(
+    trial: &dyn Trial,
+    trials: Range<u64>,
+    record: &mut Record,
+    cancelled: &AtomicBool,
+    mut note: Option<&mut Note<'_>>,
+) -> Failures {
+    record.set_quantities(trial.quantities());
+    let mut failures = Failures::default();
+    let mut at = trials.start;
+    while at < trials.end && !cancelled.load(Ordering::Relaxed) {
+        let before = note.as_ref().map(|_| record.lengths());
+        let together = trial.run_together(at..trials.end, record);
+        let result = match together {
+            0 => trial.run(at, record),
+            _ => Ok(()),
+        };
+        let (result, ran) = (record.verdict(result), together.max(1));
+        if let (Some(note), Some(before)) = (&mut note, before) {
+            match result {
+                Ok(()) => record.tell(at..at + ran, &before, &mut |trial, told| {
+                    note(trial, Ok(told))
+                }),
+                Err(kind) => note(at, Err(kind)),
+            }
+        }
+        match result {
+            Ok(()) => record.keep(),
+            Err(kind) => {
+                record.forget();
+                failures.add(Failure {
+                    kind,
+                    count: 1,
+                    first_trial: at,
+                });
+            }
+        }
+        at += ran;
+    }
+    failures
 }

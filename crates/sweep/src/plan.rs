@@ -4,7 +4,6 @@
 mod clock;
 mod pace;
 mod pilot;
-mod spread;
 mod tolerance;
 
 use std::num::{NonZeroU64, NonZeroUsize};
@@ -16,9 +15,7 @@ pub use clock::Clock;
 pub use pace::{Pace, spread};
 pub use tolerance::{Pass, PassQuantity, PassValue};
 
-use crate::alone::alone;
 use crate::failures::NOT_FINITE;
-use crate::record::Record;
 use crate::runner::{Runner, SweepError};
 use crate::trial::Trial;
 use pilot::{CellPilot, Pilot};
@@ -191,7 +188,7 @@ pub fn plan<C: Plannable>(
         .collect();
     let pilot = planner.pilot(&trials, &random)?;
     let failing = match &pilot {
-        Some(pilot) => planner.failing(&trials, &random, pilot)?,
+        Some(pilot) => planner.failing(&random, pilot)?,
         None => Vec::new(),
     };
     let tolerance = goal.target_error.and_then(|target| {
@@ -275,18 +272,16 @@ impl Planner<'_> {
     }
 
     /// Cells of which every trial of the pilot failed. Refuses if all random cells are so and there is a target error.
-    fn failing<T: Trial, E>(
+    fn failing<E>(
         &self,
-        trials: &[T],
         random: &[usize],
         pilot: &Pilot,
     ) -> Result<Vec<FailingCell>, PlanError<E>> {
         let all_fail = |(pilot, &cell): (&CellPilot, &usize)| {
-            let kind = || alone(&mut Record::default(), &trials[cell], 0, |_| ()).err();
             (pilot.success == 0.0).then(|| FailingCell {
                 cell,
                 trials: pilot.trials,
-                kind: kind().unwrap_or(NOT_FINITE),
+                kind: pilot.kind.unwrap_or(NOT_FINITE),
             })
         };
         let failing: Vec<FailingCell> = pilot

@@ -14,7 +14,7 @@ const MOST_BLOCKS: u64 = 64;
 /// Jobs by which the results of quick threads may be ahead of a slow one's.
 const AHEAD: u64 = 512;
 
-/// Number where a rule may end the trials, and results are kept trial by trial until it is asked.
+/// Number where a rule may end the trials.
 const AHEAD_OF_RULE: u64 = 128;
 
 /// Experiment of a cell, set up by the first thread that needs it and dropped by the last; or why there is none.
@@ -36,6 +36,13 @@ pub(crate) struct Piece<T, E> {
     pub(crate) experiment: Arc<Experiment<T, E>>,
 }
 
+impl<T, E> Piece<T, E> {
+    /// Whether these are all trials of the task.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.trials == (0..self.task.trials)
+    }
+}
+
 /// The tasks that are left.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
@@ -45,12 +52,10 @@ pub(crate) struct Queue<T, E, F> {
 }
 
 struct State<T, E> {
-    /// Task that is handed out, and the first of its trials that has not been.
-    open: Option<(Task, u64)>,
+    /// Task that is handed out, the first of its trials that has not been, and its experiment.
+    open: Option<(Task, u64, Arc<Experiment<T, E>>)>,
     /// Number of the open task, or of the next.
     next: u64,
-    /// Experiment of the last cell.
-    last: Option<(usize, Arc<Experiment<T, E>>)>,
     /// Number of jobs handed out, and of those whose results have been taken.
     jobs: [u64; 2],
     is_stopped: bool,
@@ -61,23 +66,20 @@ struct State<T, E> {
 impl<T, E> State<T, E> {
     /// Jobs by which quick threads may be ahead.
     fn ahead(&self) -> u64 {
-        let has_rule = self.open.as_ref().is_some_and(|(task, _)| task.may_stop);
+        let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
         if has_rule { AHEAD_OF_RULE } else { AHEAD }
     }
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    /// Queue of so many tasks; `started` is the first trial of the first task that is left, if some have been run.
-    pub(crate) fn new(tasks: u64, task: F, started: Option<u64>) -> Self {
-        let first = started.filter(|_| tasks > 0);
-        let open = first.map(|trial| (task(0), trial));
+    /// Queue of so many tasks.
+    pub(crate) fn new(tasks: u64, task: F) -> Self {
         Self {
             tasks,
             task,
             state: Mutex::new(State {
-                open,
+                open: None,
                 next: 0,
-                last: None,
                 jobs: [0, 0],
                 is_stopped: false,
                 trial_s: None,
@@ -105,7 +107,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             blocks += (piece.trials.end - piece.trials.start)
                 .div_ceil(BLOCK)
                 .max(1);
-            let may_be_too_many = piece.task.may_stop && piece.trials != piece.task.trials;
+            let may_be_too_many = piece.task.may_stop && !piece.is_whole();
             pieces.push(piece);
             if may_be_too_many {
                 break;
@@ -124,16 +126,12 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         is_first: bool,
         left_s: &mut f64,
     ) -> Option<Piece<T, E>> {
-        let (task, start) = match state.open.take() {
+        let (task, start, experiment) = match state.open.take() {
             Some(open) => open,
-            None if state.next < self.tasks => {
-                let task = (self.task)(state.next);
-                let start = task.trials.start;
-                (task, start)
-            }
+            None if state.next < self.tasks => ((self.task)(state.next), 0, Arc::default()),
             None => return None,
         };
-        let end = task.trials.end;
+        let end = task.trials;
         let fitting = match (has_clock, state.trial_s) {
             (false, _) => MOST_BLOCKS * BLOCK,
             // The first trials tell the time of one.
@@ -145,7 +143,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         // Where it will end is not known. Threads that have nothing else to do run trials of it that may turn out to be
         // too many.
         let is_last = has_clock && state.next + 1 == self.tasks;
-        let is_whole = task.may_stop && !is_last && start == task.trials.start;
+        let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
             end - start
         } else if task.may_stop && fitting >= to_block {
@@ -162,29 +160,18 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             };
             to_block.min(whole.max(1))
         } else {
-            state.open = Some((task, start));
+            state.open = Some((task, start, experiment));
             return None;
         };
         let until = start + taken;
         if let Some(trial_s) = state.trial_s {
             *left_s -= trial_s * taken as f64;
         }
-        let experiment = match &state.last {
-            Some((cell, experiment)) if *cell == task.cell => Arc::clone(experiment),
-            _ => {
-                let experiment = Arc::new(OnceLock::new());
-                state.last = Some((task.cell, Arc::clone(&experiment)));
-                experiment
-            }
-        };
         let number = state.next;
         if until < end {
-            state.open = Some((task.clone(), until));
+            state.open = Some((task, until, Arc::clone(&experiment)));
         } else {
             state.next += 1;
-        }
-        if state.next == self.tasks {
-            state.last = None;
         }
         Some(Piece {
             number,

@@ -1,14 +1,35 @@
-//! Observations of trials, kept until a block of trials is summed up.
+//! Observations of trials, until a block of trials is summed up.
+
+use std::ops::Range;
 
 use crate::column::Column;
 use crate::failures::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 use crate::observation::{Observation, Observations};
+use crate::trial::Trial;
 
 /// Collector of the observations of trials, handed to each [`Trial`](crate::Trial).
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
     rejection: Option<&'static str>,
+}
+
+/// Observations of one trial that succeeded.
+#[derive(Debug)]
+pub struct TrialObservations<'a> {
+    columns: &'a [Column],
+    /// Places of its observations in each column.
+    places: Vec<Range<usize>>,
+}
+
+impl TrialObservations<'_> {
+    /// Observations of a quantity, in the order in which they were recorded; none of a quantity that was not observed.
+    pub fn of(&self, quantity: usize) -> impl Iterator<Item = Observation> {
+        let column = self.columns.get(quantity).zip(self.places.get(quantity));
+        let observations =
+            |(column, places): (_, &Range<usize>)| Column::observations(column, places.clone());
+        column.into_iter().flat_map(observations)
+    }
 }
 
 impl Record {
@@ -42,30 +63,6 @@ impl Record {
         }
     }
 
-    /// Records one observation of each of the first `N` quantities, as [`Record::observe`] would.
-    #[inline]
-    pub fn observe_each<const N: usize>(&mut self, observations: [Observation; N]) {
-        // A sum is finite only if all its terms are: one test for what nearly always holds.
-        let (mut sum, mut lowest) = (0.0, 0.0);
-        for observation in &observations {
-            let std = observation.std.unwrap_or(0.0);
-            sum += (observation.estimate - observation.truth).abs() + std;
-            lowest = if std < lowest { std } else { lowest };
-        }
-        match self.columns.get_mut(..N) {
-            Some(columns) if sum < f64::INFINITY && lowest == 0.0 => {
-                for (column, observation) in columns.iter_mut().zip(&observations) {
-                    column.push(observation);
-                }
-            }
-            _ => {
-                for (quantity, observation) in observations.into_iter().enumerate() {
-                    self.observe(quantity, observation);
-                }
-            }
-        }
-    }
-
     /// Records what trials that ran together and succeeded say of the first `Q` quantities: one observation of each in
     /// every trial.
     ///
@@ -78,43 +75,56 @@ impl Record {
         let Some(columns) = self.columns.get_mut(..Q) else {
             return 0;
         };
-        let told = observations.iter().map(Observations::len).min();
+        let count = observations.iter().map(Observations::len).min();
         let sound = |count, observations: &Observations<'_>| observations.sound(count);
-        let count = observations.iter().fold(told.unwrap_or(0), sound);
+        let count = observations.iter().fold(count.unwrap_or(0), sound);
         for (column, observations) in columns.iter_mut().zip(observations) {
             column.extend(observations, count);
+            column.keep_each();
         }
-        self.columns.iter_mut().for_each(Column::keep_each);
         count
     }
 
-    /// Prepares for a block of trials that observe `quantities` quantities; the observations of the block before must
-    /// have been cleared.
+    /// Prepares for trials that observe so many quantities; the observations before must have been summed up.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Runs one trial and keeps its observations if it succeeds. Of a failed one nothing remains but the kind of
-    /// failure.
-    #[inline]
-    pub(crate) fn take(
-        &mut self,
-        run: impl FnOnce(&mut Record) -> Result<(), &'static str>,
-    ) -> Result<(), &'static str> {
-        match (run(self), self.rejection) {
-            (Ok(()), None) => {
-                self.columns.iter_mut().for_each(Column::keep);
-                Ok(())
-            }
-            (result, rejection) => Err(self.forget_trial(result.err().or(rejection))),
-        }
+    /// Result of the trial that ran: it also fails where it recorded what cannot be.
+    pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
+        let rejection = self.rejection.take();
+        result.and_then(|()| rejection.map_or(Ok(()), Err))
     }
 
-    #[cold]
-    fn forget_trial(&mut self, kind: Option<&'static str>) -> &'static str {
-        self.rejection = None;
+    /// Keeps the observations of the trial that ran.
+    #[inline]
+    pub(crate) fn keep(&mut self) {
+        self.columns.iter_mut().for_each(Column::keep);
+    }
+
+    /// Drops the observations of the trial that ran.
+    pub(crate) fn forget(&mut self) {
         self.columns.iter_mut().for_each(Column::forget);
-        kind.unwrap_or(NOT_FINITE)
+    }
+
+    /// Runs one trial, shows what it observed, and forgets it. The record is empty before and after.
+    pub(crate) fn alone<T>(
+        &mut self,
+        trial: &dyn Trial,
+        number: u64,
+        show: impl FnOnce(&TrialObservations<'_>) -> T,
+    ) -> Result<T, &'static str> {
+        self.set_quantities(trial.quantities());
+        let result = trial.run(number, self);
+        let shown = self.verdict(result).map(|()| {
+            let places = self.columns.iter().map(|column| 0..column.len());
+            show(&TrialObservations {
+                columns: &self.columns,
+                places: places.collect(),
+            })
+        });
+        self.forget();
+        shown
     }
 
     /// Number of observations of each quantity.
@@ -122,9 +132,28 @@ impl Record {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Kind of failure of the trial that runs, if it recorded what cannot be.
-    pub(crate) fn rejected(&self) -> Option<&'static str> {
-        self.rejection
+    /// Hands over the observations of each of some trials, which have observed equally often since the columns were this
+    /// long.
+    pub(crate) fn tell(
+        &self,
+        trials: Range<u64>,
+        before: &[usize],
+        note: &mut dyn FnMut(u64, &TrialObservations<'_>),
+    ) {
+        let count = (trials.end - trials.start) as usize;
+        for (number, trial) in trials.enumerate() {
+            let places = self.columns.iter().zip(before).map(|(column, before)| {
+                let each = (column.len() - before) / count;
+                before + number * each..before + (number + 1) * each
+            });
+            note(
+                trial,
+                &TrialObservations {
+                    columns: &self.columns,
+                    places: places.collect(),
+                },
+            );
+        }
     }
 
     /// The observations of each quantity.
@@ -152,6 +181,7 @@ fn rejection(known_quantity: bool, observation: &Observation) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::histogram::Histogram;
 
     fn record(quantities: usize) -> Record {
         let mut record = Record::default();
@@ -159,8 +189,28 @@ mod tests {
         record
     }
 
-    fn lengths(record: &mut Record) -> Vec<usize> {
-        record.columns().iter().map(Column::len).collect()
+    fn trial(
+        record: &mut Record,
+        run: impl FnOnce(&mut Record) -> Result<(), &'static str>,
+    ) -> Result<(), &'static str> {
+        let result = run(record);
+        let result = record.verdict(result);
+        match result {
+            Ok(()) => record.keep(),
+            Err(_) => record.forget(),
+        }
+        result
+    }
+
+    /// Number of observations of each quantity, which are summed up.
+    fn counts(record: &mut Record) -> Vec<u64> {
+        let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
+        let counts = record.columns().iter_mut().map(sums);
+        counts.map(|sums| sums.errors.count()).collect()
+    }
+
+    fn columns(record: &Record) -> String {
+        format!("{:?}", record.columns)
     }
 
     fn observation(estimate: f64, truth: f64, std: Option<f64>) -> Observation {
@@ -176,39 +226,22 @@ mod tests {
     fn a_failed_trial_leaves_nothing_and_does_not_fail_the_next() {
         let mut record = record(2);
         let good = observation(1.0, 1.0, None);
-        let once = record.take(|record| {
+        let once = trial(&mut record, |record| {
             record.observe(0, good);
             record.observe(0, good);
             record.observe(1, good);
             Ok(())
         });
         assert_eq!(once, Ok(()));
-        let failed = record.take(|record| {
+        let failed = trial(&mut record, |record| {
             record.observe(1, good);
             record.observe(0, good);
-            record.observe_each([good, good]);
             record.observe(0, observation(f64::NAN, 1.0, None));
             Err("rank")
         });
         assert_eq!(failed, Err("rank"));
-        assert_eq!(lengths(&mut record), [2, 1]);
-        assert_eq!(record.take(|_| Ok(())), Ok(()));
-    }
-
-    #[test]
-    fn each_is_one_after_the_other() {
-        let (first, second) = (
-            observation(1.0, 2.0, None),
-            Observation {
-                interval_holds: Some([true; 3]),
-                ..observation(3.0, 4.0, Some(0.5))
-            },
-        );
-        let (mut each, mut one_by_one) = (record(3), record(3));
-        each.observe_each([first, second]);
-        one_by_one.observe(0, first);
-        one_by_one.observe(1, second);
-        assert_eq!(each.columns(), one_by_one.columns());
+        assert_eq!(trial(&mut record, |_| Ok(())), Ok(()));
+        assert_eq!(counts(&mut record), [2, 1]);
     }
 
     #[test]
@@ -229,13 +262,15 @@ mod tests {
                 observation(first, 2.0, Some(std)),
                 observation(second, 2.0, None),
             ];
-            let result = one_by_one.take(|record| {
-                record.observe_each(observations);
+            let result = trial(&mut one_by_one, |record| {
+                for (quantity, observation) in observations.into_iter().enumerate() {
+                    record.observe(quantity, observation);
+                }
                 Ok(())
             });
             assert_eq!(result, Ok(()));
         }
-        assert_eq!(at_once.columns(), one_by_one.columns());
+        assert_eq!(columns(&at_once), columns(&one_by_one));
 
         for (unsound, count) in [
             (together(&[1.0, f64::NAN], None), 1),
@@ -252,11 +287,11 @@ mod tests {
                 count,
                 "{unsound:?}"
             );
-            assert_eq!(lengths(&mut record), [count; 2]);
+            assert_eq!(counts(&mut record), [count as u64; 2]);
         }
         assert_eq!(at_once.observe_together(&[good; 4]), 0, "unknown quantity");
         assert_eq!(at_once.observe_together(&[]), 0);
-        assert_eq!(at_once.columns(), one_by_one.columns());
+        assert_eq!(columns(&at_once), columns(&one_by_one));
     }
 
     #[test]
@@ -281,24 +316,12 @@ mod tests {
             (1, observation(0.0, 0.0, None), UNKNOWN_QUANTITY),
         ] {
             let mut record = record(1);
-            let result = record.take(|record| {
+            let result = trial(&mut record, |record| {
                 record.observe(quantity, observation);
                 Ok(())
             });
             assert_eq!(result, Err(kind), "{observation:?}");
-            assert_eq!(lengths(&mut record), [0]);
-
-            let mut record = self::record(1);
-            let good = self::observation(0.0, 0.0, None);
-            let result = record.take(|record| {
-                match quantity {
-                    0 => record.observe_each([observation]),
-                    _ => record.observe_each([good, observation]),
-                }
-                Ok(())
-            });
-            assert_eq!(result, Err(kind), "{observation:?}");
-            assert_eq!(lengths(&mut record), [0]);
+            assert_eq!(counts(&mut record), [0]);
         }
     }
 }

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use crate::partial::Partial;
 use crate::runner::{RunOptions, Runner, SweepError};
 use crate::stream::{Sweep, Taken};
 use crate::summary::CellStatistics;
@@ -90,28 +89,11 @@ impl Runner {
         all.ok_or(SweepError::TooManyTrials {
             cells: trials.len(),
         })?;
-        let mut starts = Vec::with_capacity(trials.len());
-        let mut tasks = 0;
-        for &trials in trials {
-            starts.push(tasks);
-            tasks += Task::superblocks(trials);
-        }
-        let cells = Cells {
-            trials,
-            starts,
-            tasks,
-            set_up,
-        };
-        let mut statistics: Vec<CellStatistics> = Vec::with_capacity(trials.len());
-        let mut open = Partial::default();
-        self.stream(&cells, cancelled, progress, &mut |number, taken| {
-            let Taken::Result(partial) = taken else {
-                return ControlFlow::Continue(());
-            };
-            open.merge(partial);
-            let next_cell = cells.starts.get(statistics.len() + 1).unwrap_or(&tasks);
-            if number + 1 == *next_cell {
-                statistics.push(std::mem::take(&mut open).statistics());
+        let mut statistics = Vec::with_capacity(trials.len());
+        let cells = Cells { trials, set_up };
+        self.stream(&cells, cancelled, progress, &mut |_, taken| {
+            if let Taken::Result(cell) = taken {
+                statistics.push(cell);
             }
             ControlFlow::Continue(())
         })?;
@@ -123,31 +105,32 @@ impl Runner {
 struct Cells<'a, F> {
     /// Trials of each cell.
     trials: &'a [u64],
-    /// First task of each cell.
-    starts: Vec<u64>,
-    tasks: u64,
     set_up: F,
 }
 
 impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Cells<'_, F> {
     type Trial = T;
-    type Result = Partial;
+    type Result = CellStatistics;
     type Error = E;
 
     fn tasks(&self) -> u64 {
-        self.tasks
+        self.trials.len() as u64
     }
 
     fn task(&self, number: u64) -> Task {
-        let cell = self.starts.partition_point(|&first| first <= number) - 1;
-        Task::of(cell, self.trials[cell], number - self.starts[cell])
+        let cell = number as usize;
+        Task {
+            cell,
+            trials: self.trials[cell],
+            may_stop: false,
+        }
     }
 
     fn set_up(&self, cell: usize) -> Result<T, E> {
         (self.set_up)(cell)
     }
 
-    fn finish(&self, _task: &Task, _trial: &T, partial: Partial) -> Partial {
-        partial
+    fn finish(&self, _cell: usize, _trial: &T, statistics: CellStatistics) -> CellStatistics {
+        statistics
     }
 }

@@ -1,16 +1,12 @@
 //! Squared errors by trial, from which follows how exact an rms error is.
 
-use std::ops::Range;
-
-use serde::{Deserialize, Serialize};
-
-use crate::scale::{exponent_of_squares, power_of_two, sum};
+use crate::scale::{exponent, is_ordinary, largest, power_of_two, sum};
 
 /// Means and scatter of the number of observations of a trial and of the sum of their squared errors.
 ///
 /// The observations of one trial are not independent, so that a mean of squares is as exact as its trials differ, however
 /// many observations each has. Squares are in units of a power of two where their squares would overflow or vanish.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TrialSquares {
     /// Trials that made an observation.
     trials: u64,
@@ -27,68 +23,49 @@ pub(crate) struct TrialSquares {
 }
 
 impl TrialSquares {
-    /// Squares of finite errors of which each is of a trial of its own, none larger in magnitude than `largest`. `plain`
-    /// are the sums of the differences of the squares to that of the first, and of their squares, which may be beyond the
-    /// floats.
-    pub(crate) fn of_each(errors: &[f64], largest: f64, plain: [f64; 2]) -> Self {
+    /// Squares of finite errors, each of a trial of its own. `plain` are the sums of the differences of the squares to that
+    /// of the first, and of the squares of these differences.
+    pub(crate) fn of_each(errors: &[f64], plain: [f64; 2]) -> Self {
         let Some(&first) = errors.first() else {
             return Self::default();
         };
-        let exponent = exponent_of_squares(largest);
+        let exponent = match is_ordinary(plain[1]) {
+            true => 0,
+            false => exponent(largest(errors)),
+        };
         let per_unit = power_of_two(-exponent);
         let origin = (first * per_unit) * (first * per_unit);
-        let [differences, fourths] = match exponent {
-            0 => plain,
-            _ => {
-                let difference = |error: f64| (error * per_unit) * (error * per_unit) - origin;
-                [
-                    sum(errors, difference),
-                    sum(errors, |error| difference(error) * difference(error)),
-                ]
-            }
+        let difference = |error: f64| (error * per_unit) * (error * per_unit) - origin;
+        let [differences, fourths] = match is_ordinary(plain[1]) {
+            true => plain,
+            false => [
+                sum(errors, difference),
+                sum(errors, |error| difference(error) * difference(error)),
+            ],
         };
-        let trials = errors.len() as f64;
-        let mean = differences / trials;
+        let mean = differences / errors.len() as f64;
         Self {
             trials: errors.len() as u64,
             exponent,
             square: origin + mean,
             count: 1.0,
             square_square: (fourths - differences * mean).max(0.0),
-            square_count: 0.0,
-            count_count: 0.0,
+            ..Self::default()
         }
     }
 
-    /// Squares of finite errors of which those at the places `several` are of one trial each, the others of a trial of
-    /// their own.
-    pub(crate) fn of(errors: &[f64], several: &[Range<usize>]) -> Self {
-        let largest = errors
-            .iter()
-            .fold(0.0, |most: f64, error| most.max(error.abs()));
-        let exponent = exponent_of_squares(largest);
-        let per_unit = power_of_two(-exponent);
-        let mut squares = Self {
+    /// Squares of one trial that made so many observations, whose errors have this root of the mean square.
+    pub(crate) fn of_trial(count: u64, rms: f64) -> Self {
+        let exponent = exponent(rms);
+        let rms = rms * power_of_two(-exponent);
+        let count = count as f64;
+        Self {
+            trials: 1,
             exponent,
+            square: rms * rms * count,
+            count,
             ..Self::default()
-        };
-        let mut add = |errors: &[f64]| {
-            squares.merge(&Self {
-                trials: 1,
-                exponent,
-                square: sum(errors, |error| (error * per_unit) * (error * per_unit)),
-                count: errors.len() as f64,
-                ..Self::default()
-            });
-        };
-        let mut at = 0;
-        for places in several {
-            errors[at..places.start].chunks(1).for_each(&mut add);
-            add(&errors[places.clone()]);
-            at = places.end;
         }
-        errors[at..].chunks(1).for_each(add);
-        squares
     }
 
     /// Adds the trials of `other`, which come after those summed so far.
@@ -146,11 +123,33 @@ impl TrialSquares {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::moments::Moments;
+    use crate::column::UNREPORTED;
+    use crate::pass::Observed;
+    use crate::sums::Sums;
     use approx::assert_relative_eq;
+    use std::ops::Range;
+
+    fn sums(errors: &[f64]) -> Sums {
+        let [truths, stds] = [0.0, UNREPORTED].map(|value| vec![value; errors.len()]);
+        let observed = Observed {
+            estimates: errors,
+            truths: &truths,
+            stds: &stds,
+        };
+        Sums::of(observed, &mut Vec::new())
+    }
 
     fn each(errors: &[f64]) -> TrialSquares {
-        Moments::with_magnitude(errors).2
+        sums(errors).squares
+    }
+
+    /// Squares of trials that made the errors at these places.
+    fn of_trials(errors: &[f64], trials: impl IntoIterator<Item = Range<usize>>) -> TrialSquares {
+        let mut all = TrialSquares::default();
+        for places in trials {
+            all.merge(&sums(&errors[places]).of_trial().squares);
+        }
+        all
     }
 
     #[test]
@@ -168,8 +167,8 @@ mod tests {
             let scaled: Vec<f64> = errors.iter().map(|error| error * unit).collect();
             let found = each(&scaled).std_of_rms().unwrap();
             assert_relative_eq!(found, std * unit, max_relative = 1e-14);
-            let pairs: Vec<_> = (0..6).map(|pair| 2 * pair..2 * pair + 2).collect();
-            let [scaled, plain] = [&scaled, &errors].map(|it| TrialSquares::of(it, &pairs));
+            let pairs = || (0..6).map(|pair| 2 * pair..2 * pair + 2);
+            let [scaled, plain] = [&scaled, &errors].map(|errors| of_trials(errors, pairs()));
             let plain = plain.std_of_rms().unwrap();
             assert_relative_eq!(
                 scaled.std_of_rms().unwrap(),
@@ -183,13 +182,13 @@ mod tests {
     fn a_trial_counts_once_however_many_observations_it_has() {
         let errors = [0.3, -1.0, 2.0, 0.7, -0.2];
         let thrice: Vec<f64> = errors.iter().flat_map(|&error| [error; 3]).collect();
-        let places: Vec<_> = (0..errors.len()).map(|at| 3 * at..3 * at + 3).collect();
+        let places = (0..errors.len()).map(|at| 3 * at..3 * at + 3);
         let once = each(&errors).std_of_rms().unwrap();
-        let together = TrialSquares::of(&thrice, &places).std_of_rms().unwrap();
+        let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
         // Of trials that differ in nothing but how much they observe, the mean square is exact.
-        let alike = TrialSquares::of(&[2.0; 9], &[1..4, 5..9]);
+        let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }
 
@@ -204,7 +203,9 @@ mod tests {
             assert_relative_eq!(merged.std_of_rms().unwrap(), whole, max_relative = 1e-13);
         }
         assert_relative_eq!(
-            TrialSquares::of(&errors, &[]).std_of_rms().unwrap(),
+            of_trials(&errors, (0..60).map(|at| at..at + 1))
+                .std_of_rms()
+                .unwrap(),
             whole,
             max_relative = 1e-13
         );
@@ -214,8 +215,7 @@ mod tests {
     fn few_or_equal_errors_have_their_bounds() {
         assert_eq!(each(&[]).std_of_rms(), None);
         assert_eq!(each(&[3.0]).std_of_rms(), None);
-        let both = std::slice::from_ref(&(0..2));
-        assert_eq!(TrialSquares::of(&[3.0, 4.0], both).std_of_rms(), None);
+        assert_eq!(of_trials(&[3.0, 4.0], [0..2]).std_of_rms(), None);
         for errors in [[0.0; 9], [1e-300; 9], [0.1; 9], [f64::MAX; 9]] {
             assert_eq!(each(&errors).std_of_rms(), Some(0.0));
         }

@@ -6,15 +6,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::note::{Noting, Seen};
-use crate::part::{Assembled, Part, Slice, Workspace};
-use crate::partial::Partial;
+use crate::partial::{Note, Partial, Slice};
 use crate::queue::{Experiment, Job, Piece, Queue};
+use crate::record::{Record, TrialObservations};
 use crate::runner::{Runner, SweepError};
-use crate::stop;
+use crate::summary::CellStatistics;
 use crate::task::{Stop, Task};
 use crate::trial::{BLOCK, Trial};
-use crate::watch::Watch;
 
 /// Sweep: tasks, the experiments of their cells, and what is made of each.
 pub trait Sweep: Sync {
@@ -28,14 +26,8 @@ pub trait Sweep: Sync {
     /// Number of tasks.
     fn tasks(&self) -> u64;
 
-    /// Task of this number. Those of a cell follow each other, in the order of their trials.
+    /// Task of this number.
     fn task(&self, number: u64) -> Task;
-
-    /// Sums of the first trials of the first task, and the number of the trial that follows, where a run goes on within
-    /// that task: as [`Taken::Open`] had them.
-    fn started(&self) -> Option<(Partial, u64)> {
-        None
-    }
 
     /// Sets up the experiment of a cell: on any thread when its first trial is due. It must not wait for the threads of
     /// the run.
@@ -55,20 +47,20 @@ pub trait Sweep: Sync {
         false
     }
 
-    /// Adds to a text what is to be told of trial number `number`: of its observations, or of the kind of its failure. On
+    /// Adds to a text what is to be noted of trial number `number`: of its observations, or of the kind of its failure. On
     /// any thread, in the order of the trials of a task.
     fn note(
         &self,
         trial: &Self::Trial,
         number: u64,
-        seen: Result<&Seen<'_>, &'static str>,
+        observed: Result<&TrialObservations<'_>, &'static str>,
         text: &mut String,
     ) {
-        let _ = (trial, number, seen, text);
+        let _ = (trial, number, observed, text);
     }
 
-    /// Result of a task, on any thread.
-    fn finish(&self, task: &Task, trial: &Self::Trial, partial: Partial) -> Self::Result;
+    /// Result of a cell, on any thread.
+    fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
 /// Piece of a sweep's outcome, handed over as it comes.
@@ -76,15 +68,9 @@ pub trait Sweep: Sync {
 pub enum Taken<R> {
     /// Notes on some trials of a task, those that follow the notes before.
     Note(String),
-    /// Sums of the first trials of a task that takes long, and the number of the trial that follows; a few seconds after the
-    /// last. What they are of is noted before.
-    Open(Partial, u64),
     /// Result of a task, after all notes on its trials.
     Result(R),
 }
-
-/// Time between two accounts of a task that takes long.
-const ACCOUNT: Duration = Duration::from_secs(3);
 
 impl Runner {
     /// Runs the tasks of a sweep and hands their results over, in the order of the tasks and one at a time, until another
@@ -96,9 +82,11 @@ impl Runner {
     ///
     /// ```
     /// use std::convert::Infallible;
-    /// use std::ops::{ControlFlow, Range};
+    /// use std::ops::ControlFlow;
     /// use std::sync::atomic::AtomicBool;
-    /// use palpate_sweep::{Observation, Partial, Record, RunOptions, Runner, Sweep, Taken, Task, Trial};
+    /// use palpate_sweep::{
+    ///     CellStatistics, Observation, Record, RunOptions, Runner, Sweep, Taken, Task, Trial,
+    /// };
     ///
     /// /// Estimates its truth without an error.
     /// struct Exact(f64);
@@ -117,10 +105,10 @@ impl Runner {
     ///     type Result = Option<f64>;
     ///     type Error = Infallible;
     ///     fn tasks(&self) -> u64 { 3 }
-    ///     fn task(&self, number: u64) -> Task { Task::of(number as usize, 20, 0) }
+    ///     fn task(&self, number: u64) -> Task { Task { cell: number as usize, trials: 20, may_stop: false } }
     ///     fn set_up(&self, cell: usize) -> Result<Exact, Infallible> { Ok(Exact(cell as f64)) }
-    ///     fn finish(&self, _task: &Task, _trial: &Exact, partial: Partial) -> Option<f64> {
-    ///         partial.statistics().quantities[0].mean
+    ///     fn finish(&self, _cell: usize, _trial: &Exact, statistics: CellStatistics) -> Option<f64> {
+    ///         statistics.quantities[0].mean
     ///     }
     /// }
     ///
@@ -149,9 +137,7 @@ impl Runner {
         progress: &(dyn Fn(u64) + Sync),
         take: &mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<S::Error>> {
-        let started = sweep.started();
-        let trial = started.as_ref().map(|(_, trial)| *trial);
-        let queue = Queue::new(sweep.tasks(), |number| sweep.task(number), trial);
+        let queue = Queue::new(sweep.tasks(), |number| sweep.task(number));
         let crew = Crew {
             sweep,
             queue: &queue,
@@ -161,12 +147,7 @@ impl Runner {
             line: Mutex::new(Line {
                 waiting: BTreeMap::new(),
                 head: 0,
-                open: started.map(|(partial, _)| Open {
-                    partial,
-                    block: None,
-                    watch: None,
-                }),
-                told: self.has_clock().then(Instant::now),
+                open: None,
                 tasks: 0,
                 failed: None,
                 take,
@@ -200,8 +181,6 @@ struct Line<'a, S: Sweep> {
     /// Number of the job whose results are due.
     head: u64,
     open: Option<Open>,
-    /// When the sums of the open task were last handed over, or the run began; `None` without a clock.
-    told: Option<Instant>,
     /// Number of the tasks whose results have been taken.
     tasks: u64,
     failed: Option<S::Error>,
@@ -209,11 +188,12 @@ struct Line<'a, S: Sweep> {
 }
 
 /// Task of which the first trials have been run.
+#[derive(Default)]
 struct Open {
-    partial: Partial,
-    block: Option<Assembled>,
-    /// Watch over them, where a rule may end the task.
-    watch: Option<Watch>,
+    /// Blocks that are complete.
+    cell: Partial,
+    /// Trials of the block that is not.
+    block: Slice,
 }
 
 /// Trials of a task that have been run.
@@ -232,7 +212,7 @@ struct Ran<S: Sweep> {
 
 enum Sum<R> {
     Whole(R),
-    Blocks(Part),
+    Blocks(Partial),
     Slice(Slice),
     /// The experiment could not be set up.
     Failed,
@@ -253,12 +233,12 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     /// Works until nothing is left to do.
     fn work(&self) {
         let _fuse = Fuse(self.queue);
-        let mut workspace = Workspace::default();
+        let mut record = Record::default();
         while !self.is_cancelled()
             && let Some(job) = self.queue.job(self.has_clock)
         {
             let number = job.number;
-            match self.run(job, &mut workspace) {
+            match self.run(job, &mut record) {
                 Some(ran) => self.hand_over(number, ran),
                 None => break,
             }
@@ -274,21 +254,22 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     }
 
     /// Runs the trials of a job; `None` where the run was cancelled meanwhile.
-    fn run(&self, job: Job<S::Trial, S::Error>, workspace: &mut Workspace) -> Option<Vec<Ran<S>>> {
+    fn run(&self, job: Job<S::Trial, S::Error>, record: &mut Record) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
         let mut time = Duration::ZERO;
         for piece in job.pieces {
             let experiment = self.experiment(&piece);
             let mut ran = piece.trials.end - piece.trials.start;
-            let (sums, text) = match experiment {
+            let mut text = String::new();
+            let sums = match experiment {
                 Ok(trial) => {
                     let start = self.has_clock.then(Instant::now);
-                    let noted = self.noted(&piece, trial, workspace, &mut ran);
+                    let sums = self.sum(&piece, trial, record, &mut ran, &mut text);
                     time += start.map_or(Duration::ZERO, |start| start.elapsed());
-                    noted
+                    sums
                 }
-                Err(_) => (Sum::Failed, String::new()),
+                Err(_) => Sum::Failed,
             };
             // A trial may have cancelled the run, or another thread: its numbers are not all there.
             if self.is_cancelled() {
@@ -332,78 +313,54 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and notes them where that is asked for. `ran` becomes their number where a rule ends them.
-    fn noted(
-        &self,
-        piece: &Piece<S::Trial, S::Error>,
-        trial: &S::Trial,
-        workspace: &mut Workspace,
-        ran: &mut u64,
-    ) -> (Sum<S::Result>, String) {
-        if !self.sweep.is_noted() {
-            let sums = self.sum(piece, trial, trial, workspace, ran);
-            return (sums, String::new());
-        }
-        let noting = Noting {
-            trial,
-            note: |number, seen: Result<&Seen<'_>, &'static str>, text: &mut String| {
-                self.sweep.note(trial, number, seen, text);
-            },
-            text: Mutex::new(String::new()),
-        };
-        let sums = self.sum(piece, trial, &noting, workspace, ran);
-        let text = noting.text.into_inner();
-        (sums, text.unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Runs the trials of a piece: those of `run`, which are those of `trial`.
+    /// Runs the trials of a piece, and adds notes on them to `text` where that is asked for. `ran` becomes their number
+    /// where a rule ends them.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
         trial: &S::Trial,
-        run: &impl Trial,
-        workspace: &mut Workspace,
+        record: &mut Record,
         ran: &mut u64,
+        text: &mut String,
     ) -> Sum<S::Result> {
         let Piece { task, trials, .. } = piece;
-        let quantities = trial.quantities();
-        let cancelled = self.cancelled;
-        if task.may_stop && trials == &task.trials {
-            let rule = self.sweep.stop(trial);
-            let most = if trial.is_random() {
-                trials.end
-            } else {
-                trials.end.min(1)
-            };
-            let partial = stop::run(rule.as_ref(), run, most, workspace, cancelled);
-            *ran = partial.trials();
-            return Sum::Whole(self.sweep.finish(task, trial, partial));
-        }
+        let mut add_note = |number: u64, observed: Result<&TrialObservations<'_>, &'static str>| {
+            self.sweep.note(trial, number, observed, text);
+        };
+        let mut note = self.sweep.is_noted().then_some(&mut add_note);
         // The first trial tells all where nothing is random.
-        let until = |end: u64| if trial.is_random() { end } else { end.min(1) };
-        let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials.end;
-        if task.may_stop || !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end) {
-            let trials = trials.start..until(trials.end).max(trials.start);
-            return Sum::Slice(Slice::run(run, trials, workspace, cancelled));
+        let most = if trial.is_random() { u64::MAX } else { 1 };
+        let is_whole = piece.is_whole();
+        let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials;
+        let is_slice = !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end);
+        if !is_whole && (task.may_stop || is_slice) {
+            let trials = trials.start..trials.end.min(most).max(trials.start);
+            let note = note.map(|note| note as &mut Note<'_>);
+            return Sum::Slice(Slice::run(trial, trials, record, self.cancelled, note));
         }
-        let mut part = Part::new(quantities);
+        let rule = task.may_stop.then(|| self.sweep.stop(trial)).flatten();
+        let mut blocks = Partial::new(trial.quantities());
         let mut start = trials.start;
         loop {
             let end = trials.end.min(start + BLOCK);
-            if start == 0 || start < until(end) {
-                part.run_block(run, start..until(end), workspace, cancelled, None);
+            if start == 0 || start < end.min(most) {
+                let note = note.as_mut().map(|note| &mut **note as &mut Note<'_>);
+                blocks.run_block(trial, start..end.min(most), record, self.cancelled, note);
             }
             start = end;
-            if start == trials.end || self.is_cancelled() {
+            if is_whole {
+                blocks.fold();
+            }
+            let is_enough = rule.is_some_and(|rule| rule.is_met(&blocks));
+            if is_enough || start >= trials.end.min(most) || self.is_cancelled() {
                 break;
             }
         }
-        if *trials != task.trials {
-            return Sum::Blocks(part);
+        if !is_whole {
+            return Sum::Blocks(blocks);
         }
-        let mut partial = Partial::new(quantities);
-        part.add_to(&mut partial);
-        Sum::Whole(self.sweep.finish(task, trial, partial))
+        *ran = blocks.trials;
+        Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
     /// Puts the results of a job into the line, and hands over those that are due.
@@ -468,49 +425,25 @@ impl<S: Sweep> Line<'_, S> {
                 let Some(trial) = trial else {
                     return ControlFlow::Break(());
                 };
-                let mut open = self.open.take().unwrap_or_else(|| Open {
-                    partial: Partial::new(trial.quantities()),
-                    block: None,
-                    watch: None,
-                });
-                if task.may_stop && open.watch.is_none() {
-                    let watched = open.partial.watched.take().unwrap_or_default();
-                    let rule = sweep.stop(trial);
-                    open.watch = rule.map(|rule| Watch::after(rule, watched));
-                }
-                let mut is_end = end == task.trials.end || task.may_stop && !trial.is_random();
+                let mut open = self.open.take().unwrap_or_default();
+                let mut is_end = end == task.trials || task.may_stop && !trial.is_random();
                 match sums {
-                    Sum::Blocks(part) => part.add_to(&mut open.partial),
+                    Sum::Blocks(blocks) => open.cell.merge(blocks),
                     Sum::Slice(slice) => {
-                        let mut block = open.block.take().unwrap_or_default();
-                        block.add(slice, &mut open.partial, open.watch.as_mut());
-                        match is_end || end.is_multiple_of(BLOCK) {
-                            true => {
-                                block.end(&mut open.partial);
-                                let watch = open.watch.as_mut();
-                                is_end |= watch.is_some_and(|watch| watch.end_block(end));
-                            }
-                            false => open.block = Some(block),
+                        open.block.append(slice);
+                        if is_end || end.is_multiple_of(BLOCK) {
+                            std::mem::take(&mut open.block).end(&mut open.cell);
+                            let rule = task.may_stop.then(|| sweep.stop(trial)).flatten();
+                            is_end |= rule.is_some_and(|rule| rule.is_met(&open.cell));
                         }
                     }
                     Sum::Whole(_) | Sum::Failed => {}
                 }
                 if !is_end {
-                    let is_due = self.told.is_some_and(|told| told.elapsed() >= ACCOUNT);
-                    let account = (is_due && open.block.is_none()).then(|| Partial {
-                        watched: open.watch.as_ref().map(Watch::watched),
-                        ..open.partial.clone()
-                    });
                     self.open = Some(open);
-                    return match account {
-                        Some(partial) => {
-                            self.told = Some(Instant::now());
-                            (self.take)(number, Taken::Open(partial, end))
-                        }
-                        None => ControlFlow::Continue(()),
-                    };
+                    return ControlFlow::Continue(());
                 }
-                sweep.finish(&task, trial, open.partial)
+                sweep.finish(task.cell, trial, open.cell.statistics())
             }
         };
         self.tasks += 1;

@@ -2,7 +2,7 @@
 
 use crate::failures::Failure;
 use crate::histogram::Histogram;
-use crate::sums::{Sums, Truth};
+use crate::sums::Sums;
 
 /// Statistics of all trials of a cell.
 ///
@@ -106,38 +106,23 @@ pub struct Summary {
 }
 
 impl Summary {
-    pub(crate) fn new(sums: &Sums, histogram: &Histogram) -> Summary {
-        let Sums {
-            errors,
-            error_magnitude,
-            reported_std,
-            ..
-        } = sums;
-        let truth = match sums.truth {
-            Truth::Same(truth) => Some(truth),
-            Truth::Unknown | Truth::Varies { .. } => None,
-        };
+    pub(crate) fn new(sums: &Sums, histogram: &Histogram) -> Self {
+        let truth = sums.truth();
         let relative = |error: Option<f64>| {
             let truth = truth.filter(|&truth| truth != 0.0)?;
             finite(Some(error? / truth.abs()))
         };
         let quantiles = truth.and_then(|_| histogram.quantiles([0.05, 0.50, 0.95]));
-        let quantile = |place: usize| {
-            let error = errors.clamp(quantiles?[place]);
-            finite(Some(truth? + error))
-        };
-        let estimates = sums.estimates();
-        let rms_error = finite(errors.rms());
-        let mean_abs_error = finite(error_magnitude.mean());
-        let coverage =
-            |covered: u64| (sums.judged > 0).then(|| covered as f64 / sums.judged as f64);
-        let [coverage50, coverage80, coverage95] = sums.covered.map(coverage);
-        Summary {
-            observations: errors.count(),
+        let quantile = |place: usize| finite(Some(truth? + sums.clamp(quantiles?[place])));
+        let rms_error = finite(sums.errors.rms());
+        let mean_abs_error = finite(sums.mean_magnitude());
+        let [coverage50, coverage80, coverage95] = sums.coverages();
+        Self {
+            observations: sums.errors.count(),
             truth,
-            mean: finite(estimates.mean()),
-            std: finite(estimates.std()),
-            bias: finite(errors.mean()),
+            mean: finite(sums.estimates.mean()),
+            std: finite(sums.estimates.std()),
+            bias: finite(sums.errors.mean()),
             rms_error,
             rms_error_std: finite(sums.squares.std_of_rms()),
             mean_abs_error,
@@ -146,7 +131,7 @@ impl Summary {
             q05: quantile(0),
             q50: quantile(1),
             q95: quantile(2),
-            mean_reported_std: finite(reported_std.mean()),
+            mean_reported_std: finite(sums.mean_std()),
             coverage50,
             coverage80,
             coverage95,

@@ -1,151 +1,156 @@
 //! Sums of one quantity over a run of trials.
 
-use serde::{Deserialize, Serialize};
-
-use crate::column::{Column, Truths, UNREPORTED};
-use crate::histogram::Histogram;
-use crate::magnitude::MeanMagnitude;
 use crate::moments::Moments;
-use crate::pass::{StdTotals, fill_errors, is_covered};
-use crate::scale::sum;
+use crate::pass::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Truth of all observations of a quantity.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub(crate) enum Truth {
-    /// No observation, so no truth.
-    #[default]
-    Unknown,
-    /// One truth shared by all observations.
-    Same(f64),
-    /// Truths that differ, so that the moments of the estimates do not follow from those of the errors and are kept as
-    /// well.
-    Varies { estimates: Moments },
-}
-
-impl Truth {
-    /// Truth of estimates, from the truth of each of them.
-    fn of(truths: &[f64], estimates: &[f64]) -> Truth {
-        match truths {
-            [first, rest @ ..] if rest.iter().all(|truth| truth == first) => Truth::Same(*first),
-            _ => Truth::Varies {
-                estimates: Moments::of(estimates),
-            },
-        }
-    }
-}
-
-/// Sums over the observations of one quantity, from which its statistics follow. They are merged in the order of the
-/// trials.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+/// Sums over the observations of one quantity, from which its statistics but the quantiles follow. They are merged in the
+/// order of the trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
-    pub(crate) truth: Truth,
+    /// Smallest and largest truth.
+    truths: [f64; 2],
+    /// Smallest and largest error.
+    range: [f64; 2],
+    pub(crate) estimates: Moments,
     pub(crate) errors: Moments,
-    pub(crate) error_magnitude: MeanMagnitude,
-    pub(crate) reported_std: MeanMagnitude,
+    /// Mean magnitude of the errors.
+    magnitude: f64,
     pub(crate) squares: TrialSquares,
+    /// Mean estimates of the trials, and mean magnitudes of their errors.
+    pub(crate) by_trial: [Moments; 2],
+    /// Observations that have standard deviations, and the mean of these.
+    reported: u64,
+    std: f64,
     /// Observations that have intervals.
-    pub(crate) judged: u64,
+    judged: u64,
     /// Observations whose intervals of 50, 80 and 95 % hold the truth.
-    pub(crate) covered: [u64; 3],
-}
-
-/// Buffers that are used again for each quantity.
-#[derive(Debug, Default)]
-pub(crate) struct Scratch {
-    errors: Vec<f64>,
-    reported: Vec<f64>,
+    covered: [u64; 3],
 }
 
 impl Sums {
-    /// Sums over the observations of `column`. Their errors are also counted in `histogram`.
-    pub(crate) fn of(column: &Column, histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
-        let (estimates, stds) = (column.estimates(), column.stds());
-        let Scratch { errors, reported } = scratch;
-        let truth = match column.truths() {
-            Truths::None => return Sums::default(),
-            &Truths::Same(truth) => {
-                fill_errors(errors, estimates, truth);
-                Truth::Same(truth)
-            }
-            Truths::Varied(truths) => {
-                errors.clear();
-                let pairs = estimates.iter().zip(truths);
-                errors.extend(pairs.map(|(estimate, truth)| estimate - truth));
-                Truth::of(truths, estimates)
-            }
+    /// Sums over observations, each of a trial of its own, whose errors go to `errors`.
+    pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Self {
+        let Some(totals) = Totals::of(observed, errors) else {
+            return Self::default();
         };
-        histogram.add_all(errors);
-        let (moments, error_magnitude, each) = Moments::with_magnitude(errors);
-        let squares = match column.several() {
-            [] => each,
-            several => TrialSquares::of(errors, several),
-        };
-
-        // None where no standard deviation was reported.
-        let StdTotals {
-            lowest,
-            largest,
-            sum: plain,
-            mut covered,
-        } = StdTotals::of(stds, errors);
-        let reported_std = if lowest < 0.0 {
-            reported.clear();
-            reported.extend(stds.iter().filter(|&&std| std != UNREPORTED));
-            MeanMagnitude::of(reported, largest, sum(reported, f64::abs))
-        } else {
-            MeanMagnitude::of(stds, largest, plain)
-        };
-        let mut judged = reported_std.count();
-        for (place, interval_holds) in column.judgements().iter().enumerate() {
-            if let Some(holds) = *interval_holds {
-                let std = stds.get(place).copied().unwrap_or(UNREPORTED);
-                judged += u64::from(std == UNREPORTED);
-                let verdicts = holds.into_iter().zip(is_covered(errors[place], std));
-                for (covered, (holds, would)) in covered.iter_mut().zip(verdicts) {
-                    *covered += u64::from(holds);
-                    *covered -= u64::from(would);
-                }
-            }
-        }
-        Sums {
-            truth,
+        let count = errors.len() as f64;
+        let estimates = Moments::with_sums(observed.estimates, totals.of_estimates);
+        let moments = Moments::with_sums(errors, totals.of_errors);
+        let magnitude = mean(errors[0].abs() + totals.of_magnitudes / count, || {
+            errors.iter().map(|error| error.abs() / count).sum()
+        });
+        let reported = totals.reported as f64;
+        let std = mean(totals.stds / reported.max(1.0), || {
+            observed
+                .stds
+                .iter()
+                .map(|std| std.max(0.0) / reported)
+                .sum()
+        });
+        Self {
+            truths: totals.truths,
+            range: totals.errors,
+            estimates,
             errors: moments,
-            error_magnitude,
-            reported_std,
-            squares,
-            judged,
-            covered,
+            magnitude,
+            squares: TrialSquares::of_each(errors, totals.of_squares),
+            by_trial: [estimates, moments.of_magnitudes(magnitude)],
+            reported: totals.reported,
+            std,
+            judged: totals.reported,
+            covered: totals.covered,
+        }
+    }
+
+    /// The same observations as those of one trial.
+    pub(crate) fn of_trial(self) -> Self {
+        let means = [self.estimates.mean(), Some(self.magnitude)];
+        Self {
+            squares: TrialSquares::of_trial(self.errors.count(), self.errors.rms().unwrap_or(0.0)),
+            by_trial: means.map(|mean| Moments::one(mean.unwrap_or(0.0))),
+            ..self
+        }
+    }
+
+    /// Counts an observation by what its trial says of its intervals, not by its standard deviation.
+    pub(crate) fn judge(&mut self, error: f64, std: f64, holds: [bool; 3]) {
+        self.judged += u64::from(std < 0.0);
+        let verdicts = holds.into_iter().zip(is_covered(error, std));
+        for (covered, (holds, would)) in self.covered.iter_mut().zip(verdicts) {
+            *covered += u64::from(holds);
+            *covered -= u64::from(would);
         }
     }
 
     /// Adds sums over the trials that follow.
-    pub(crate) fn merge(&mut self, other: &Sums) {
-        self.truth = match (self.truth, other.truth) {
-            (Truth::Unknown, truth) | (truth, Truth::Unknown) => truth,
-            (Truth::Same(truth), Truth::Same(same)) if truth == same => Truth::Same(truth),
-            _ => {
-                let mut estimates = self.estimates();
-                estimates.merge(&other.estimates());
-                Truth::Varies { estimates }
-            }
-        };
+    pub(crate) fn merge(&mut self, other: &Self) {
+        let (count, more) = (self.errors.count(), other.errors.count());
+        if more == 0 {
+            return;
+        }
+        if count == 0 {
+            *self = *other;
+            return;
+        }
+        for (own, more) in [
+            (&mut self.truths, other.truths),
+            (&mut self.range, other.range),
+        ] {
+            *own = [own[0].min(more[0]), own[1].max(more[1])];
+        }
+        self.estimates.merge(&other.estimates);
         self.errors.merge(&other.errors);
-        self.error_magnitude.merge(&other.error_magnitude);
-        self.reported_std.merge(&other.reported_std);
+        self.magnitude = toward(self.magnitude, other.magnitude, [count, more]);
         self.squares.merge(&other.squares);
+        for (own, more) in self.by_trial.iter_mut().zip(&other.by_trial) {
+            own.merge(more);
+        }
+        self.std = toward(self.std, other.std, [self.reported, other.reported]);
+        self.reported += other.reported;
         self.judged += other.judged;
         for (own, more) in self.covered.iter_mut().zip(other.covered) {
             *own += more;
         }
     }
 
-    /// Moments of the estimates.
-    pub(crate) fn estimates(&self) -> Moments {
-        match self.truth {
-            Truth::Unknown => Moments::default(),
-            Truth::Same(truth) => self.errors.shifted(truth),
-            Truth::Varies { estimates } => estimates,
-        }
+    /// The true value; `None` where it varies, and without observations.
+    pub(crate) fn truth(&self) -> Option<f64> {
+        let [least, most] = self.truths;
+        (self.errors.count() > 0 && least == most).then_some(least)
     }
+
+    /// Mean magnitude of the error; `None` without observations.
+    pub(crate) fn mean_magnitude(&self) -> Option<f64> {
+        (self.errors.count() > 0).then_some(self.magnitude)
+    }
+
+    /// Mean of the standard deviations that were reported; `None` without any.
+    pub(crate) fn mean_std(&self) -> Option<f64> {
+        (self.reported > 0).then_some(self.std)
+    }
+
+    /// Shares of the intervals of 50, 80 and 95 % that hold the truth; `None` without intervals.
+    pub(crate) fn coverages(&self) -> [Option<f64>; 3] {
+        let share = |covered: u64| (self.judged > 0).then(|| covered as f64 / self.judged as f64);
+        self.covered.map(share)
+    }
+
+    /// `error` moved to the nearest number between the smallest and the largest error.
+    pub(crate) fn clamp(&self, error: f64) -> f64 {
+        error.max(self.range[0]).min(self.range[1])
+    }
+}
+
+/// Mean of numbers whose sum may be beyond the floats: then the sum of their shares, which may be so by rounding alone.
+fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
+    match plain.is_finite() {
+        true => plain,
+        false => of_shares().min(f64::MAX),
+    }
+}
+
+/// Mean of two means of these counts, neither negative.
+fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
+    mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

@@ -1,26 +1,23 @@
 //! Units of work of a sweep.
 
-use std::ops::Range;
+use crate::partial::Partial;
+use crate::trial::BLOCK;
 
-use crate::trial::SUPERBLOCK;
-
-/// Some consecutive trials of one cell, which are summed up together.
-#[derive(Clone, Debug, PartialEq)]
+/// Trials of one cell, which are summed up together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Task {
-    /// Cell that they are of.
+    /// The cell.
     pub cell: usize,
-    /// Their numbers: within one superblock (see [`SUPERBLOCK`]), from the first of a block to the last of one or of
-    /// the cell. May be empty.
-    pub trials: Range<u64>,
-    /// Whether a rule may end the task before its last trial; it then begins with trial 0, and may be longer than a
-    /// superblock. The last task of a run is shared among threads, which may run trials that turn out to be too many and
-    /// are dropped; others are run by one thread each.
+    /// Number of its trials, or the most that it may have; may be 0.
+    pub trials: u64,
+    /// Whether a rule may end the cell before its last trial. The last task of a run is shared among threads, which may
+    /// run trials that turn out to be too many and are dropped; others that may stop are run by one thread each.
     pub may_stop: bool,
 }
 
 /// Rule by which a cell has had enough trials.
 ///
-/// It is looked at after 1, 2, 4, 8 … blocks of trials, in the order of their numbers, so that it depends on nothing but
+/// It is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers, so that it depends on nothing but
 /// these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
@@ -46,28 +43,26 @@ pub enum Watched {
     MeanAbsError,
 }
 
-impl Task {
-    /// Number of superblocks of a cell of so many trials; one where it has none.
-    pub fn superblocks(trials: u64) -> u64 {
-        trials.div_ceil(SUPERBLOCK).max(1)
+impl Stop {
+    /// Whether these first trials of a cell are enough.
+    pub(crate) fn is_met(&self, cell: &Partial) -> bool {
+        let trials = cell.trials;
+        trials.is_multiple_of(BLOCK)
+            && (trials / BLOCK).is_power_of_two()
+            && trials >= self.min_trials
+            && self.is_known(cell) == Some(true)
     }
 
-    /// Task of a superblock of a cell of so many trials.
-    ///
-    /// ```
-    /// use palpate_sweep::{SUPERBLOCK, Task};
-    ///
-    /// let trials = SUPERBLOCK + 5;
-    /// assert_eq!(Task::superblocks(trials), 2);
-    /// assert_eq!(Task::of(3, trials, 1).trials, SUPERBLOCK..trials);
-    /// ```
-    pub fn of(cell: usize, trials: u64, superblock: u64) -> Self {
-        let start = superblock.saturating_mul(SUPERBLOCK).min(trials);
-        let end = start.saturating_add(SUPERBLOCK).min(trials);
-        Self {
-            cell,
-            trials: start..end,
-            may_stop: false,
-        }
+    /// Whether the relative standard error is as small as it is to be; `None` where it is undefined.
+    fn is_known(&self, cell: &Partial) -> Option<bool> {
+        let sums = cell.quantities.get(self.quantity)?.sums();
+        let [estimates, magnitudes] = sums.by_trial;
+        let (value, std_error) = match self.statistic {
+            Watched::Mean => (estimates.mean(), estimates.std_of_mean()),
+            Watched::RmsError => (sums.errors.rms(), sums.squares.std_of_rms()),
+            Watched::MeanAbsError => (magnitudes.mean(), magnitudes.std_of_mean()),
+        };
+        let (value, std_error) = (value?.abs(), std_error?);
+        Some(std_error == 0.0 || std_error <= self.relative_standard_error * value)
     }
 }

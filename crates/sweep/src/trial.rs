@@ -4,12 +4,8 @@ use std::ops::Range;
 
 use crate::record::Record;
 
-/// Trials in a block, the unit of work.
+/// Trials in a block, the unit of work. The sums of the blocks of a cell are folded in their order.
 pub const BLOCK: u64 = 1024;
-
-/// Trials in a superblock: 1,024 blocks. The sums of its blocks are folded in their order, then those of the superblocks
-/// of a cell in theirs, so that whole superblocks can be run anywhere and put together to the same bits.
-pub const SUPERBLOCK: u64 = 1024 * BLOCK;
 
 /// An experiment that is repeated in a cell.
 pub trait Trial: Sync {

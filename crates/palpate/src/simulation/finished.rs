@@ -2,21 +2,21 @@
 
 use std::sync::Arc;
 
-use palpate_sweep::{CellStatistics, Failure, Partial};
+use palpate_sweep::{CellStatistics, Failure};
 
 use crate::facts::Facts;
 use crate::map::CellMap;
-use crate::means;
-use crate::share::Part;
+use crate::tables::Row;
 
-/// Trials that a task has run: of a cell, or of a superblock of one.
+/// Cell of which all trials have been run.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    pub(super) part: Part,
+    pub(super) cell: usize,
     pub(super) facts: Arc<Facts>,
     pub(super) warnings: Vec<String>,
     pub(super) map: Option<CellMap>,
-    pub(super) partial: Partial,
+    /// Statistics, without means of numbers that have none.
+    pub(super) statistics: CellStatistics,
 }
 
 /// Rows of the tables of a cell, as CSV text.
@@ -41,34 +41,14 @@ pub struct CellRows {
 impl Finished {
     /// Number of the cell.
     pub fn cell(&self) -> usize {
-        self.part.cell
+        self.cell
     }
 
-    /// Number of the superblock that was run, and how many the cell has.
-    pub fn superblock(&self) -> (u64, u64) {
-        (self.part.superblock, self.part.of)
-    }
-
-    /// Sums of the trials.
-    pub fn partial(&self) -> &Partial {
-        &self.partial
-    }
-
-    /// Adds the superblock that follows.
-    pub fn merge(&mut self, next: Self) {
-        self.partial.merge(next.partial);
-    }
-
-    /// The cell with the sums of all its superblocks.
-    #[must_use]
-    pub fn with(self, partial: Partial) -> Self {
-        Self { partial, ..self }
-    }
-
-    /// Statistics, without means of numbers that have none.
-    pub(super) fn statistics(&self) -> CellStatistics {
-        let mut statistics = self.partial.statistics();
-        means::withhold(self.facts.quantities, &mut statistics.quantities);
-        statistics
+    pub(super) fn row(&self) -> Row<'_> {
+        Row {
+            cell: self.cell,
+            facts: &self.facts,
+            statistics: &self.statistics,
+        }
     }
 }

@@ -101,6 +101,15 @@ impl WithSimd for Together<'_> {
     }
 }
 
+impl Together<'_> {
+    /// Runs the trials; returns the number before the first that failed. It is compiled in this crate: those that call
+    /// [`RollScene::side_by_side`] are optimised less, and would have no vectors.
+    #[inline(never)]
+    fn run(self, arch: Arch) -> usize {
+        arch.dispatch(self)
+    }
+}
+
 fn outcomes(
     estimates: &ManyEstimates,
     quantity: usize,
@@ -186,7 +195,7 @@ impl RollScene {
         let mut trial = trials.start;
         loop {
             let count = trials.end.saturating_sub(trial).min(MOST as u64) as usize;
-            let ran = arch.dispatch(Together {
+            let together = Together {
                 seed: self.seed,
                 linear,
                 fit,
@@ -194,7 +203,8 @@ impl RollScene {
                 count,
                 rolls: &mut rolls,
                 estimates: &mut estimates,
-            });
+            };
+            let ran = together.run(arch);
             if ran == 0 {
                 return trial - trials.start;
             }

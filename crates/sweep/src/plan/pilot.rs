@@ -6,18 +6,11 @@
 //!
 //! The result of a pilot depends on nothing but the numbers of its trials.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
-use super::spread::{Part, Spread};
-use crate::alone::alone;
-use crate::record::Record;
+use crate::batches::{Batches, Growth};
 use crate::runner::Runner;
+use crate::summary::CellStatistics;
 use crate::trial::Trial;
 
-/// Number of parts of a pilot; each is left out in turn to find the standard error of v.
-const PARTS: usize = 16;
 /// Standard errors of v that are added to v, for caution.
 const MARGIN: f64 = 2.0;
 /// Relative standard error of v above which v is called doubtful: a few trials decide it.
@@ -41,6 +34,8 @@ pub(super) struct CellPilot {
     pub(super) success: f64,
     /// Trials run.
     pub(super) trials: u64,
+    /// Kind of the first failure, if a trial failed.
+    pub(super) kind: Option<&'static str>,
     /// Error figures of each quantity; `None` where none was observed.
     pub(super) figures: Vec<Option<Figure>>,
 }
@@ -80,12 +75,18 @@ impl Pilot {
     ) -> Self {
         let first = (1.0 / (target * target)).ceil();
         let first = (first as u64).clamp(FEWEST, FIRST).min(most);
-        let mut parts = vec![CellParts::default(); cells.len()];
+        let mut batches = vec![Batches::from_trial(0); cells.len()];
         let mut until = vec![first; cells.len()];
         loop {
-            runner.install(|| run(cells, &mut parts, &until));
+            let growths = cells.iter().zip(&mut batches).zip(&until);
+            let growth = |((&trial, batches), &trials)| Growth {
+                trial,
+                batches,
+                trials,
+            };
+            runner.grow(growths.map(growth).collect());
             let pilot = Self {
-                cells: parts.iter().map(CellParts::pilot).collect(),
+                cells: batches.iter().map(CellPilot::of).collect(),
             };
             let mut grows = false;
             for (until, cell) in until.iter_mut().zip(&pilot.cells) {
@@ -128,6 +129,23 @@ impl Pilot {
 }
 
 impl CellPilot {
+    fn of(batches: &Batches) -> Self {
+        let all = batches.statistics();
+        let successes = (all.trials - all.failed()) as f64;
+        let first_failure = all
+            .failures
+            .iter()
+            .min_by_key(|failure| failure.first_trial);
+        Self {
+            success: successes / all.trials.max(1) as f64,
+            trials: all.trials,
+            kind: first_failure.map(|failure| failure.kind),
+            figures: (0..all.quantities.len())
+                .map(|quantity| figure(batches, &all, quantity))
+                .collect(),
+        }
+    }
+
     /// Quantity that needs the most trials, and their number.
     fn need(&self, target: f64) -> Option<(usize, f64)> {
         let needs = self
@@ -143,130 +161,27 @@ impl CellPilot {
     }
 }
 
-/// Sums over the trials of a cell, in [`PARTS`] parts.
-#[derive(Clone, Default)]
-struct CellParts {
-    /// Trials run so far.
-    trials: u64,
-    /// Unit in which the errors of each quantity are counted, so that no square overflows or vanishes.
-    scales: Vec<f64>,
-    parts: Vec<Part>,
+/// Error figures of a quantity; `None` where it was not observed.
+fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Figure> {
+    let rms_error = all.quantities[quantity].rms_error?;
+    let estimate = batches.estimate(|all| Some(relative_variance(all, quantity)))?;
+    let std = estimate.std_error();
+    Some(Figure {
+        rms_error,
+        variance: estimate.value + MARGIN * std,
+        is_doubtful: std > DOUBTFUL * estimate.value,
+    })
 }
 
-impl CellParts {
-    fn pilot(&self) -> CellPilot {
-        let successes: u64 = self.parts.iter().map(|part| part.successes).sum();
-        let figures = (0..self.scales.len())
-            .map(|quantity| self.figure(quantity))
-            .collect();
-        CellPilot {
-            success: successes as f64 / self.trials.max(1) as f64,
-            trials: self.trials,
-            figures,
+/// The relative variance v of a trial's squared error; 0 where no estimate errs.
+fn relative_variance(all: &CellStatistics, quantity: usize) -> f64 {
+    let summary = &all.quantities[quantity];
+    let successes = (all.trials - all.failed()) as f64;
+    match (summary.rms_error, summary.rms_error_std) {
+        (Some(rms_error), Some(std)) if rms_error > 0.0 => {
+            let relative = std / rms_error;
+            4.0 * successes * relative * relative
         }
+        _ => 0.0,
     }
-
-    fn figure(&self, quantity: usize) -> Option<Figure> {
-        let of_part = |part: &Part| {
-            let sums = part.quantities.get(quantity).copied().unwrap_or_default();
-            sums.over(part.successes)
-        };
-        let parts: Vec<Spread> = self.parts.iter().map(of_part).collect();
-        let all = parts
-            .iter()
-            .fold(Spread::default(), |all, part| all.plus(part));
-        let rms_error = self.scales[quantity] * all.mean_square()?.sqrt();
-        let variance = all.relative_variance().unwrap_or(0.0);
-        // Grouped jackknife: the figures without each part tell the error of the whole.
-        let without: Vec<f64> = (0..parts.len())
-            .filter(|&part| parts[part].trials > 0.0)
-            .map(|part| {
-                let rest = parts[..part].iter().chain(&parts[part + 1..]);
-                let rest = rest.fold(Spread::default(), |all, part| all.plus(part));
-                rest.relative_variance().unwrap_or(0.0)
-            })
-            .collect();
-        let count = without.len() as f64;
-        let mean = without.iter().sum::<f64>() / count;
-        let squares: f64 = without.iter().map(|one| (one - mean).powi(2)).sum();
-        let std = ((count - 1.0) / count * squares).sqrt();
-        Some(Figure {
-            rms_error,
-            variance: variance + MARGIN * std,
-            is_doubtful: std > DOUBTFUL * variance,
-        })
-    }
-}
-
-/// Trials of one part of a cell, run in the order of their numbers.
-struct Job<'a> {
-    trial: &'a dyn Trial,
-    scales: &'a [f64],
-    trials: Range<u64>,
-    part: u64,
-    sums: &'a mut Part,
-}
-
-impl Job<'_> {
-    fn run(self) {
-        let mut record = Record::default();
-        let of_part = |number: &u64| number % PARTS as u64 == self.part;
-        for number in self.trials.filter(of_part) {
-            let sums = &mut *self.sums;
-            sums.add_trial(self.trial, number, self.scales, &mut record);
-        }
-    }
-}
-
-/// Runs the trials of each cell that have not been run and whose number is below its entry in `until`.
-fn run(cells: &[&dyn Trial], parts: &mut [CellParts], until: &[u64]) {
-    for ((trial, cell), &until) in cells.iter().zip(parts.iter_mut()).zip(until) {
-        if cell.scales.is_empty() {
-            cell.scales = scales(*trial, until);
-            cell.parts = vec![Part::of(cell.scales.len()); PARTS];
-        }
-    }
-    let jobs: Vec<Job<'_>> = cells
-        .iter()
-        .zip(parts.iter_mut().zip(until))
-        .flat_map(|(&trial, (cell, &until))| {
-            let trials = cell.trials..until.max(cell.trials);
-            cell.trials = trials.end;
-            let scales = cell.scales.as_slice();
-            let parts = cell.parts.iter_mut().enumerate();
-            parts.map(move |(part, sums)| Job {
-                trial,
-                scales,
-                trials: trials.clone(),
-                part: part as u64,
-                sums,
-            })
-        })
-        .collect();
-    jobs.into_par_iter().with_max_len(1).for_each(Job::run);
-}
-
-/// Units for the errors of each quantity: the largest magnitude of truth or estimate in the first trial that succeeds,
-/// among the first 64; 1 where that is 0, or none succeeds.
-fn scales(trial: &dyn Trial, until: u64) -> Vec<f64> {
-    let mut record = Record::default();
-    let mut scales_of = |number| {
-        alone(&mut record, trial, number, |columns| {
-            let magnitudes = columns.iter().map(|column| {
-                let pairs = column.pairs();
-                pairs.fold(0.0, |largest: f64, (estimate, truth)| {
-                    largest.max(truth.abs()).max(estimate.abs())
-                })
-            });
-            magnitudes.collect::<Vec<f64>>()
-        })
-    };
-    let scales = (0..until.min(FEWEST)).find_map(|number| scales_of(number).ok());
-    let mut scales = scales.unwrap_or_else(|| vec![0.0; trial.quantities()]);
-    for scale in &mut scales {
-        if !(*scale > 0.0 && scale.is_finite()) {
-            *scale = 1.0;
-        }
-    }
-    scales
 }

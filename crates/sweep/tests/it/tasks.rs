@@ -1,12 +1,12 @@
-//! Tasks: superblocks that are run anywhere, slices of blocks, and cells that end when they are known.
+//! Tasks: slices of blocks, and cells that end when a statistic is known well enough.
 
 use std::convert::Infallible;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate_sweep::{
-    BLOCK, Observation, Partial, Record, SUPERBLOCK, Stop, Sweep, SweepError, Taken, Task, Trial,
+    BLOCK, CellStatistics, Observation, Record, Stop, Sweep, SweepError, Taken, Task, Trial,
     Watched,
 };
 
@@ -62,12 +62,11 @@ struct Tasks<F> {
     tasks: Vec<Task>,
     experiment: F,
     stop: Option<Stop>,
-    started: Option<(Partial, u64)>,
 }
 
 impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
     type Trial = T;
-    type Result = Partial;
+    type Result = CellStatistics;
     type Error = Infallible;
 
     fn tasks(&self) -> u64 {
@@ -75,36 +74,32 @@ impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
     }
 
     fn task(&self, number: u64) -> Task {
-        self.tasks[number as usize].clone()
+        self.tasks[number as usize]
     }
 
     fn set_up(&self, _cell: usize) -> Result<T, Infallible> {
         Ok((self.experiment)())
     }
 
-    fn started(&self) -> Option<(Partial, u64)> {
-        self.started.clone()
-    }
-
     fn stop(&self, _trial: &T) -> Option<Stop> {
         self.stop
     }
 
-    fn finish(&self, _task: &Task, _trial: &T, partial: Partial) -> Partial {
-        partial
+    fn finish(&self, _cell: usize, _trial: &T, statistics: CellStatistics) -> CellStatistics {
+        statistics
     }
 }
 
-fn partials(
+fn statistics(
     threads: usize,
-    sweep: &impl Sweep<Result = Partial, Error = Infallible>,
-) -> Vec<Partial> {
+    sweep: &impl Sweep<Result = CellStatistics, Error = Infallible>,
+) -> Vec<CellStatistics> {
     let mut all = Vec::new();
     let never = AtomicBool::new(false);
     let mut take = |number, taken| {
         assert_eq!(number, all.len() as u64);
-        if let Taken::Result(partial) = taken {
-            all.push(partial);
+        if let Taken::Result(cell) = taken {
+            all.push(cell);
         }
         ControlFlow::Continue(())
     };
@@ -114,19 +109,24 @@ fn partials(
     all
 }
 
+/// Tasks of cells of so many trials each.
+fn tasks(trials: &[u64]) -> Vec<Task> {
+    let task = |(cell, &trials)| Task {
+        cell,
+        trials,
+        may_stop: false,
+    };
+    trials.iter().enumerate().map(task).collect()
+}
+
 fn rich(wait_us: u64, places: u64, trials: u64) -> Tasks<impl Fn() -> Rich + Sync> {
     Tasks {
-        tasks: vec![
-            Task::of(0, trials, 0),
-            Task::of(1, 3, 0),
-            Task::of(2, trials / 2, 0),
-        ],
+        tasks: tasks(&[trials, 3, trials / 2]),
         experiment: move || Rich {
             wait: Duration::from_micros(wait_us),
             places,
         },
         stop: None,
-        started: None,
     }
 }
 
@@ -134,9 +134,9 @@ fn rich(wait_us: u64, places: u64, trials: u64) -> Tasks<impl Fn() -> Rich + Syn
 fn slices_of_blocks_leave_no_trace() {
     for places in [1, 9] {
         // Most blocks of quick trials are whole, those of slow ones are divided into slices of some 40 trials.
-        let whole = partials(1, &rich(0, places, 2500));
+        let whole = statistics(1, &rich(0, places, 2500));
         for threads in [1, 3] {
-            let sliced = partials(threads, &rich(100, places, 2500));
+            let sliced = statistics(threads, &rich(100, places, 2500));
             assert_eq!(
                 format!("{sliced:?}"),
                 format!("{whole:?}"),
@@ -162,91 +162,16 @@ fn one_trial_tells_all_where_nothing_is_random() {
             false
         }
     }
-    for trials in [1, 5000, SUPERBLOCK + 1] {
-        let tasks = (0..Task::superblocks(trials))
-            .map(|number| Task::of(0, trials, number))
-            .collect();
+    for trials in [1, 5000, 1_000_000] {
         let sweep = Tasks {
-            tasks,
+            tasks: tasks(&[trials]),
             experiment: || Still(AtomicU64::new(0)),
             stop: None,
-            started: None,
         };
-        let mut all = Partial::default();
-        partials(2, &sweep)
-            .into_iter()
-            .for_each(|partial| all.merge(partial));
-        let summary = all.statistics();
-        assert_eq!((all.trials(), summary.trials), (1, 1));
-        assert_eq!(
-            (
-                summary.quantities[0].observations,
-                summary.quantities[0].bias
-            ),
-            (1, Some(1.0))
-        );
-    }
-}
-
-#[test]
-fn superblocks_put_together_are_the_cell() {
-    let trials = 2 * SUPERBLOCK + 5000;
-    let quick = || Quick;
-    let superblocks: Vec<Task> = (0..3).map(|number| Task::of(0, trials, number)).collect();
-    let ends: Vec<Range<u64>> = superblocks.iter().map(|task| task.trials.clone()).collect();
-    assert_eq!(
-        ends,
-        [
-            0..SUPERBLOCK,
-            SUPERBLOCK..2 * SUPERBLOCK,
-            2 * SUPERBLOCK..trials
-        ]
-    );
-    let never = AtomicBool::new(false);
-    let whole = runner(2).run_until(&never, &[trials], |_| Ok::<_, Infallible>(Quick), &|_| ());
-    // Each alone, in another order, and written down in between.
-    let mut apart: Vec<Vec<u8>> = Vec::new();
-    for number in [2, 0, 1] {
-        let tasks = vec![superblocks[number].clone()];
-        let partial = partials(
-            1,
-            &Tasks {
-                tasks,
-                experiment: quick,
-                stop: None,
-                started: None,
-            },
-        );
-        apart.push(postcard::to_stdvec(&partial[0]).unwrap());
-    }
-    apart.rotate_left(1);
-    let mut all = Partial::default();
-    for bytes in &apart {
-        assert!(bytes.len() < 20_000, "{}", bytes.len());
-        all.merge(postcard::from_bytes(bytes).unwrap());
-    }
-    assert_eq!(all.trials(), trials);
-    assert_eq!(
-        format!("{:?}", all.statistics()),
-        format!("{:?}", whole.unwrap()[0])
-    );
-}
-
-/// Gaussian errors, and now and then a failure.
-struct Quick;
-
-impl Trial for Quick {
-    fn quantities(&self) -> usize {
-        1
-    }
-
-    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        record.observe(0, observation(5.0 + normal(trial), 5.0, Some(1.0)));
-        if trial % 1000 == 999 {
-            Err("slipped")
-        } else {
-            Ok(())
-        }
+        let cell = statistics(2, &sweep).remove(0);
+        assert_eq!(cell.trials, 1);
+        let summary = cell.quantities[0];
+        assert_eq!((summary.observations, summary.bias), (1, Some(1.0)));
     }
 }
 
@@ -286,7 +211,7 @@ fn trials(statistic: Watched, places: u64, are_same: bool, scale: f64, min_trial
     };
     let task = |cell| Task {
         cell,
-        trials: 0..100_000,
+        trials: 100_000,
         may_stop: true,
     };
     let sweep = Tasks {
@@ -297,11 +222,10 @@ fn trials(statistic: Watched, places: u64, are_same: bool, scale: f64, min_trial
             scale,
         },
         stop: Some(stop),
-        started: None,
     };
-    let all = partials(2, &sweep);
+    let all = statistics(2, &sweep);
     assert_eq!(format!("{:?}", all[0]), format!("{:?}", all[2]));
-    all[0].trials()
+    all[0].trials
 }
 
 #[test]
@@ -327,7 +251,7 @@ fn ruled(
 ) -> Tasks<impl Fn() -> Rich + Sync> {
     let task = |cell| Task {
         cell,
-        trials: 0..max,
+        trials: max,
         may_stop: true,
     };
     Tasks {
@@ -342,7 +266,6 @@ fn ruled(
             relative_standard_error: error,
             min_trials: 0,
         }),
-        started: None,
     }
 }
 
@@ -359,10 +282,10 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
         (1, 700, 0.0),
     ] {
         // The cells before the last are run by one thread each.
-        let alone = partials(1, &ruled(2, 0, places, max, error));
+        let alone = statistics(1, &ruled(2, 0, places, max, error));
         assert_eq!(format!("{:?}", alone[0]), format!("{:?}", alone[1]));
         for (threads, wait_us) in [(1, 100), (2, 0), (3, 20), (3, 100)] {
-            let shared = partials(threads, &ruled(1, wait_us, places, max, error));
+            let shared = statistics(threads, &ruled(1, wait_us, places, max, error));
             assert_eq!(
                 format!("{shared:?}"),
                 format!("{:?}", &alone[..1]),
@@ -392,38 +315,12 @@ fn threads_share_a_cell_with_a_rule() {
             tasks: rich.tasks,
             experiment: || Sleeps,
             stop: rich.stop,
-            started: None,
         };
         let start = Instant::now();
-        assert_eq!(partials(threads, &sweep)[0].trials(), 2 * BLOCK);
+        assert_eq!(statistics(threads, &sweep)[0].trials, 2 * BLOCK);
         start.elapsed().as_secs_f64()
     };
     assert!(time(4) < 0.6 * time(1));
-}
-
-#[test]
-fn a_cell_with_a_rule_that_takes_long_goes_on_where_it_was() {
-    let sweep = |wait_us| ruled(1, wait_us, 2, 1_000_000, 0.006);
-    let whole = partials(1, &sweep(0));
-    let mut account = None;
-    let take = &mut |_: u64, taken: Taken<Partial>| match taken {
-        Taken::Open(partial, trial) => {
-            account = Some((partial, trial));
-            ControlFlow::Break(())
-        }
-        _ => ControlFlow::Continue(()),
-    };
-    let error = runner(2).stream(&sweep(600), &AtomicBool::new(false), &|_| (), take);
-    assert!(matches!(error, Err(SweepError::Cancelled)));
-    let (partial, trial) = account.expect("an account after some seconds");
-    assert!(trial.is_multiple_of(BLOCK) && trial > 0, "{trial}");
-    assert!(trial < whole[0].trials());
-    let written = postcard::to_stdvec(&partial).unwrap();
-    for threads in [1, 2] {
-        let mut rest = sweep(0);
-        rest.started = Some((postcard::from_bytes(&written).unwrap(), trial));
-        assert_eq!(partials(threads, &rest), whole);
-    }
 }
 
 #[test]
@@ -446,11 +343,10 @@ fn a_cell_with_a_rule_in_which_nothing_is_random_has_one_trial() {
         tasks: rich.tasks,
         experiment: || Still,
         stop: rich.stop,
-        started: None,
     };
     for threads in [1, 3] {
-        let all = partials(threads, &sweep);
-        assert_eq!((all[0].trials(), &all[0]), (1, &all[1]));
+        let all = statistics(threads, &sweep);
+        assert_eq!((all[0].trials, &all[0]), (1, &all[1]));
     }
 }
 
@@ -464,7 +360,7 @@ fn observations_of_one_trial_count_as_one_where_they_go_together() {
 #[test]
 fn a_sweep_that_is_left_off_has_given_the_first_results() {
     let mut taken = 0;
-    let take = &mut |_: u64, _: Taken<Partial>| {
+    let take = &mut |_: u64, _: Taken<CellStatistics>| {
         taken += 1;
         match taken {
             2 => ControlFlow::Break(()),
@@ -477,7 +373,7 @@ fn a_sweep_that_is_left_off_has_given_the_first_results() {
 
     let cancelled = AtomicBool::new(false);
     let mut taken = 0;
-    let take = &mut |_: u64, _: Taken<Partial>| {
+    let take = &mut |_: u64, _: Taken<CellStatistics>| {
         taken += 1;
         cancelled.store(true, Ordering::Relaxed);
         ControlFlow::Continue(())
@@ -500,45 +396,12 @@ fn a_panic_of_one_thread_ends_them_all() {
             Ok(())
         }
     }
-    let tasks = (0..200).map(|cell| Task::of(cell, SUPERBLOCK, 0)).collect();
-    partials(
+    statistics(
         3,
         &Tasks {
-            tasks,
+            tasks: tasks(&[1_000_000; 200]),
             experiment: || Panics,
             stop: None,
-            started: None,
         },
     );
-}
-
-#[test]
-fn a_task_that_takes_long_goes_on_where_it_was() {
-    const TRIALS: u64 = 30_000;
-    let sweep = |wait_us| {
-        let mut sweep = rich(wait_us, 2, TRIALS);
-        sweep.tasks.truncate(1);
-        sweep
-    };
-    let whole = partials(1, &sweep(0));
-    let mut account = None;
-    let take = &mut |_: u64, taken: Taken<Partial>| match taken {
-        Taken::Open(partial, trial) => {
-            account = Some((partial, trial));
-            ControlFlow::Break(())
-        }
-        _ => ControlFlow::Continue(()),
-    };
-    let error = runner(2).stream(&sweep(400), &AtomicBool::new(false), &|_| (), take);
-    assert!(matches!(error, Err(SweepError::Cancelled)));
-    let (partial, trial) = account.expect("an account after some seconds");
-    assert!(
-        trial.is_multiple_of(BLOCK) && trial > 0 && trial < TRIALS,
-        "{trial}"
-    );
-    assert_eq!(partial.trials(), trial);
-    let written = postcard::to_stdvec(&partial).unwrap();
-    let mut rest = sweep(0);
-    rest.started = Some((postcard::from_bytes(&written).unwrap(), trial));
-    assert_eq!(partials(2, &rest), whole);
 }

@@ -11,14 +11,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
-use palpate::{CellRows, Partial, Warnings};
+use palpate::{CellRows, Warnings};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last is the version of its format.
-const MAGIC: &[u8; 8] = b"palpate\x03";
+const MAGIC: &[u8; 8] = b"palpate\x04";
 /// Rows that are kept in memory before they are written, bytes.
 const MOST_PENDING: usize = 1 << 18;
 /// Time after which they are written, and the journal is brought to the disk.
@@ -61,10 +61,7 @@ enum Record {
     Header(Box<Header>),
     /// Cells that are done, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
-    Superblock(Superblock, u64),
-    /// Sums of the first trials of the task that follows, and the number of its next trial.
-    Started(Box<Partial>, u64, u64),
-    /// Rows of trials of the task that follows.
+    /// Rows of trials of the cell that follows.
     Trials(TrialRows),
     End,
 }
@@ -73,8 +70,6 @@ enum Record {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Whether the record is that of a task; else those of its superblocks stand before it.
-    pub(crate) is_task: bool,
     /// Rows of `cells.csv`, `failures.csv`, `map.csv` and of trials, those that no record before it has.
     pub(crate) rows: [String; 4],
     pub(crate) map_failed: Option<String>,
@@ -85,21 +80,10 @@ pub(crate) struct CellRecord {
     pub(crate) warnings: Vec<String>,
 }
 
-/// Superblock of a heavy cell that is done.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-pub(crate) struct Superblock {
-    pub(crate) cell: u64,
-    pub(crate) superblock: u64,
-    /// Number of superblocks of the cell.
-    pub(crate) of: u64,
-    pub(crate) partial: Partial,
-}
-
-/// Rows of trials of a task.
+/// Rows of trials of a cell.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct TrialRows {
     pub(crate) cell: u64,
-    pub(crate) superblock: u64,
     pub(crate) rows: String,
 }
 
@@ -107,7 +91,6 @@ pub(crate) struct TrialRows {
 pub(crate) enum Item {
     Trials(TrialRows),
     Cell(CellRecord),
-    Superblock(Superblock),
 }
 
 /// Counts of cells, trials and failures so far.
@@ -127,15 +110,9 @@ pub(crate) struct Found {
     /// Number of tasks that are done.
     pub(crate) tasks: u64,
     pub(crate) is_ended: bool,
-    /// Sums of the heavy cell that has not been completed.
-    pub(crate) open: Option<Superblock>,
-    /// Sums of the first trials of the task that follows, and the number of its next trial.
-    pub(crate) started: Option<(Partial, u64)>,
     pub(crate) totals: Totals,
     /// Warnings of the cells that are done, and those of the header.
     pub(crate) warnings: Warnings,
-    /// Trials of superblocks of heavy cells.
-    pub(crate) superblock_trials: u64,
     /// Time that it took.
     pub(crate) time: Duration,
     /// Number of bytes that are sound.
@@ -147,7 +124,7 @@ pub(crate) struct Found {
 impl Found {
     /// Whether something is done, or was before the journal was damaged.
     pub(crate) fn has_work(&self) -> bool {
-        self.tasks > 0 || self.started.is_some() || self.is_torn
+        self.tasks > 0 || self.is_torn
     }
 }
 
@@ -204,11 +181,10 @@ impl Totals {
 }
 
 impl CellRecord {
-    pub(crate) fn new(cell: usize, is_task: bool, rows: CellRows) -> Self {
+    pub(crate) fn new(cell: usize, rows: CellRows) -> Self {
         let kinds = rows.kinds.iter();
         Self {
             cell: cell as u64,
-            is_task,
             kinds: kinds
                 .map(|kind| (kind.kind.to_owned(), kind.count))
                 .collect(),
@@ -291,26 +267,10 @@ impl Journal {
         }
     }
 
-    /// Adds rows of trials of a task that has not ended.
+    /// Adds rows of trials of a cell that has not ended.
     pub(crate) fn trials(&mut self, trials: TrialRows) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::Trials(trials))
-    }
-
-    /// Adds sums of the first trials of a task that has not ended, and the number of its next trial.
-    pub(crate) fn started(&mut self, partial: Partial, trial: u64) -> io::Result<()> {
-        self.flush()?;
-        let time = self.time_ms();
-        self.frame(&Record::Started(Box::new(partial), trial, time))?;
-        self.sync()
-    }
-
-    /// Adds a superblock.
-    pub(crate) fn superblock(&mut self, superblock: Superblock) -> io::Result<()> {
-        self.flush()?;
-        let time = self.time_ms();
-        self.frame(&Record::Superblock(superblock, time))?;
-        self.sync()
     }
 
     /// Writes what is pending.
@@ -472,7 +432,7 @@ impl Reader {
         Some(record)
     }
 
-    /// The next cell or superblock.
+    /// The next cell, or rows of its trials.
     pub(crate) fn item(&mut self) -> Option<Item> {
         loop {
             if let Some(cell) = self.waiting.next() {
@@ -480,9 +440,7 @@ impl Reader {
             }
             match self.record()? {
                 Record::Cells(cells, _) => self.waiting = cells.into_iter(),
-                Record::Superblock(superblock, _) => return Some(Item::Superblock(superblock)),
                 Record::Trials(trials) => return Some(Item::Trials(trials)),
-                Record::Started(..) => {}
                 Record::Header(_) | Record::End => return None,
             }
         }
@@ -527,10 +485,7 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
         warnings,
         tasks: 0,
         is_ended: false,
-        open: None,
-        started: None,
         totals: Totals::default(),
-        superblock_trials: 0,
         time: Duration::ZERO,
         good: reader.good,
         is_torn: false,
@@ -544,36 +499,14 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
                     found
                         .warnings
                         .add(cell.cell as usize, cell.warnings.clone());
-                    found.tasks += u64::from(cell.is_task);
-                    if !cell.is_task {
-                        found.open = None;
-                    }
+                    found.tasks += 1;
                 }
                 found.time += Duration::from_millis(ms);
             }
-            Record::Superblock(superblock, ms) => {
-                found.tasks += 1;
-                found.superblock_trials += superblock.partial.trials();
-                found.time += Duration::from_millis(ms);
-                match &mut found.open {
-                    Some(open) if open.cell == superblock.cell => {
-                        open.superblock = superblock.superblock;
-                        open.partial.merge(superblock.partial);
-                    }
-                    open => *open = Some(superblock),
-                }
-            }
-            Record::Started(partial, trial, ms) => {
-                found.time += Duration::from_millis(ms);
-                found.started = Some((*partial, trial));
-                found.good = reader.good;
-                continue;
-            }
-            // Of a task that may not have ended: they count with it.
+            // Of a cell that may not have ended: they count with it.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }
-        found.started = None;
         found.good = reader.good;
     }
     found.is_torn = reader.good < reader.length;

@@ -101,7 +101,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));
     }
     let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
-    let (files, totals) = drafts.fill(&simulation, readers, true)?;
+    let (files, totals) = drafts.fill(readers)?;
     if totals.cells != cells as u64 {
         return Err(Failure::work(anyhow!(
             "the shards have {} cells of {cells}: one of them has changed since it was read",
@@ -255,9 +255,7 @@ pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f Found>) -> Totals {
     let mut totals = Totals::default();
     for found in all {
         totals.cells += found.totals.cells;
-        let started = found.started.as_ref();
-        let started = started.map_or(0, |(partial, _)| partial.trials());
-        totals.trials += found.totals.trials + found.superblock_trials + started;
+        totals.trials += found.totals.trials;
         for (kind, count) in &found.totals.kinds {
             *totals.kinds.entry(kind.clone()).or_default() += count;
         }

@@ -167,7 +167,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         let readers = reader.into_iter().collect();
         let trials_out = trials_out.as_ref();
         let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
-        let (files, _) = drafts.fill(&simulation, readers, false)?;
+        let (files, _) = drafts.fill(readers)?;
         end(&mut folder, files, traced, &config, &lines, &of_study)?;
         remove_journal(&out)?;
     }

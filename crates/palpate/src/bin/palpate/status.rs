@@ -127,17 +127,15 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
 /// Lines on cells, trials and time.
 fn counts(founds: &[&Found], all: u64, threads: f64, is_running: bool) -> String {
     let tasks: u64 = founds.iter().map(|found| found.tasks).sum();
-    let is_split = founds.iter().any(|found| found.superblock_trials > 0);
-    let what = if is_split { "parts" } else { "cells" };
     let totals = totals_of(founds.iter().copied());
-    let mut text = format!("{what:8} {} of {}\n", HumanCount(tasks), HumanCount(all));
+    let mut text = format!("cells    {} of {}\n", HumanCount(tasks), HumanCount(all));
     text += &trials(&totals);
     let seconds: f64 = founds.iter().map(|found| found.time.as_secs_f64()).sum();
     if seconds > 0.0 && tasks > 0 {
         let rate = tasks as f64 / seconds * threads;
         let _ = writeln!(
             text,
-            "rate     {} {what} a second",
+            "rate     {} cells a second",
             exact((rate * 10.0).round() / 10.0)
         );
         if is_running && tasks < all {

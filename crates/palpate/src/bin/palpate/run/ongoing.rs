@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use palpate::{Finished, Partial, Simulation, SweepError, Taken, Warnings};
+use palpate::{Finished, Simulation, SweepError, Taken, Warnings};
 
 use crate::failure::Failure;
-use crate::journal::{self, CellRecord, Found, Header, Journal, Superblock, Totals, TrialRows};
+use crate::journal::{self, CellRecord, Found, Header, Journal, Totals, TrialRows};
 use crate::output::names::JOURNAL;
 use crate::progress::Progress;
 use crate::stopped;
@@ -20,11 +20,7 @@ pub(super) struct Ongoing<'s, 'a> {
     warnings: Warnings,
     /// Number of tasks that are done.
     tasks: u64,
-    /// Sums of the heavy cell that has not been completed.
-    open: Option<Partial>,
-    /// Sums of the first trials of the next task, and the number of the trial that follows.
-    started: Option<(Partial, u64)>,
-    /// Rows of trials of the task that has not been completed.
+    /// Rows of trials of the cell that has not been completed.
     rows: String,
     is_shared: bool,
 }
@@ -68,8 +64,6 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 totals: Totals::default(),
                 warnings,
                 tasks: 0,
-                open: None,
-                started: None,
                 rows: String::new(),
                 is_shared,
             });
@@ -80,48 +74,18 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 path.display()
             );
         }
-        let (all, started) = (simulation.tasks(), found.started.as_ref());
-        let what = match found.superblock_trials {
-            0 => "cells",
-            _ => "parts",
-        };
-        let started = started.map_or_else(String::new, |(_, trial)| {
-            format!(", and {trial} trials of the next")
-        });
-        eprintln!(
-            "note: goes on after {} of {all} {what}{started}",
-            found.tasks
-        );
+        let all = simulation.tasks();
+        eprintln!("note: goes on after {} of {all} cells", found.tasks);
         let journal = Journal::resumed(out, &found).with_context(cannot);
-        let mut ongoing = Self {
+        Ok(Self {
             simulation,
             journal: journal.map_err(Failure::work)?,
             totals: found.totals,
             warnings: found.warnings,
             tasks: found.tasks,
-            open: None,
-            started: found.started,
             rows: String::new(),
             is_shared,
-        };
-        if let Some(open) = found.open.filter(|_| !is_shared) {
-            match open.superblock + 1 == open.of {
-                true => ongoing.end_of_cell(open)?,
-                false => ongoing.open = Some(open.partial),
-            }
-        }
-        Ok(ongoing)
-    }
-
-    /// Notes a heavy cell all superblocks of which are in the journal.
-    fn end_of_cell(&mut self, open: Superblock) -> Result<(), Failure> {
-        let cell = open.cell as usize;
-        let finished = self.simulation.finished(cell, open.partial);
-        let rows = self.simulation.rows(&finished.map_err(Failure::usage)?);
-        let noted = self.cell(CellRecord::new(cell, false, rows));
-        noted
-            .context("cannot write the journal")
-            .map_err(Failure::work)
+        })
     }
 
     /// Notes a cell that is done.
@@ -143,17 +107,9 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         let mut error = None;
         let ran = simulation.stream(
             first,
-            self.started.take(),
             signals.stop(),
             &|trials| progress.add(trials),
-            |finished| match finished.superblock() {
-                (_, 1) => Made::Cell(CellRecord::new(
-                    finished.cell(),
-                    true,
-                    simulation.rows(&finished),
-                )),
-                _ => Made::Superblock(Box::new(finished)),
-            },
+            |finished: Finished| CellRecord::new(finished.cell(), simulation.rows(&finished)),
             &mut |number, taken| match self.take(number, taken) {
                 Ok(()) => {
                     progress.tell(&self.totals);
@@ -218,61 +174,20 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         if rows.is_empty() {
             return Ok(());
         }
-        let (cell, superblock) = self.simulation.place(number);
-        self.journal.trials(TrialRows {
-            cell: cell as u64,
-            superblock,
-            rows,
-        })
+        let cell = self.simulation.cell_of(number) as u64;
+        self.journal.trials(TrialRows { cell, rows })
     }
 
     /// Notes what a task gave.
-    fn take(&mut self, number: u64, taken: Taken<Made>) -> Result<(), anyhow::Error> {
-        let made = match taken {
+    fn take(&mut self, number: u64, taken: Taken<CellRecord>) -> Result<(), anyhow::Error> {
+        match taken {
             Taken::Note(rows) => return self.trials(number, &rows),
-            Taken::Open(partial, trial) => {
-                self.put_rows(number)?;
-                return Ok(self.journal.started(partial, trial)?);
-            }
-            Taken::Result(made) => made,
-        };
-        match made {
-            Made::Cell(mut record) => {
+            Taken::Result(mut record) => {
                 record.rows[3] = std::mem::take(&mut self.rows);
                 self.cell(record)?;
-            }
-            Made::Superblock(finished) => {
-                let (superblock, of) = finished.superblock();
-                let cell = finished.cell();
-                let partial = finished.partial().clone();
-                self.put_rows(number)?;
-                self.journal.superblock(Superblock {
-                    cell: cell as u64,
-                    superblock,
-                    of,
-                    partial: partial.clone(),
-                })?;
-                if self.is_shared {
-                    self.totals.trials += partial.trials();
-                } else {
-                    let mut open = self.open.take().unwrap_or_default();
-                    open.merge(partial);
-                    if superblock + 1 == of {
-                        let rows = self.simulation.rows(&finished.with(open));
-                        self.cell(CellRecord::new(cell, false, rows))?;
-                    } else {
-                        self.open = Some(open);
-                    }
-                }
             }
         }
         self.tasks += 1;
         Ok(())
     }
-}
-
-/// Result of a task, ready to be written.
-enum Made {
-    Cell(CellRecord),
-    Superblock(Box<Finished>),
 }

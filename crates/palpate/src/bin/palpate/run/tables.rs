@@ -4,10 +4,10 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate::config::Output;
-use palpate::{ColumnType, Partial, Simulation, Study};
+use palpate::{ColumnType, Simulation, Study};
 
 use crate::failure::Failure;
-use crate::journal::{CellRecord, Item, Reader, Totals};
+use crate::journal::{Item, Reader, Totals, TrialRows};
 use crate::output::names::{
     CONFIG, FRAMES, JOURNAL, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
 };
@@ -171,26 +171,21 @@ impl<'s> Drafts<'s> {
     }
 
     /// Tables with the rows of journals that share the cells of a simulation.
-    pub(crate) fn fill(
-        mut self,
-        simulation: &Simulation<'_>,
-        readers: Vec<Reader>,
-        is_shared: bool,
-    ) -> Result<(Filled, Totals), Failure> {
+    pub(crate) fn fill(mut self, readers: Vec<Reader>) -> Result<(Filled, Totals), Failure> {
         let mut failed: Vec<String> = Vec::new();
         let mut totals = Totals::default();
-        merge(simulation, readers, is_shared, &mut |merged| {
+        merge(readers, &mut |item| {
             let trials = self.trials.as_mut();
-            let record = match merged {
-                Merged::Trials(rows) => {
-                    return trials.map_or(Ok(()), |trials| trials.table.write(rows));
+            let record = match item {
+                Item::Trials(TrialRows { rows, .. }) => {
+                    return trials.map_or(Ok(()), |trials| trials.table.write(&rows));
                 }
-                Merged::Cell(record) => record,
+                Item::Cell(record) => record,
             };
             if let Some(trials) = trials {
                 trials.table.write(&record.rows[3])?;
             }
-            totals.add(record);
+            totals.add(&record);
             for ((_, table), rows) in self.tables.iter_mut().zip(&record.rows) {
                 if let Some(table) = table {
                     table.write(rows)?;
@@ -218,58 +213,27 @@ impl<'s> Drafts<'s> {
     }
 }
 
-/// Piece of what journals have together, in the order of the cells.
-enum Merged<'r> {
-    /// Rows of trials of the cell that follows.
-    Trials(&'r str),
-    Cell(&'r CellRecord),
-}
-
-/// Hands over the cells of journals in the order of their numbers; heavy cells are put together from their superblocks.
+/// Hands over the records of journals in the order of the cells.
 fn merge(
-    simulation: &Simulation<'_>,
     readers: Vec<Reader>,
-    is_shared: bool,
-    take: &mut dyn FnMut(Merged<'_>) -> Result<(), Failure>,
+    take: &mut dyn FnMut(Item) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let next = |reader: &mut Reader| loop {
-        match reader.item()? {
-            // A whole run has the cell itself after them.
-            Item::Superblock(_) if !is_shared => {}
-            item => return Some(item),
-        }
+    let head = |mut reader: Reader| {
+        let first = reader.item();
+        (reader, first)
     };
-    let mut heads: Vec<(Reader, Option<Item>)> = Vec::new();
-    for mut reader in readers {
-        let first = next(&mut reader);
-        heads.push((reader, first));
-    }
-    let place = |item: &Item| match item {
-        Item::Trials(trials) => (trials.cell, trials.superblock),
-        Item::Cell(record) => (record.cell, 0),
-        Item::Superblock(superblock) => (superblock.cell, superblock.superblock),
+    let mut heads: Vec<(Reader, Option<Item>)> = readers.into_iter().map(head).collect();
+    let cell = |item: &Item| match item {
+        Item::Trials(trials) => trials.cell,
+        Item::Cell(record) => record.cell,
     };
-    let mut open = Partial::default();
     loop {
         let present = heads.iter_mut().filter(|(_, item)| item.is_some());
-        let Some((reader, item)) = present.min_by_key(|(_, item)| item.as_ref().map(place)) else {
+        let Some((reader, item)) = present.min_by_key(|(_, item)| item.as_ref().map(cell)) else {
             return Ok(());
         };
-        let Some(item) = std::mem::replace(item, next(reader)) else {
-            return Ok(());
-        };
-        match item {
-            Item::Trials(trials) => take(Merged::Trials(&trials.rows))?,
-            Item::Cell(record) => take(Merged::Cell(&record))?,
-            Item::Superblock(superblock) => {
-                open.merge(superblock.partial);
-                if superblock.superblock + 1 == superblock.of {
-                    let cell = superblock.cell as usize;
-                    let finished = simulation.finished(cell, std::mem::take(&mut open));
-                    let rows = simulation.rows(&finished.map_err(Failure::usage)?);
-                    take(Merged::Cell(&CellRecord::new(cell, false, rows)))?;
-                }
-            }
+        if let Some(item) = std::mem::replace(item, reader.item()) {
+            take(item)?;
         }
     }
 }
