@@ -124,7 +124,7 @@ impl Terrain {
                 // What is missing is not nearer.
                 squares
                     .get(beside(right, down))
-                    .is_none_or(|other| !(*other < square))
+                    .is_none_or(|other| other.is_nan() || *other >= square)
             };
             let place = self.place(column, row);
             if square <= reach * reach && around.into_iter().all(is_nearer) {
