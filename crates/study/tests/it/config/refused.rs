@@ -1,5 +1,7 @@
 //! Bad configs: where the error points, which field it names, and why.
 
+use palpate_study::config::parse;
+
 use super::{BASE, error, refuses};
 
 /// One message of each kind, to the letter.
@@ -41,6 +43,10 @@ kind = "sphere", radius = 5.0 => kind = "cube" | 7:19 scene.object.kind | unknow
 "a-study" => 1 | 1:8 name | expected a string
 length_unit => trials = 10.5\nlength_unit | 2:10 trials | expected an integer
 length_unit => claims = 3\nlength_unit | 2:10 claims | expected an array
+length_unit => crate_version = "99.0.0"\nlength_unit | 2:17 crate_version | of version 99.0.0
+length_unit => crate_version = "old"\nlength_unit | 2:17 crate_version | is no version
+length_unit => crate_version = 3\nlength_unit | 2:17 crate_version | expected a string
+length_unit => columns = { shift = "U" }\nlength_unit | 2:21 columns.shift | no column of these readings
 sensor = { kind = 1 } | 9:19 scene.sensor.kind | expected a string
 5.0 => 0 | 7:38 scene.object.radius | must be > 0
 length_unit => trials = 0\nlength_unit | 2:10 trials | must be >= 1
@@ -177,6 +183,10 @@ max_trials = 50000 => max_trials = 9, min_trials = 10 | 1:71 stop.min_trials | m
 fn bad_fields() {
     refuses(BASE, MESSAGES);
     refuses(BASE, FIELDS);
+    for version in ["0.0.1", env!("CARGO_PKG_VERSION")] {
+        let text = format!("crate_version = \"{version}\"\n{BASE}");
+        parse("study.toml", &text).unwrap();
+    }
     for text in ["", "# only a comment\n"] {
         assert!(error(text).message().starts_with("the config is empty"));
     }
@@ -198,11 +208,13 @@ fn bad_plots() {
     refuses(&format!("{BASE}{SWEPT}"), PLOTS);
     let map = r#"[[plot]]\nkind = "profile" | 10:8 plot.0.kind | from a press"#;
     refuses(GLIDE, map);
-    let maps = r#"
+    let presses = r#"
+marker_depth = 2 => marker_depth = 2, layout = "hexagon" | 5:75 scene.probe.layout | or a table whose `kind` is one of gores
+marker_depth = 2 => marker_depth = 2, layout = { kind = "lattice", pitch = 1, cap = 60 } | 5:106 scene.probe.layout.cap | did you mean `cap_deg`?
 [[plot]]\nkind = "class-map" | 9:8 plot.0.kind | from a glide
 [[plot]]\nkind = "contacts" | 9:8 plot.0.kind | from a glide
 "#;
-    refuses(PRESS, maps);
+    refuses(PRESS, presses);
     for (base, plot) in [
         (PRESS, "kind = \"profile\""),
         (
@@ -213,7 +225,7 @@ fn bad_plots() {
         (GLIDE, "kind = \"contacts\""),
     ] {
         let text = format!("{base}[[plot]]\n{plot}\n");
-        palpate_study::config::parse("study.toml", &text).unwrap();
+        parse("study.toml", &text).unwrap();
     }
 }
 
