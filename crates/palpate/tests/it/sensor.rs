@@ -393,48 +393,28 @@ fn files_that_are_no_calibration_are_refused() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
+/// Columns, units and decimal commas of another program, from standard input.
 #[test]
-fn arguments_that_contradict_each_other_are_refused() {
+fn known_displacements_of_another_program() {
     let desk = Desk::new();
-    for (arguments, word) in [
-        ("calibrate a.png b.png --out c.toml", "--normal"),
-        ("calibrate a.png b.csv --normal 1 --out c.toml", "not both"),
-        (
-            "calibrate a.png b.png --normal 1,2 --out c.toml",
-            "1 pressed frames",
-        ),
-        ("calibrate a.png b.png --normal 1,x --out c.toml", "x"),
-        ("calibrate a.csv --from hues --out c.toml", "hues"),
-        (
-            "calibrate a.csv --px-per-rad 100 --out c.toml",
-            "--px-per-rad",
-        ),
-        ("calibrate a.csv --out .", "--out"),
-        ("calibrate a.csv", "--out"),
-        ("track a.png --out o", "<PRESSED>"),
-        (
-            "track a.png b.png --out o --calibration c.toml",
-            "--sensor-radius",
-        ),
-        ("track a.png b.png --out o --indentation 1", "--calibration"),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 3",
-            "--depth",
-        ),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --grid 0",
-            "--grid",
-        ),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --method bonded-layer",
-            "--thickness",
-        ),
-        (
-            "track a.png b.png --out o --method gaussian",
-            "--calibration",
-        ),
-    ] {
-        let said = desk.palpate(&format!("sensor {arguments}")).said(2);
-        assert!(said.contains(word), "{arguments}: {said}");
-    }
+    desk.write(
+        "r.csv",
+        "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n3,0.07\n",
+    );
+    desk.write(
+        "f.csv",
+        "Depth [m];Hue [deg];operator\n0,001;7,2;x\n0,002;18;x\n0,003;25,2;x\n",
+    );
+    desk.palpate("sensor calibrate r.csv --out a.toml")
+        .printed();
+    let columns = "'normal_displacement=Depth [m],hue=Hue [deg]' --length-unit mm";
+    let line = format!("sensor calibrate - --columns {columns} --out b.toml < f.csv");
+    let ended = desk.shell(&format!("\"$palpate\" {line}"));
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let slope = |name: &str| -> f64 {
+        let text = desk.read(name);
+        let slope = text.lines().find_map(|line| line.strip_prefix("slope = "));
+        slope.unwrap().parse().unwrap()
+    };
+    assert_close(slope("b.toml"), slope("a.toml"), 1e-9);
 }
