@@ -136,6 +136,19 @@ fn frames_tell_the_press_that_they_show() {
     assert!(number(&again["force"]["value"]) > 0.0 && told["force"].is_null());
 }
 
+/// Lines of a camera by their keys, what replaces them, and words of the error.
+const CAMERA_EDITS: &str = r#"
+place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
+place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
+place_std | place_std = [1.0, 1.0, 1.0] | `covariance[3][3]` is that of a standard deviation
+place_std |  | missing field `place_std`
+px_per_rad | px_per_rad = 180.0 | `px_per_rad` is 180
+px_per_rad | px_per_rad = -1.0 | `px_per_rad` is -1; it must be finite and > 0
+covariance | covariance = [[1.0]] | `covariance` must have 11 rows of 11 numbers
+turn_deg | turned = 1 | turned
+length_unit | length_unit = "unit" | length_unit
+"#;
+
 /// The camera stands beside the centre; a frame at rest tells where, and presses are estimated with that.
 #[test]
 fn a_camera_that_a_frame_at_rest_told_is_taken() {
@@ -169,45 +182,15 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
         let line = camera.lines().find(|line| line.starts_with(&start));
         line.unwrap().to_owned()
     };
-    for (from, to, words) in [
-        (
-            line("place"),
-            "place = [3.0, 0.0, 0.0]",
-            "contradicts the frame at rest: `place[0]` is 3",
-        ),
-        (
-            line("px_per_rad"),
-            "px_per_rad = 180.0",
-            "`px_per_rad` is 180",
-        ),
-        (
-            line("px_per_rad"),
-            "px_per_rad = -1.0",
-            "`px_per_rad` is -1; it must be finite and > 0",
-        ),
-        (
-            line("place"),
-            "place = [nan, 0.0, 0.0]",
-            "`place[0]` is NaN; it must be finite",
-        ),
-        (
-            line("place_std"),
-            "place_std = [1.0, 1.0, 1.0]",
-            "`covariance[3][3]` is that of a standard deviation",
-        ),
-        (line("place_std"), "", "missing field `place_std`"),
-        (
-            line("covariance"),
-            "covariance = [[1.0]]",
-            "`covariance` must have 11 rows of 11 numbers",
-        ),
-        (line("turn_deg"), "turned = 1", "turned"),
-        (line("length_unit"), "length_unit = \"unit\"", "length_unit"),
-    ] {
-        desk.write("camera.toml", edited(&camera, &from, to));
+    for row in CAMERA_EDITS.trim().lines() {
+        let columns: Vec<&str> = row.split(" | ").collect();
+        let [key, to, words] = columns[..] else {
+            panic!("{row}")
+        };
+        desk.write("camera.toml", edited(&camera, &line(key), to));
         let ended = desk.palpate(&format!("sensor track {run}"));
-        assert!(matches!(ended.status, Some(1 | 2)), "{to}: {ended:?}");
-        assert!(ended.stderr.contains(words), "{to}: {}", ended.stderr);
+        assert!(matches!(ended.status, Some(1 | 2)), "{row}: {ended:?}");
+        assert!(ended.stderr.contains(words), "{row}: {}", ended.stderr);
     }
     let row = camera.find("covariance = [[").unwrap() + "covariance = [[".len();
     let first = &camera[row..row + camera[row..].find(',').unwrap()];

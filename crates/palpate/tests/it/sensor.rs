@@ -279,49 +279,32 @@ fn frames_that_are_none_are_refused() {
     );
 }
 
+/// Rows of displacements and hues, or a table with its header, and words of the error.
+const NO_CALIBRATIONS: &str = r"
+1,0.02 | 1 points; a calibration needs at least 2
+1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1
+1,0.02\n2,0.02 | the hue does not change
+1,0.02\n2,nan | t.csv:3: column `hue_turns`
+1,0.02\n2,9.3 | t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3
+ | no readings
+1,0.02\n1e200,0.03 | t.csv:3: a number is beyond 1e100
+a,b\n1,2 | no columns `normal_displacement`
+tangential_displacement_mm,centroid_shift_px\n1,7 | 1 points
+";
+
 #[test]
 fn points_that_calibrate_nothing_are_refused() {
     let desk = Desk::new();
     let header = "normal_displacement_mm,hue_turns";
-    for (rows, word) in [
-        (
-            format!("{header}\n1,0.02\n"),
-            "1 points; a calibration needs at least 2",
-        ),
-        (
-            format!("{header}\n1,0.02\n1,0.03\n1,0.02\n"),
-            "all 3 points have a normal displacement of 1",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,0.02\n"),
-            "the hue does not change",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,nan\n"),
-            "t.csv:3: column `hue_turns`",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,9.3\n"),
-            "t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3",
-        ),
-        (format!("{header}\n"), "no readings"),
-        ("a,b\n1,2\n".to_owned(), "no columns `normal_displacement`"),
-        (
-            format!("{header}\n1,0.02\n1e200,0.03\n"),
-            "t.csv:3: a number is beyond 1e100",
-        ),
-        (
-            "tangential_displacement_mm,centroid_shift_px\n1,7\n".to_owned(),
-            "1 points",
-        ),
-    ] {
-        desk.write("t.csv", &rows);
+    for row in NO_CALIBRATIONS.trim().lines() {
+        let (rows, words) = row.split_once(" | ").unwrap();
+        let rows = rows.replace("\\n", "\n");
+        let has_header = rows.starts_with(char::is_alphabetic);
+        let header = if has_header { "" } else { header };
+        desk.write("t.csv", format!("{header}\n{rows}\n").trim_start());
         let said = desk.palpate("sensor calibrate t.csv --out c.toml").said(1);
-        assert!(
-            said.contains("t.csv") && said.contains(word),
-            "{rows}: {said}"
-        );
-        assert!(!desk.path("c.toml").exists());
+        let is_named = said.contains("t.csv") && said.contains(words);
+        assert!(is_named && !desk.path("c.toml").exists(), "{row}: {said}");
     }
     desk.write("t.csv", format!("{header}\n1,0.02\n2,0.05\n"));
     desk.palpate("sensor calibrate t.csv --from size --out c.toml")

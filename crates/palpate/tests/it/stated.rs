@@ -109,63 +109,47 @@ fn of_press(table: &str) -> String {
     told(press(table, Form::default()))
 }
 
+/// Columns that are multiplied, the factor, and words of the warning or error.
+const PRESS_MISTAKES: &str = "
+3 | -1 | the sign of tangential_x turned
+4 | -1 | the sign of tangential_y turned
+3 4 | -1 | both signs turned
+2 | -1 | is the sign wrong?
+2 3 4 | 50 | more than the sensor's radius
+0 1 2 3 4 | 1e-3 | the readings in m and the radius in mm?
+2 3 4 | 1e-3 | the displacements in m and the rest in mm?
+0 1 | 1e3 | half the circumference
+";
+const ROLL_MISTAKES: &str = "
+1 2 | 57.296 | the rotations in degrees
+1 2 | 1e-3 | in a smaller unit
+1 2 | 0 | no probe turned
+3 4 | 1e-3 | the shifts in m and
+3 4 | 1e3 | half way round
+";
+const GLIDE_MISTAKES: &str = "
+4 5 6 | 57.296 | lengths of about 57.3
+4 5 6 | -1 | point to -z
+";
+
 #[test]
 fn mistakes_of_sign_unit_and_order() {
-    assert_eq!(
-        [of_roll(ROLL), of_glide(GLIDE), of_press(PRESS)],
-        ["", "", ""]
-    );
     let swapped = changed(PRESS, |fields| fields.swap(3, 4));
     assert!(of_press(&swapped).contains("tangential_x and tangential_y swapped"));
-    for (of, csv, columns, factor, words) in [
-        (
-            of_press as fn(&str) -> String,
-            PRESS,
-            &[3][..],
-            -1.0,
-            "the sign of tangential_x turned",
-        ),
-        (
-            of_press,
-            PRESS,
-            &[4],
-            -1.0,
-            "the sign of tangential_y turned",
-        ),
-        (of_press, PRESS, &[3, 4], -1.0, "both signs turned"),
-        (of_press, PRESS, &[2], -1.0, "is the sign wrong?"),
-        (
-            of_press,
-            PRESS,
-            &[2, 3, 4],
-            50.0,
-            "more than the sensor's radius",
-        ),
-        (
-            of_press,
-            PRESS,
-            &[0, 1, 2, 3, 4],
-            1e-3,
-            "the readings in m and the radius in mm?",
-        ),
-        (
-            of_press,
-            PRESS,
-            &[2, 3, 4],
-            1e-3,
-            "the displacements in m and the rest in mm?",
-        ),
-        (of_press, PRESS, &[0, 1], 1e3, "half the circumference"),
-        (of_roll, ROLL, &[1, 2], 57.296, "the rotations in degrees"),
-        (of_roll, ROLL, &[1, 2], 1e-3, "in a smaller unit"),
-        (of_roll, ROLL, &[3, 4], 1e-3, "the shifts in m and"),
-        (of_roll, ROLL, &[3, 4], 1e3, "half way round"),
-        (of_roll, ROLL, &[1, 2], 0.0, "no probe turned"),
-        (of_glide, GLIDE, &[4, 5, 6], 57.296, "lengths of about 57.3"),
-        (of_glide, GLIDE, &[4, 5, 6], -1.0, "point to -z"),
+    for (of, csv, mistakes) in [
+        (of_press as fn(&str) -> String, PRESS, PRESS_MISTAKES),
+        (of_roll, ROLL, ROLL_MISTAKES),
+        (of_glide, GLIDE, GLIDE_MISTAKES),
     ] {
-        let said = of(&scaled(csv, columns, factor));
-        assert!(said.contains(words), "{columns:?} {factor}: {said}");
+        assert_eq!(of(csv), "");
+        for row in mistakes.trim().lines() {
+            let (columns, rest) = row.split_once(" | ").unwrap();
+            let (factor, words) = rest.split_once(" | ").unwrap();
+            let columns = columns.split(' ').map(|column| column.parse().unwrap());
+            let columns: Vec<usize> = columns.collect();
+            let message = of(&scaled(csv, &columns, factor.parse().unwrap()));
+            assert!(message.contains(words), "{row}: {message}");
+        }
     }
 }
 
