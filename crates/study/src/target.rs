@@ -284,62 +284,33 @@ mod tests {
 
     #[test]
     fn what_is_no_target() {
-        for (text, said) in [
+        for (text, words) in [
             ("", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            ("rms_error", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            ("<= 5", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            ("rms_error() <= 5", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            (
-                "rms_error(mean_curvature <= 5",
-                "is no STATISTIC(QUANTITY) <= LIMIT",
-            ),
-            ("rms_error <=", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            (
-                "rms_eror <= 5",
-                "no statistic \"rms_eror\"; did you mean rms_error?",
-            ),
-            (
-                "rms_error(mean_curvatur) <= 5",
-                "did you mean mean_curvature?",
-            ),
-            (
-                "rms_error(weather) <= 5",
-                "no quantity \"weather\"; known: normal_curvature_u",
-            ),
+            ("rms_error", "is no STATISTIC"),
+            ("<= 5", "is no STATISTIC"),
+            ("rms_error() <= 5", "is no STATISTIC"),
+            ("rms_error(mean_curvature <= 5", "is no STATISTIC"),
+            ("rms_error <=", "is no STATISTIC"),
+            ("rms_eror <= 5", "did you mean rms_error?"),
+            ("rms_error(mean_curvatur) <= 5", "mean mean_curvature?"),
+            ("rms_error(weather) <= 5", "known: normal_curvature_u"),
             ("failures <= 5", "--max-failures"),
-            ("truth <= 5", "known before any trial"),
-            (
-                "rms_error <= five",
-                "the limit \"five\" is no finite number",
-            ),
-            ("rms_error <= nan", "the limit \"nan\" is no finite number"),
-            (
-                "rms_error <= inf %",
-                "the limit \"inf %\" is no finite number",
-            ),
-            ("rms_error <= 0", "rms_error is above 0, and the limit is 0"),
-            ("relative_rms_error <= -0.05", "and the limit is -0.05"),
-            (
-                "coverage95 >= 95",
-                "coverage95 is a share, and 95 may mean 95 % or 9500 %; write 95 % or 0.95",
-            ),
-            (
-                "relative_rms_error(mean_curvature) <= 5",
-                "relative_rms_error(mean_curvature) is a share, and 5 may mean 5 % or 500 %; write 5 % or 0.05",
-            ),
+            ("truth <= 5", "before any trial"),
+            ("rms_error <= five", "\"five\" is no finite number"),
+            ("rms_error <= inf %", "\"inf %\" is no finite number"),
+            ("rms_error <= 0", "is above 0, and the limit is 0"),
+            ("coverage95 >= 95", "95 % or 9500 %"),
+            ("relative_rms_error <= 5", "write 5 % or 0.05"),
             ("mean(class) >= 90", "write 90 % or 0.9"),
             ("coverage95(object_curvature) >= 95", "write 95 % or 0.95"),
             (
                 "rms_error(mean_curvature) <= 5 %",
-                "rms_error(mean_curvature) is no share; write its limit without %",
+                "is no share; write its limit without %",
             ),
-            (
-                "coverage95 >= 200 %",
-                "a share, above 0 and at most 1, and the limit is 2",
-            ),
+            ("coverage95 >= 200 %", "at most 1, and the limit is 2"),
         ] {
             let error = text.parse::<Target>().expect_err(text).to_string();
-            assert!(error.contains(said), "{text}: {error}");
+            assert!(error.contains(words), "{text}: {error}");
         }
     }
 }

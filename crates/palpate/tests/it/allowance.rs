@@ -59,34 +59,6 @@ fn setting(toml: &str, key: &str) -> f64 {
 }
 
 #[test]
-fn arguments_that_mean_nothing() {
-    let desk = Desk::with(STUDY);
-    for argument in [
-        "--budget 0s",
-        "--budget -3s",
-        "--budget nan",
-        "--budget 1e400s",
-        "--budget 1e-300s",
-        "--budget soon",
-        "--budget 5d",
-        "--budget inf",
-        "--target-error 0",
-        "--target-error 1",
-        "--target-error 2",
-        "--target-error nan",
-        "--target-error -0.1",
-        "--target-error 1e-300",
-        "--target-error small",
-        "--trials 5 --budget 3s",
-        "--trials 5 --target-error 0.1",
-    ] {
-        desk.palpate(&format!("run c.toml --out o {argument}"))
-            .said(2);
-        assert_untouched(&desk.path(""));
-    }
-}
-
-#[test]
 fn swept_trials_are_not_chosen() {
     let desk = Desk::with(&edited(
         &edited(STUDY, "scene.object.radius", "trials"),
@@ -98,33 +70,6 @@ fn swept_trials_are_not_chosen() {
             .fails(2, ": trials: is swept, so that neither");
         assert_untouched(&desk.path(""));
     }
-}
-
-#[test]
-fn a_budget_that_fits_nothing_tells_the_least() {
-    let desk = Desk::with(STUDY);
-    let said = desk.palpate("run c.toml --budget 1e-6s").said(2);
-    assert!(
-        said.contains("one trial of each cell does not fit into 1e-6 s; the least is about"),
-        "{said}"
-    );
-    assert_untouched(&desk.path(""));
-}
-
-#[test]
-fn a_target_that_asks_too_much_names_the_cell() {
-    let desk = Desk::with(STUDY);
-    let said = desk.palpate("run c.toml --target-error 1e-6").said(2);
-    assert!(
-        said.contains("trials: --target-error 1e-6: the rms error of "),
-        "{said}"
-    );
-    assert!(said.contains("at most 1e8 are taken"), "{said}");
-    assert!(
-        said.contains("in cell 0: scene.object.radius = 50"),
-        "{said}"
-    );
-    assert_untouched(&desk.path(""));
 }
 
 /// Errors of sums of eight uniform draws are nearly Gaussian: their root mean square has the relative standard error

@@ -58,18 +58,4 @@ fn a_frame_at_rest_tells_where_the_camera_is() {
         "sensor calibrate --rest t/{frame} --layout other.toml --out o.toml"
     ))
     .fails(1, "layout");
-    for (arguments, word) in [
-        ("--rest r.png --out o.toml", "--layout"),
-        ("--layout central.toml --out o.toml", "--rest"),
-        ("a.csv --cell 1 --out o.toml", "--layout"),
-        (
-            "a.csv --rest r.png --layout central.toml --out o.toml",
-            "--rest",
-        ),
-    ] {
-        let said = desk
-            .palpate(&format!("sensor calibrate {arguments}"))
-            .said(2);
-        assert!(said.contains(word), "{arguments}: {said}");
-    }
 }

@@ -154,84 +154,31 @@ fn too_many_failures_miss_the_target() {
     assert!(few < more, "{few} {more}");
 }
 
+const QUESTIONS: &str = "
+--target rms(mean_curvature)<=0.05 --vary a=1..2 | there is no statistic \"rms\"
+--target rms_error(weather)<=0.05 --vary a=1..2 | there is no quantity \"weather\"
+--target rms_error<=0 --vary a=1..2 | rms_error is above 0, and the limit is 0
+--target rms_error<=nan --vary a=1..2 | is no finite number
+--target rms_error --vary a=1..2 | is no STATISTIC(QUANTITY) <= LIMIT
+--target rms_error<=1 --vary a=2..1 | runs downwards
+--target rms_error<=1 --vary a=1..nan | needs a finite number
+--target rms_error<=1 --vary a | is no PATH=LO..HI
+--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2 | --vary takes one
+--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2 | is set to one value, and here are 2
+--target rms_error(class)<=1 --vary scene.object.radius=1..2 | a roll has no quantity \"class\" (known: normal_curvature_u,
+--target rms_error<=1 --vary scene.object.radios=1..2 | c.toml: scene.object.radios
+--target rms_error<=1 --vary scene.object.radius=-1..2 | c.toml: scene.object.radius: must be > 0, is -1
+--target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind takes no numbers: list its values
+--target rms_error<=1 --vary title=a,b | cannot sweep `title`
+--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.object.radius=1 | scene.object.radius is given twice
+--target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0 | no number of trials shows that none fails
+--target rms_error<=1 --vary scene.object.radius=1..2 --gap -1 | gap is -1; it must be above 0
+--target coverage95(arc_length)>=0.5 --vary scene.object.radius=1..2 | the estimator states no standard deviation
+";
+
 #[test]
 fn what_cannot_be_asked() {
-    let desk = Desk::with(STUDY);
-    for (arguments, words) in [
-        (
-            "--target rms(mean_curvature)<=0.05 --vary a=1..2",
-            "there is no statistic \"rms\"",
-        ),
-        (
-            "--target rms_error(weather)<=0.05 --vary a=1..2",
-            "there is no quantity \"weather\"",
-        ),
-        (
-            "--target rms_error<=0 --vary a=1..2",
-            "rms_error is above 0, and the limit is 0",
-        ),
-        (
-            "--target rms_error<=nan --vary a=1..2",
-            "is no finite number",
-        ),
-        (
-            "--target rms_error --vary a=1..2",
-            "is no STATISTIC(QUANTITY) <= LIMIT",
-        ),
-        ("--target rms_error<=1 --vary a=2..1", "runs downwards"),
-        (
-            "--target rms_error<=1 --vary a=1..nan",
-            "needs a finite number",
-        ),
-        ("--target rms_error<=1 --vary a", "is no PATH=LO..HI"),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2",
-            "--vary takes one",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2",
-            "is set to one value, and here are 2",
-        ),
-        (
-            "--target rms_error(class)<=1 --vary scene.object.radius=1..2",
-            "a roll has no quantity \"class\" (known: normal_curvature_u,",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radios=1..2",
-            "c.toml: scene.object.radios: ",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=-1..2",
-            "c.toml: scene.object.radius: must be > 0, is -1",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.kind=1..2",
-            "scene.object.kind takes no numbers: list its values",
-        ),
-        (
-            "--target rms_error<=1 --vary title=a,b",
-            "cannot sweep `title`",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.object.radius=1",
-            "scene.object.radius is given twice",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0",
-            "no number of trials shows that none fails",
-        ),
-        (
-            "--target rms_error<=1 --vary scene.object.radius=1..2 --gap -1",
-            "gap is -1; it must be above 0",
-        ),
-        (
-            "--target coverage95(arc_length)>=0.5 --vary scene.object.radius=1..2",
-            "the estimator states no standard deviation",
-        ),
-    ] {
-        desk.palpate(&format!("design c.toml {arguments} --out out"))
-            .fails(2, words);
-    }
+    Desk::with(STUDY).refuses("design c.toml", QUESTIONS);
     // What is undefined at some value names it.
     let flat = edited(
         STUDY,

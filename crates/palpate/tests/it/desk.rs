@@ -107,6 +107,25 @@ impl Desk {
         self.end(command)
     }
 
+    /// Checks that a command fails as bad usage with each row of a table of `arguments | words of the message`, and writes
+    /// nothing.
+    pub(crate) fn refuses(&self, command: &str, table: &str) {
+        let before = self.names("");
+        let is_wrong = |row: &&str| {
+            let (arguments, words) = row.rsplit_once("| ").unwrap();
+            let ended = self.palpate(&format!("{command} {arguments}"));
+            let is_error =
+                ended.stderr.starts_with("error: ") && !ended.stderr.contains("panicked");
+            !is_error
+                || ended.status != Some(2)
+                || !ended.stdout.is_empty()
+                || !ended.stderr.contains(words)
+        };
+        let wrong: Vec<&str> = table.trim().lines().filter(is_wrong).collect();
+        assert!(wrong.is_empty(), "{command}: {wrong:#?}");
+        assert_eq!(self.names(""), before);
+    }
+
     /// JSON that a command prints.
     #[track_caller]
     pub(crate) fn json(&self, arguments: &str) -> serde_json::Value {

@@ -3,47 +3,6 @@
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
 #[test]
-fn a_directory_under_a_file_cannot_be_made() {
-    let desk = Desk::with(STUDY);
-    for command in ["run", "trace"] {
-        let said = desk
-            .palpate(&format!("{command} c.toml --out c.toml/o"))
-            .said(1);
-        assert_eq!(
-            said,
-            "error: cannot make the directory c.toml/o: c.toml is a file\n"
-        );
-        assert_eq!(desk.names(""), ["c.toml"]);
-        assert_eq!(desk.read("c.toml"), STUDY);
-    }
-}
-
-#[test]
-fn the_directory_is_a_file() {
-    let desk = Desk::with(STUDY);
-    desk.write("o", "mine");
-    let said = desk.palpate("run c.toml --out o").said(1);
-    assert_eq!(said, "error: cannot make the directory o: o is a file\n");
-    assert_eq!(desk.read("o"), "mine");
-}
-
-#[cfg(unix)]
-#[test]
-fn the_directory_is_a_link_that_leads_nowhere() {
-    let desk = Desk::with(STUDY);
-    std::os::unix::fs::symlink("gone", desk.path("o")).unwrap();
-    for out in ["o", "o/deeper"] {
-        let said = desk.palpate(&format!("run c.toml --out {out}")).said(1);
-        let why = "o is a symbolic link to gone, and nothing is there";
-        assert_eq!(
-            said,
-            format!("error: cannot make the directory {out}: {why}\n")
-        );
-    }
-    assert_eq!(desk.names(""), ["c.toml", "o"]);
-}
-
-#[test]
 fn a_config_by_hand_is_not_replaced() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out ours").printed();
@@ -91,27 +50,6 @@ fn a_title_of_two_lines_makes_no_config_by_hand() {
 }
 
 #[test]
-fn tables_without_a_config_beside_them_are_not_replaced() {
-    let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
-    let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
-    for name in ["cells.csv", "failures.csv", "readings.csv"] {
-        std::fs::create_dir(desk.path("o")).unwrap();
-        desk.write(&format!("o/{name}"), "mine");
-        let said = desk.palpate("run c.toml --out o").said(2);
-        let start = format!("error: o/{name} is not a file that palpate wrote, ");
-        assert!(said.starts_with(&start), "{said}");
-        assert_eq!(desk.names("o"), [name]);
-        assert_eq!(desk.read(&format!("o/{name}")), "mine");
-        std::fs::remove_dir_all(desk.path("o")).unwrap();
-    }
-    // What the run does not write may be anybody's.
-    std::fs::create_dir(desk.path("o")).unwrap();
-    desk.write("o/map.csv", "mine");
-    desk.palpate("run c.toml --out o").printed();
-    assert_eq!(desk.read("o/map.csv"), "mine");
-}
-
-#[test]
 fn results_of_a_run_are_replaced_by_those_of_another() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
@@ -120,16 +58,6 @@ fn results_of_a_run_are_replaced_by_those_of_another() {
     assert_ne!(desk.read("o/cells.csv"), first);
     desk.palpate("run c.toml --out o").printed();
     assert_eq!(desk.read("o/cells.csv"), first);
-}
-
-/// Where a name is taken by a directory, the files cannot all be renamed.
-#[test]
-fn a_name_is_taken_by_a_directory() {
-    let desk = Desk::with(STUDY);
-    std::fs::create_dir_all(desk.path("o/cells.csv")).unwrap();
-    desk.palpate("run c.toml --out o")
-        .fails(1, "cannot write o/cells.csv");
-    assert_eq!(desk.names("o"), ["cells.csv"]);
 }
 
 /// A file may grow to 512 bytes only, which stands for a full disk.

@@ -102,45 +102,22 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
     );
 }
 
+/// Where two names are wrong, the first is reported.
+const QUESTIONS: &str = "
+--set scene.object.radius=5 | no field of `scene.object` is swept
+--quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
+--quantity weather | no quantity \"weather\" that tells objects apart (known: normal_curvature_u
+--confidence 1 | confidence is 1; it must be above 0 and below 1
+--confidence nan | confidence is NaN
+--vary scene.object.radius=1..2 | list the values of scene.object.radius
+--vary scene.object.radius=1,1 | stands twice on this axis
+--vary scene.object.radius=0,1 | must be > 0, is 0
+--vary scene.object.radios=1,2 | c.toml: scene.object.radios
+";
+
 #[test]
 fn what_cannot_be_told_apart() {
-    let desk = Desk::with(STUDY);
-    for (arguments, words) in [
-        (
-            "--set scene.object.radius=5",
-            "no field of `scene.object` is swept",
-        ),
-        // The wrong name is told first.
-        (
-            "--quantity weather --set scene.object.radius=5",
-            "a roll has no quantity \"weather\"",
-        ),
-        (
-            "--quantity weather",
-            "a roll has no quantity \"weather\" that tells objects apart (known: normal_curvature_u",
-        ),
-        (
-            "--confidence 1",
-            "confidence is 1; it must be above 0 and below 1",
-        ),
-        ("--confidence nan", "confidence is NaN"),
-        (
-            "--vary scene.object.radius=1..2",
-            "list the values of scene.object.radius",
-        ),
-        (
-            "--vary scene.object.radius=1,1",
-            "stands twice on this axis",
-        ),
-        ("--vary scene.object.radius=0,1", "must be > 0, is 0"),
-        (
-            "--vary scene.object.radios=1,2",
-            "c.toml: scene.object.radios: ",
-        ),
-    ] {
-        desk.palpate(&format!("distinguish c.toml {arguments} --out out"))
-            .fails(2, words);
-    }
+    Desk::with(STUDY).refuses("distinguish c.toml", QUESTIONS);
     // Alike in the truth, and noiseless.
     let desk = Desk::with(&noiseless());
     desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls tell them apart (100 to 100); one is enough for 95 %.");

@@ -80,33 +80,6 @@ fn columns_in_any_order_spaces_and_quotes() {
 }
 
 #[test]
-fn byte_order_mark_line_ends_and_blank_lines() {
-    let expected = estimate(SCATTERED, "");
-    for readings in [
-        format!("\u{feff}{SCATTERED}"),
-        SCATTERED.replace('\n', "\r\n"),
-        format!("\u{feff}{}", SCATTERED.replace('\n', "\r\n")),
-        format!("\n\n{}\n  \n", SCATTERED.replace('\n', "\n\n")),
-        SCATTERED.trim_end().to_owned(),
-    ] {
-        assert_eq!(estimate(&readings, ""), expected, "{readings:?}");
-    }
-}
-
-#[test]
-fn units_come_from_the_header_or_the_option() {
-    let bare = EXACT.replace("_mm", "");
-    let unit =
-        |readings: &str, options| estimate(readings, options)["gaussian_curvature"]["unit"].clone();
-    assert_eq!(unit(EXACT, ""), "1/mm^2");
-    assert_eq!(unit(EXACT, "--length-unit mm"), "1/mm^2");
-    assert_eq!(unit(&bare, "--length-unit um"), "1/um^2");
-    assert_eq!(unit(&bare, ""), "1/unit^2");
-    // One column may state it for all.
-    assert_eq!(unit(&EXACT.replace("shift_v_mm", "shift_v"), ""), "1/mm^2");
-}
-
-#[test]
 fn of_a_time_series_the_last_row_counts() {
     let series = "probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 1,0,0,0,0,0
@@ -227,6 +200,14 @@ fn a_probe_that_did_not_shift_gives_a_bound() {
     // Even on a plane it would have moved by 5 mm only.
     assert_eq!(bound("--pitch 6"), Value::Null);
     assert_eq!(bound(""), Value::Null);
+    // Rolls that all stand still along u leave no estimate, but the bound.
+    let desk = Desk::new();
+    desk.write(
+        "r.csv",
+        format!("{EXACT}12,0,0.5,0,0\n").replacen("-0.5,4", "-0.5,0", 1),
+    );
+    desk.palpate("estimate roll r.csv --probe-radius 10 --pitch 1")
+        .fails(1, "radius below ");
 }
 
 #[test]

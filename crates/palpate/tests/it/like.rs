@@ -186,31 +186,6 @@ fn the_indentation_of_a_study_is_not_taken_over() {
     assert!(told["indentation"]["std"].as_f64().unwrap() <= 0.01);
 }
 
-#[test]
-fn another_scene_or_cell_is_refused() {
-    let desk = traced(ROLL);
-    desk.write("glide.toml", GLIDE);
-    for (arguments, words) in [
-        (
-            "--like glide.toml",
-            "scene.kind: must be \"roll\" for these readings, is \"glide\"",
-        ),
-        (
-            "--like c.toml --cell 1",
-            "--cell is 1; the study has cells 0 to 0",
-        ),
-        ("--like none.toml", "none.toml: no such file"),
-        ("--cell 1", "--like"),
-        ("", "--probe-radius"),
-        ("--like c.toml --pitch 1 --shift-std 1", "--shift-std"),
-    ] {
-        let said = desk
-            .palpate(&format!("estimate roll t/readings.csv {arguments}"))
-            .said(2);
-        assert!(said.contains(words), "{arguments}: {said}");
-    }
-}
-
 /// Every setting that a config has can be told of recorded readings.
 #[test]
 fn every_setting_is_a_flag() {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod allowance;
+mod arguments;
 mod camera_press;
 mod camera_rest;
 mod check;
@@ -10,11 +11,9 @@ mod desk;
 mod disk;
 mod distinguish;
 mod estimate;
-mod estimate_glide_refused;
-mod estimate_press_refused;
-mod estimate_refused;
+mod estimate_glide;
+mod estimate_press;
 mod explain;
-mod foreign;
 mod frames;
 mod glide;
 mod help;
@@ -23,12 +22,11 @@ mod hostile;
 mod journal;
 mod like;
 mod objects;
-mod own_data;
-mod own_data_written;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod press;
 mod published;
+mod readings;
 mod refused;
 mod region;
 mod report;
@@ -37,4 +35,5 @@ mod sensor;
 mod shards;
 mod stated;
 mod swept_over;
+mod tables;
 mod trace;

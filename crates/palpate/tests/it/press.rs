@@ -395,64 +395,6 @@ fn check_tells_what_is_needed() {
 }
 
 #[test]
-fn bad_scenes_are_refused_at_their_field() {
-    for (from, to, field, words) in [
-        (
-            "marker_depth = 2.0",
-            "marker_depht = 2.0",
-            "9:50: scene.probe.marker_depht",
-            "unknown key for kind `marker-sphere`; did you mean `marker_depth`?",
-        ),
-        (
-            "marker_depth = 2.0",
-            "marker_depth = 2.0, layout = \"lattice\"",
-            "9:79: scene.probe.layout",
-            "unknown choice \"lattice\" (known: published), or a table whose `kind` is one of gores, lattice, line, radius",
-        ),
-        (
-            "marker_depth = 2.0",
-            "marker_depth = 2.0, layout = { kind = \"lattice\", pitch = 1, cap = 60 }",
-            "9:110: scene.probe.layout.cap",
-            "unknown key for kind `lattice`; did you mean `cap_deg`?",
-        ),
-        (
-            "indentation = 1.0",
-            "indentation = -1.0",
-            "11:26: scene.motion.indentation",
-            "must be > 0, is -1",
-        ),
-        (
-            "values = [{ label = \"ball\", kind = \"sphere\", radius = 30 }",
-            "values = [{ label = \"ball\", kind = \"torus\", radius = 30 }",
-            "17:36: scene.object.kind",
-            "unknown kind \"torus\"",
-        ),
-        (
-            "std = 0.05",
-            "std = nan",
-            "12:60: scene.noise.normal_displacement.std",
-            "must be finite, is nan",
-        ),
-    ] {
-        let said = Desk::with(&edited(PRESS, from, to))
-            .palpate("run c.toml")
-            .said(2);
-        assert!(
-            said.starts_with(&format!("error: c.toml:{field}: ")),
-            "{to}: {said}"
-        );
-        assert!(said.contains(words), "{to}: {said}");
-    }
-    let mixed = edited(PRESS, "path = \"scene.object\"", "path = \"scene.motion\"");
-    assert!(
-        Desk::with(&mixed)
-            .palpate("run c.toml")
-            .said(2)
-            .contains("scene.motion.kind")
-    );
-}
-
-#[test]
 fn the_examples_are_what_they_say() {
     let example = |name: &str| {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");

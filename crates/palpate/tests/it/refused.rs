@@ -1,234 +1,129 @@
-//! Configs that `palpate run` refuses: one message with the place, status 2, nothing written.
+//! Studies that cannot be run: which field the error names, where it points, and why.
+
+use palpate::config::ConfigError;
+use palpate::{RunOptions, Runner, Simulation, parse, refuse};
 
 use super::desk::{Desk, SCENE, STUDY, assert_untouched, edited};
+use super::glide::GLIDE;
 
-/// Error message about a config that must be refused as bad usage.
-#[track_caller]
-fn said(config: &str) -> String {
-    let desk = Desk::with(config);
-    let said = desk.palpate("run c.toml").said(2);
-    assert_untouched(&desk.path(""));
-    said.strip_prefix("error: ").unwrap().to_owned()
+/// Edits of a roll: `text => replacement | line:column path | words of the reason`; `\n` ends a line.
+const ROLLS: &str = r#"
+1.0 }\n => 1.0 }\nsensor = { kind = "pads", pitch = 40.0 }\n | 10:35 scene.sensor.pitch | at most the probe's radius
+"sphere", radius = 50.0 => "height-field", formula = "sin(k*x)" | 8:50 scene.object.formula | unknown name `k`
+"sphere", radius = 50.0 => "height-field", formula = "sin(x)+*2" | 8:53 scene.object.formula | found `*`
+"sphere", radius = 50.0 => "height-field", formula = "sqrt(x - 1)" | 8:45 scene.object.formula | x = 0, y = 0
+"sphere", radius = 50.0 => "height-field", formula = "" | 8:45 scene.object.formula | is empty
+"sphere", radius = 50.0 => "dish", radius = 5 | 8:10 scene.object | conform
+"sphere", radius = 50.0 => "dish", radius = 10 | 8:10 scene.object | conform
+1.0 }\n => 1.0 }\nobject_contact = [60, 0]\n | 10:18 scene.object_contact | x = 60, y = 0
+1.0 }\n => 1.0, directions_deg = [0] }\n | 9:69 scene.motion.directions_deg | 1 probe(s)
+1.0 }\n => 1.0, directions_deg = [30, 210] }\n | 9:69 scene.motion.directions_deg | do not span
+1.0 }\n => 1.0, directions_deg = [30, 30, 30] }\n | 9:69 scene.motion.directions_deg | do not span
+"sphere", radius = 50.0 } => "saddle", a = 0.001 }\nmodel = { kind = "closed-form" } | 9:18 scene.model.kind | saddle
+length_unit => outputs = ["map"]\nlength_unit | 2:11 outputs | no map
+length_unit => claims = [2, 999]\nlength_unit | 2:14 claims.1 | no claim 999
+"#;
+
+const GLIDES: &str = r#"
+0.00005, mean => 0.000001, mean | 13:64 scene.evaluate.gaussian_threshold | below the square of the mean threshold
+"saddle", a = 0.01 => "dish", radius = 3 | 9:37 scene.probe.radius | more than one place
+"saddle", a = 0.01 => "sphere", radius = 10 | 11:10 scene.motion | beside the object
+[-15.0, 0.0, 15.0] => [0.0] | 11:10 scene.motion | on a line
+distance = 10.0 => distance = 1e300 | 17:14 scene.noise.position.fraction_of_ifd | must be from 0 to 1e150
+evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\nevaluate | 13:63 scene.estimator.gamma | "robust-gcv"
+"#;
+
+/// Plots of a table that no trials could fill, of a study of two radii.
+const PLOTS: &str = r#"
+[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is no column
+[[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
+[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\nscale = "log-y"\nmarks = [{ axis = "y", value = -1.0, label = "a" }] | plot.0 | the mark at y = -1
+[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\ncompare = "trials" | plot.0.compare | another unit
+[[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
+"#;
+
+/// Error of a study, as a run would find it.
+fn error(config: &str) -> ConfigError {
+    let checked = parse("c.toml", config).and_then(|study| {
+        refuse(&study)?;
+        let runner = Runner::new(&RunOptions::default()).unwrap();
+        Simulation::new(&study, 0..study.cell_count(), &runner).map(drop)
+    });
+    checked.expect_err(config)
 }
 
-/// Each config is the scene with one piece replaced; each message begins with a place and a field
-/// and holds the words.
-#[track_caller]
-fn refused(from: &str, to: &str, place_and_field: &str, words: &[&str]) {
-    let said = said(&edited(SCENE, from, to));
-    assert!(
-        said.starts_with(&format!("c.toml:{place_and_field}: ")),
-        "{to}: {said}"
-    );
-    for word in words {
-        assert!(said.contains(word), "{word:?} is not in {said}");
+fn refuses(base: &str, table: &str) {
+    for row in table.trim().lines() {
+        let columns: Vec<&str> = row.split(" | ").map(str::trim).collect();
+        let [edit, place, words] = columns[..] else {
+            panic!("{row}")
+        };
+        let edit = edit.replace("\\n", "\n");
+        let config = match edit.split_once(" => ") {
+            Some((from, to)) => edited(base, from, to),
+            None => format!("{base}{edit}\n"),
+        };
+        let error = error(&config);
+        let (place, path) = place.rsplit_once(' ').unwrap_or(("", place));
+        let is_there = error.to_string().starts_with(&format!("c.toml:{place}"));
+        assert!(is_there && error.path() == path, "{row}\n{error}");
+        assert!(error.message().contains(words), "{row}\n{error}");
     }
-    // The line stands in the message, with a caret under the place.
-    assert!(
-        said.lines()
-            .any(|line| line.trim_start_matches([' ', '|']).starts_with('^')),
-        "{said}"
-    );
-}
-
-const OBJECT: &str = r#"{ kind = "sphere", radius = 50.0 }"#;
-const LAST: &str = "duration_s = 1.0 }\n";
-
-#[test]
-fn keys_and_types() {
-    refused(
-        "radius = 50.0",
-        "radus = 50.0",
-        "8:29: scene.object.radus",
-        &["unknown key", "did you mean `radius`?"],
-    );
-    refused(
-        "radius = 50.0",
-        "radius = \"wide\"",
-        "8:38: scene.object.radius",
-        &["expected a number, found the string \"wide\""],
-    );
-    refused("50.0 }", "50.0 ]", "8:43", &["`,`"]);
-    assert_eq!(
-        said("name = \"a-study\"\n"),
-        "c.toml: scene: missing table\n"
-    );
-    assert!(said("").starts_with("c.toml: the config is empty"));
 }
 
 #[test]
-fn files() {
-    let desk = Desk::with("");
-    assert_eq!(
-        desk.palpate("run none.toml").said(2),
-        "error: none.toml: no such file\n"
-    );
-    assert_eq!(
-        desk.palpate("run .").said(2),
-        "error: .: is a directory, not a config\n"
-    );
-    desk.write("c.toml", b"name = \"\xff\"");
-    assert!(desk.palpate("run c.toml").said(2).contains("c.toml: "));
+fn scenes_and_outputs() {
+    refuses(SCENE, ROLLS);
+    refuses(GLIDE, GLIDES);
 }
 
+/// `check` and `run` refuse a plot in the words in which drawing it would fail.
 #[test]
-fn numbers() {
-    for (text, shown) in [("0", "0"), ("-5.0", "-5")] {
-        refused(
-            "50.0",
-            text,
-            "8:38: scene.object.radius",
-            &[&format!("must be > 0, is {shown}")],
-        );
+fn plots() {
+    refuses(STUDY, PLOTS);
+    for row in PLOTS.trim().lines() {
+        let (edit, words) = (row.split(" | ").next(), row.rsplit(" | ").next());
+        let sections = edit.unwrap().replace("\\n", "\n");
+        let (sweep, plot) = sections.split_at(sections.find("[[plot]]").unwrap());
+        let desk = Desk::with(&format!("{STUDY}{sweep}"));
+        desk.palpate("run c.toml --out o").printed();
+        desk.write("o/run.toml", format!("{}\n{plot}", desk.read("o/run.toml")));
+        desk.palpate("plot o").fails(1, words.unwrap());
     }
-    for text in ["nan", "inf", "-inf"] {
-        refused(
-            "50.0",
-            text,
-            "8:38: scene.object.radius",
-            &[&format!("must be finite, is {text}")],
-        );
-    }
-    refused(
-        "trials = 20",
-        "trials = 0",
-        "3:10: trials",
-        &["must be >= 1, is 0"],
-    );
-    refused(
-        LAST,
-        &format!("{LAST}model = {{ kind = \"auto\", tolerance = 0 }}\n"),
-        "10:38: scene.model.tolerance",
-        &["must be > 0, is 0"],
-    );
-    refused(
-        LAST,
-        &format!("{LAST}sensor = {{ kind = \"pads\", pitch = 40.0 }}\n"),
-        "10:35: scene.sensor.pitch",
-        &["at most the probe's radius, 10, is 40"],
-    );
 }
 
 #[test]
-fn sweeps() {
-    let empty = said(&edited(STUDY, "[50, 5]", "[]"));
-    assert!(
-        empty.starts_with("c.toml:15:10: sweep.0.values: "),
-        "{empty}"
-    );
-    let nowhere = said(&edited(STUDY, "scene.object.radius", "scene.object.radus"));
-    assert!(
-        nowhere.starts_with("c.toml:14:8: scene.object.radus: "),
-        "{nowhere}"
-    );
-    assert!(nowhere.contains("did you mean `radius`?"), "{nowhere}");
-    let negative = said(&edited(STUDY, "[50, 5]", "[50, -5]"));
-    assert!(
-        negative.starts_with("c.toml:15:15: scene.object.radius: must be > 0, is -5"),
-        "{negative}"
-    );
-    assert!(
-        negative.contains("in cell 1: scene.object.radius = -5"),
-        "{negative}"
-    );
-}
-
-#[test]
-fn formulas() {
-    let formula = |text: &str| format!("{{ kind = \"height-field\", formula = \"{text}\" }}");
-    refused(
-        OBJECT,
-        &formula("sin(k*x)"),
-        "8:50: scene.object.formula",
-        &[
-            "unknown name `k`",
-            "formula = \"sin(k*x)\" }\n  |                                                  ^\n",
-        ],
-    );
-    refused(
-        OBJECT,
-        &formula("sin(x)+*2"),
-        "8:53: scene.object.formula",
-        &[
-            "found `*`",
-            "formula = \"sin(x)+*2\" }\n  |                                                     ^\n",
-        ],
-    );
-    refused(
-        OBJECT,
-        &formula("sqrt(x - 1)"),
-        "8:45: scene.object.formula",
-        &["x = 0, y = 0"],
-    );
-    refused(OBJECT, &formula(""), "8:45: scene.object.formula", &[]);
-}
-
-#[test]
-fn contacts() {
-    refused(
-        OBJECT,
-        r#"{ kind = "dish", radius = 5 }"#,
-        "8:10: scene.object",
-        &["conform", "-0.1"],
-    );
-    refused(
-        OBJECT,
-        r#"{ kind = "dish", radius = 10 }"#,
-        "8:10: scene.object",
-        &["conform"],
-    );
-    refused(
-        LAST,
-        &format!("{LAST}object_contact = [60, 0]\n"),
-        "10:18: scene.object_contact",
-        &["x = 60, y = 0"],
-    );
-}
-
-#[test]
-fn directions() {
-    for (directions, words) in [
-        ("[]", "expected at least 1 item, found 0"),
-        ("[0]", "1 probe(s)"),
-        ("[30, 210]", "the 2 probes do not span the tangent plane"),
-        ("[30, 30, 30]", "the 3 probes do not span the tangent plane"),
+fn plots_that_trials_may_draw_are_not_refused() {
+    for sections in [
+        "[[plot]]\nx = \"truth\"\ny = \"mean\"\nquantity = \"normal_curvature_u\"\n",
+        "[[plot]]\nx = \"scene.object.radius\"\ny = \"trials\"\nseries = \"quantity\"\n",
+        "[[plot]]\nx = \"mean\"\ny = \"std\"\nquantity = \"arc_length\"\nscale = \"log-log\"\n",
+        "[[sweep]]\npath = \"seed\"\nvalues = [1, 2]\n[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n\
+         quantity = \"arc_length\"\nwhere = { seed = 2 }\n",
     ] {
-        refused(
-            "duration_s = 1.0",
-            &format!("duration_s = 1.0, directions_deg = {directions}"),
-            "9:69: scene.motion.directions_deg",
-            &[words],
-        );
+        let desk = Desk::with(&format!("{STUDY}{sections}"));
+        desk.palpate("run c.toml --out o").printed();
+        desk.palpate("plot o").printed();
     }
 }
 
+/// Commands print the message of the library, with the excerpt, and write nothing; earlier results stay.
 #[test]
-fn models() {
-    refused(
-        &format!("{OBJECT}\n"),
-        "{ kind = \"saddle\", a = 0.001 }\nmodel = { kind = \"closed-form\" }\n",
-        "9:18: scene.model.kind",
-        &["saddle", "closed form"],
+fn commands_print_the_error_and_write_nothing() {
+    let bad = edited(SCENE, "50.0", "-50.0");
+    let desk = Desk::with(&bad);
+    let message = format!("error: {}\n", error(&bad));
+    assert!(
+        message.ends_with("radius = -50.0 }\n  |                                      ^^^^^\n")
     );
-}
-
-#[test]
-fn maps() {
-    refused(
-        "length_unit",
-        "outputs = [\"map\"]\nlength_unit",
-        "2:11: outputs",
-        &["a roll has no map"],
-    );
-}
-
-/// Results of an earlier run stay as they were.
-#[test]
-fn earlier_results_stay() {
-    let desk = Desk::with(SCENE);
+    for command in ["run c.toml", "check c.toml", "trace c.toml --out o"] {
+        assert_eq!(desk.palpate(command).said(2), message);
+    }
+    assert_untouched(&desk.path(""));
+    desk.write("c.toml", SCENE);
     desk.palpate("run c.toml --out o").printed();
     let before = desk.read("o/cells.csv");
-    desk.write("c.toml", edited(SCENE, "50.0", "-50.0"));
+    desk.write("c.toml", bad);
     for command in ["run", "trace"] {
         desk.palpate(&format!("{command} c.toml --out o")).said(2);
     }

@@ -73,26 +73,6 @@ fn the_page_holds_all_studies() {
 }
 
 #[test]
-fn a_directory_without_a_run() {
-    let desk = Desk::with(STUDY);
-    for command in [
-        "plot nowhere",
-        "report nowhere --out page.html",
-        "plot c.toml",
-    ] {
-        desk.palpate(command).fails(2, "is no directory");
-    }
-    assert_eq!(desk.names(""), ["c.toml"]);
-    std::fs::create_dir(desk.path("empty")).unwrap();
-    for command in ["plot empty", "report empty --out page.html"] {
-        let said = desk.palpate(command).said(1);
-        assert!(said.contains("empty/run.toml: No such file"), "{said}");
-        assert_eq!(said.matches("No such file").count(), 1, "{said}");
-    }
-    assert_eq!(desk.names(""), ["c.toml", "empty"]);
-}
-
-#[test]
 fn a_table_that_was_cut_off() {
     let desk = Desk::with(&with_plot());
     desk.palpate("run c.toml --out o").printed();
@@ -102,12 +82,4 @@ fn a_table_that_was_cut_off() {
         desk.palpate(command).fails(1, "o/cells.csv");
     }
     assert!(!desk.path("page.html").exists());
-}
-
-#[test]
-fn the_page_cannot_be_written() {
-    let desk = Desk::with(&with_plot());
-    desk.palpate("run c.toml --out o").printed();
-    desk.palpate("report o --out c.toml/page.html")
-        .fails(1, "c.toml is a file");
 }

@@ -279,49 +279,32 @@ fn frames_that_are_none_are_refused() {
     );
 }
 
+/// Rows of displacements and hues, or a table with its header, and words of the error.
+const NO_CALIBRATIONS: &str = r"
+1,0.02 | 1 points; a calibration needs at least 2
+1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1
+1,0.02\n2,0.02 | the hue does not change
+1,0.02\n2,nan | t.csv:3: column `hue_turns`
+1,0.02\n2,9.3 | t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3
+ | no readings
+1,0.02\n1e200,0.03 | t.csv:3: a number is beyond 1e100
+a,b\n1,2 | no columns `normal_displacement`
+tangential_displacement_mm,centroid_shift_px\n1,7 | 1 points
+";
+
 #[test]
 fn points_that_calibrate_nothing_are_refused() {
     let desk = Desk::new();
     let header = "normal_displacement_mm,hue_turns";
-    for (rows, word) in [
-        (
-            format!("{header}\n1,0.02\n"),
-            "1 points; a calibration needs at least 2",
-        ),
-        (
-            format!("{header}\n1,0.02\n1,0.03\n1,0.02\n"),
-            "all 3 points have a normal displacement of 1",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,0.02\n"),
-            "the hue does not change",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,nan\n"),
-            "t.csv:3: column `hue_turns`",
-        ),
-        (
-            format!("{header}\n1,0.02\n2,9.3\n"),
-            "t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3",
-        ),
-        (format!("{header}\n"), "no readings"),
-        ("a,b\n1,2\n".to_owned(), "no columns `normal_displacement`"),
-        (
-            format!("{header}\n1,0.02\n1e200,0.03\n"),
-            "t.csv:3: a number is beyond 1e100",
-        ),
-        (
-            "tangential_displacement_mm,centroid_shift_px\n1,7\n".to_owned(),
-            "1 points",
-        ),
-    ] {
-        desk.write("t.csv", &rows);
+    for row in NO_CALIBRATIONS.trim().lines() {
+        let (rows, words) = row.split_once(" | ").unwrap();
+        let rows = rows.replace("\\n", "\n");
+        let has_header = rows.starts_with(char::is_alphabetic);
+        let header = if has_header { "" } else { header };
+        desk.write("t.csv", format!("{header}\n{rows}\n").trim_start());
         let said = desk.palpate("sensor calibrate t.csv --out c.toml").said(1);
-        assert!(
-            said.contains("t.csv") && said.contains(word),
-            "{rows}: {said}"
-        );
-        assert!(!desk.path("c.toml").exists());
+        let is_named = said.contains("t.csv") && said.contains(words);
+        assert!(is_named && !desk.path("c.toml").exists(), "{row}: {said}");
     }
     desk.write("t.csv", format!("{header}\n1,0.02\n2,0.05\n"));
     desk.palpate("sensor calibrate t.csv --from size --out c.toml")
@@ -393,48 +376,28 @@ fn files_that_are_no_calibration_are_refused() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
+/// Columns, units and decimal commas of another program, from standard input.
 #[test]
-fn arguments_that_contradict_each_other_are_refused() {
+fn known_displacements_of_another_program() {
     let desk = Desk::new();
-    for (arguments, word) in [
-        ("calibrate a.png b.png --out c.toml", "--normal"),
-        ("calibrate a.png b.csv --normal 1 --out c.toml", "not both"),
-        (
-            "calibrate a.png b.png --normal 1,2 --out c.toml",
-            "1 pressed frames",
-        ),
-        ("calibrate a.png b.png --normal 1,x --out c.toml", "x"),
-        ("calibrate a.csv --from hues --out c.toml", "hues"),
-        (
-            "calibrate a.csv --px-per-rad 100 --out c.toml",
-            "--px-per-rad",
-        ),
-        ("calibrate a.csv --out .", "--out"),
-        ("calibrate a.csv", "--out"),
-        ("track a.png --out o", "<PRESSED>"),
-        (
-            "track a.png b.png --out o --calibration c.toml",
-            "--sensor-radius",
-        ),
-        ("track a.png b.png --out o --indentation 1", "--calibration"),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 3",
-            "--depth",
-        ),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --grid 0",
-            "--grid",
-        ),
-        (
-            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --method bonded-layer",
-            "--thickness",
-        ),
-        (
-            "track a.png b.png --out o --method gaussian",
-            "--calibration",
-        ),
-    ] {
-        let said = desk.palpate(&format!("sensor {arguments}")).said(2);
-        assert!(said.contains(word), "{arguments}: {said}");
-    }
+    desk.write(
+        "r.csv",
+        "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n3,0.07\n",
+    );
+    desk.write(
+        "f.csv",
+        "Depth [m];Hue [deg];operator\n0,001;7,2;x\n0,002;18;x\n0,003;25,2;x\n",
+    );
+    desk.palpate("sensor calibrate r.csv --out a.toml")
+        .printed();
+    let columns = "'normal_displacement=Depth [m],hue=Hue [deg]' --length-unit mm";
+    let line = format!("sensor calibrate - --columns {columns} --out b.toml < f.csv");
+    let ended = desk.shell(&format!("\"$palpate\" {line}"));
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let slope = |name: &str| -> f64 {
+        let text = desk.read(name);
+        let slope = text.lines().find_map(|line| line.strip_prefix("slope = "));
+        slope.unwrap().parse().unwrap()
+    };
+    assert_close(slope("b.toml"), slope("a.toml"), 1e-9);
 }

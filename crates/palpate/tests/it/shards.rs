@@ -135,13 +135,6 @@ fn shards_that_are_not_all_there_are_named() {
             .said(1)
             .contains("no shards in m")
     );
-    for command in [
-        "merge gone --out n",
-        "merge c.toml --out n",
-        "status c.toml",
-    ] {
-        desk.palpate(command).fails(2, "is no directory");
-    }
 }
 
 #[test]
@@ -326,26 +319,6 @@ fn a_palpate_without_parquet_says_how_to_get_one() {
 }
 
 #[test]
-fn shards_are_written_as_one_means_them() {
-    let desk = Desk::with(STUDY);
-    for (shard, words) in [
-        ("0/4", "counted from 1"),
-        ("5/4", "there is no shard 5 of 4"),
-        ("1", "written 1/4"),
-        ("a/b", "written 1/4"),
-        ("-1/2", "written 1/4"),
-        ("1/99999999", "at most 1000000"),
-        ("1/0", "there is no shard 1 of 0"),
-    ] {
-        let said = desk.palpate(&format!("run c.toml --shard={shard}")).said(2);
-        assert!(said.contains(words), "{said}");
-    }
-    let said = desk.palpate("run c.toml --shard 1/2 --budget 10s").said(2);
-    assert!(said.contains("--budget hangs on the machine"), "{said}");
-    assert_eq!(desk.names(""), ["c.toml"]);
-}
-
-#[test]
 fn scripts_for_slurm_are_printed_and_nothing_is_done() {
     let desk = Desk::with(STUDY);
     let line = "submit slurm c.toml --shards 16 --time 2:00:00 --partition short --cpus-per-task 4 --dry-run";
@@ -370,25 +343,6 @@ fn scripts_for_slurm_are_printed_and_nothing_is_done() {
         desk.write("script", script);
         assert_eq!(desk.shell("bash -n script").status, Some(0), "{script}");
     }
-    for (arguments, words) in [
-        ("--shards 0", "must be a whole number from 1 to 1000000"),
-        (
-            "--shards 2000000",
-            "must be a whole number from 1 to 1000000",
-        ),
-        ("--shards 4 --time foo", "is no time that Slurm knows"),
-        ("--shards 4 --time 0", "must be at least a minute"),
-        ("--shards 4 --time 1:2:3:4", "is no time that Slurm knows"),
-        ("--shards 4 --mem 2X", "is no size that Slurm knows"),
-    ] {
-        let said = desk.palpate(&format!("submit slurm c.toml {arguments} --dry-run"));
-        let said = said.said(2);
-        assert!(said.contains(words), "{said}");
-    }
-    let said = desk
-        .palpate("submit slurm c.toml --shards 4 --partition a;b --dry-run")
-        .said(2);
-    assert!(said.contains("may have letters"), "{said}");
     let line = "PATH=/nowhere \"$palpate\" submit slurm c.toml --shards 4 --out o";
     let said = desk.shell(line).said(1);
     assert!(said.contains("there is no `sbatch` on the PATH"), "{said}");

@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn labels_are_words_with_units() {
         let table = "\
-            scene.object.radius_cm: object radius (cm)
+            scene.object.radius_um: object radius (µm)
             scene.motion.rate_rad_per_s: rolling rate (rad/s)
             scene.motion.arc_length_cm: arc length (cm)
             scene.motion.angle_deg: roll angle (°)

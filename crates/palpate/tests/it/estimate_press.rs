@@ -1,0 +1,75 @@
+//! `palpate estimate press` on markers that a test makes.
+
+use serde_json::Value;
+
+use super::desk::{Desk, assert_close, number_at};
+
+/// Ends a command that either fails or prints an estimate as JSON.
+fn estimate(readings: &str, options: &str) -> Option<Value> {
+    let desk = Desk::new();
+    desk.write("r.csv", readings);
+    let ended = desk.palpate(&format!("estimate press r.csv {options}"));
+    if ended.status == Some(1) {
+        ended.said(1);
+        return None;
+    }
+    serde_json::from_str(&ended.printed()).ok()
+}
+
+/// Markers that all moved alike are an error, or an interval that contains the plane.
+#[test]
+fn markers_that_moved_alike_show_no_shape() {
+    for moved in [0.0, 0.3, -0.3] {
+        let mut readings = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
+        for row in 0..49 {
+            let [x, y] = [row % 7, row / 7].map(|step| 3 * step - 9);
+            readings += &format!("{x},{y},{moved}\n");
+        }
+        for options in [
+            "",
+            "--indentation 1",
+            "--baseline fitted",
+            "--normal-std 0.05",
+        ] {
+            let options = format!("--sensor-radius 20 --depth 2 {options}");
+            let estimate = estimate(&readings, &options);
+            let verdict = estimate.as_ref().map(|estimate| &estimate["verdict"]);
+            assert!(
+                verdict.is_none_or(|verdict| verdict != "convex" && verdict != "concave"),
+                "{moved} {options}: {verdict:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn size_does_not_matter() {
+    // Hertz's surface under R = 12, δ = 1 within the contact is 1 − r²/24; outside its falling tail.
+    let surface = |r: f64| {
+        let ratio = r / 12.0_f64.sqrt();
+        if ratio <= 1.0 {
+            return 1.0 - r * r / 24.0;
+        }
+        let angle = libm::asin(ratio.recip());
+        ((2.0 - ratio * ratio) * angle + (ratio * ratio - 1.0).sqrt()) / std::f64::consts::PI
+    };
+    for scale in [1.0, 1e-9, 1e9] {
+        let mut readings = "radial_position,normal_displacement\n".to_owned();
+        for step in -20..=20 {
+            let position = 0.5 * f64::from(step);
+            let moved = surface(position.abs()) * scale;
+            readings += &format!("{},{moved}\n", position * scale);
+        }
+        let sensor = format!("--sensor-radius {}", 20.0 * scale);
+        let estimate = estimate(&readings, &sensor).unwrap();
+        for (name, value) in [
+            ("effective_radius", 12.0),
+            ("object_radius", 30.0),
+            ("indentation", 1.0),
+        ] {
+            let found = number_at(&estimate, &format!("/{name}/value"));
+            assert_close(found / scale, value, 1e-5);
+        }
+        assert_eq!(estimate["object_radius"]["unit"], "unit");
+    }
+}

@@ -1,0 +1,121 @@
+//! Tables of readings, and what the library estimates from them.
+
+use palpate::recorded::{
+    Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
+    estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+};
+use serde::Serialize;
+use serde_json::Value;
+
+/// Rolls of a ball of radius 10 on one of radius 20: 0.3 turns into 0.3 / (1/10 + 1/20) = 2.
+pub(crate) const ROLLS: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
+                     0,0,-0.3,2.125,0.25\n1,0.3,0,-0.25,2.125\n2,0,0.3,-2,0\n3,-0.3,0,0,-2\n";
+pub(crate) const ROLL: &str = include_str!("../../../../examples/roll-readings.csv");
+pub(crate) const GLIDE: &str = include_str!("../../../../examples/glide-readings.csv");
+pub(crate) const PRESS: &str = include_str!("../../../../examples/press-readings.csv");
+
+/// Form of a table whose columns are called otherwise.
+pub(crate) fn named(columns: &str) -> Form {
+    let columns = column_names(columns).unwrap();
+    Form {
+        columns,
+        ..Form::default()
+    }
+}
+
+/// Estimate as JSON, or the error's text.
+type Estimated = Result<Value, String>;
+
+fn json<T: Serialize>(estimate: Result<T, impl ToString>) -> Estimated {
+    let estimate = estimate.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
+    RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
+}
+
+/// Estimate of rolls of a probe of radius 10.
+pub(crate) fn roll(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
+    let options = RollOptions {
+        length_unit: form.length_unit,
+        ..RollOptions::new(10.0)
+    };
+    let readings = parse_roll(file(contents, form));
+    json(readings.and_then(|readings| estimate_roll(&readings, &options)))
+}
+
+pub(crate) fn glide(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
+    let options = GlideOptions::default();
+    let readings = parse_glide(file(contents, form));
+    let fitted = readings.and_then(|readings| estimate_glide(&readings, &options));
+    json(fitted.map(|(estimate, _)| estimate))
+}
+
+/// Estimate of a press of a sensor of radius 20 with markers 2 deep.
+pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
+    let options = PressOptions {
+        marker_depth: Some(2.0),
+        ..PressOptions::new(20.0)
+    };
+    let readings = parse_press(file(contents, form));
+    json(readings.and_then(|readings| estimate_press(&readings, &options)))
+}
+
+/// Checks that tables are refused. A row of the list is `edit | columns | :line | words of the reason`: an edit is
+/// `text => replacement` of the base or a table of its own, `\n` and `\r` end lines, and columns are as of `--columns`, or `-`.
+pub(crate) fn refuses(estimate: fn(&str, Form) -> Estimated, base: &str, list: &str) {
+    let mut wrong = Vec::new();
+    for row in list.trim().lines() {
+        let columns: Vec<&str> = row.split(" | ").collect();
+        let [edit, columns, line, words] = columns[..] else {
+            panic!("{row}")
+        };
+        let edit = edit.replace("\\n", "\n").replace("\\r", "\r");
+        let table = match edit.split_once(" => ") {
+            Some((from, to)) => super::desk::edited(base, from, to),
+            None => edit,
+        };
+        let form = match columns {
+            "-" => Form::default(),
+            columns => named(columns),
+        };
+        let error = estimate(&table, form).expect_err(row);
+        let place = format!("r.csv{}: ", line.trim_start_matches('-'));
+        if !error.starts_with(&place) || !error.contains(words) {
+            wrong.push(format!("{row}\n{error}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+pub(crate) fn mean_curvature(estimate: &Value) -> f64 {
+    estimate["mean_curvature"]["value"].as_f64().unwrap()
+}
+
+pub(crate) fn warnings(estimate: &Value) -> Vec<&str> {
+    let all = estimate["warnings"].as_array().unwrap().iter();
+    all.map(|warning| warning["text"].as_str().unwrap())
+        .collect()
+}
+
+/// A table with the columns of these numbers multiplied.
+pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
+    changed(csv, |fields| {
+        for &column in columns {
+            let number: f64 = fields[column].parse().unwrap();
+            fields[column] = (number * factor).to_string();
+        }
+    })
+}
+
+/// A table with the fields of each row changed.
+pub(crate) fn changed(csv: &str, change: impl Fn(&mut Vec<String>)) -> String {
+    let (header, rows) = csv.split_once('\n').unwrap();
+    let row = |line: &str| {
+        let mut fields = line.split(',').map(str::to_owned).collect();
+        change(&mut fields);
+        format!("{}\n", fields.join(","))
+    };
+    format!("{header}\n{}", rows.lines().map(row).collect::<String>())
+}

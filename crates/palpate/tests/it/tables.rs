@@ -1,0 +1,545 @@
+//! Tables as other programs write them: names, units, delimiters, decimal signs, encodings, JSON, and tables that are none.
+
+use palpate::config::LengthUnit;
+use palpate::recorded::{Decimal, Delimiter, Form};
+use serde_json::Value;
+
+use super::desk::{Desk, SCENE, assert_close};
+use super::readings::{
+    GLIDE, ROLLS, glide, mean_curvature, named, press, refuses, roll, scaled, warnings,
+};
+
+/// Rolls in a form that shows itself.
+#[track_caller]
+fn rolls(contents: impl AsRef<[u8]>) -> Value {
+    roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Rolls as JSON, one object per line.
+fn as_json(table: &str) -> String {
+    let mut lines = table.lines().map(|line| line.split(','));
+    let names: Vec<&str> = lines.next().unwrap().collect();
+    let object = |fields: std::str::Split<'_, char>| {
+        let pairs = names.iter().zip(fields);
+        let pairs: Vec<String> = pairs
+            .map(|(name, field)| format!("\"{name}\": {field}"))
+            .collect();
+        format!("{{{}}}\n", pairs.join(", "))
+    };
+    lines.map(object).collect()
+}
+
+fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
+    let units = format!("\u{feff}{text}");
+    units.encode_utf16().flat_map(bytes).collect()
+}
+
+#[test]
+fn the_writing_of_a_table_does_not_matter() {
+    let expected = rolls(ROLLS);
+    let semicolons = ROLLS.replace(',', ";");
+    let commas = semicolons.replace('.', ",");
+    let named_probes = ROLLS.replace("\n0,", "\nnorth,");
+    let quoted = ROLLS.replace(',', "\",\"").replace('\n', "\"\n\"");
+    let quoted = format!("\"{}", quoted.trim_end_matches('"'));
+    for table in [
+        semicolons,
+        commas.clone(),
+        ROLLS.replace(',', "\t"),
+        commas.replace(';', "\t"),
+        ROLLS.replace('\n', "\r\n"),
+        ROLLS.replace('\n', "\r"),
+        ROLLS.replace(',', " , "),
+        ROLLS.trim_end().to_owned(),
+        format!("\n\n{}\n  \n", ROLLS.replace('\n', "\n\n")),
+        quoted,
+        format!("\u{feff}{ROLLS}"),
+        as_json(ROLLS),
+        as_json(ROLLS).replace('\n', "\r\n"),
+        ROLLS.replace("shift_u_mm", " Shift U [mm] "),
+        ROLLS.replace("shift_v_mm", "shift_v(mm)"),
+        named_probes,
+        // Rows before the header, and units in a row of their own.
+        format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
+        format!("# rig 3\n# {ROLLS}"),
+        format!("sep=;\n{}", ROLLS.replace(',', ";")),
+        ROLLS
+            .replace("_rad", "")
+            .replace("_mm", "")
+            .replacen('\n', "\n,rad,rad,mm,mm\n", 1),
+        ROLLS.replace("_rad", "").replace("_mm", "").replacen(
+            '\n',
+            "\n-,[rad],[rad],[mm],(mm)\n",
+            1,
+        ),
+        ROLLS.replacen('\n', "\n,rad,rad,mm,mm\n", 1),
+        ROLLS
+            .replace(".25\n", ".25,\n")
+            .replace("125\n", "125,\n")
+            .replace("0\n", "0,\n"),
+    ] {
+        assert_eq!(rolls(&table), expected, "{table}");
+    }
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        assert_eq!(rolls(utf16(ROLLS, bytes)), expected);
+    }
+    let form = Form {
+        delimiter: Some(Delimiter::Semicolon),
+        decimal: Some(Decimal::Comma),
+        ..Form::default()
+    };
+    assert_eq!(roll(&commas, form), Ok(expected.clone()));
+    // Fingers may have names, too.
+    let fingers = GLIDE.replace("\n0,", "\nindex,").replace("\n1,", "\nring,");
+    assert_eq!(
+        glide(fingers, Form::default()),
+        glide(GLIDE, Form::default())
+    );
+    let in_degrees = ROLLS.replace("_rad", "_deg");
+    assert!((mean_curvature(&rolls(in_degrees)) - mean_curvature(&expected)).abs() > 0.01);
+}
+
+/// A number with one comma is read as the others show it, or as is stated.
+#[test]
+fn what_decides_is_a_number_that_can_be_but_one_thing() {
+    let table =
+        |rows: &str| format!("rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n{rows}\n");
+    let decimal = Form {
+        decimal: Some(Decimal::Comma),
+        ..Form::default()
+    };
+    let point = roll(table("0;-1;1.5;0"), decimal.clone()).unwrap_err();
+    assert!(point.contains("`1.5` is not a number with a decimal comma"));
+    for (rows, form) in [
+        ("0;-0,3;1,234;0\n0,3;0;0;1,234", Form::default()),
+        ("0;-1;1,234;0\n1;0;0;1,234", decimal),
+    ] {
+        let found = roll(table(rows), form).unwrap();
+        assert_close(found["arc_length"]["value"].as_f64().unwrap(), 1.234, 1e-12);
+        assert_eq!(warnings(&found).len(), 1);
+    }
+}
+
+#[test]
+fn units_come_from_the_header_or_the_option() {
+    let with = |table: &str, length_unit: Option<LengthUnit>| {
+        let form = Form {
+            length_unit,
+            ..Form::default()
+        };
+        roll(table, form)
+    };
+    let bare = ROLLS.replace("_mm", "");
+    let unit = |table: &str, length_unit| {
+        with(table, length_unit).unwrap()["gaussian_curvature"]["unit"].clone()
+    };
+    assert_eq!(unit(ROLLS, Some(LengthUnit::Mm)), "1/mm^2");
+    assert_eq!(unit(&bare, Some(LengthUnit::Um)), "1/um^2");
+    assert_eq!(unit(&bare, None), "1/unit^2");
+    // One column may state it for all, and inches are read as millimetres.
+    assert_eq!(unit(&ROLLS.replace("v_mm", "v"), None), "1/mm^2");
+    let inches =
+        scaled(ROLLS, &[3, 4], 1.0 / 25.4).replace("u_mm,shift_v_mm", "u_in,shift_v [inch]");
+    assert_close(
+        mean_curvature(&rolls(&inches)),
+        mean_curvature(&rolls(ROLLS)),
+        1e-12,
+    );
+    assert!(
+        with(ROLLS, Some(LengthUnit::Unit))
+            .unwrap_err()
+            .contains("neither is a multiple")
+    );
+    let one_bare = ROLLS.replace("u_mm", "u");
+    assert!(
+        with(&one_bare, Some(LengthUnit::M))
+            .unwrap_err()
+            .contains("states no unit")
+    );
+}
+
+const NO_ROLLS: &str = r#"
+2.125,0.25 => 2.125 | - | :2 | 4 fields; the header has 5
+2.125 => 2,125 | - | :2 | decimal ones
+2.125 => four | - | :2 | column `shift_u_mm`: `four` is not a number
+2.125 =>  | - | :2 | column `shift_u_mm`: is empty
+2.125 => NaN | - | :2 | column `shift_u_mm`: must be finite, is NaN
+2.125 => 1e999 | - | :2 | must be finite, is 1e999
+0,0,-0.3 => 0.5,0,-0.3 | - | :2 | column `probe`: must be a whole number from 0
+\n1, => \n\n\n0, | - | :5 | probe 0 stands twice
+,shift_v_mm => ,v | - | :1 | no column `shift_v`; the file has `probe`
+mm\n0 => mm,shift_u\n0 | - | :1 | column `shift_u` stands twice
+shift_v => SHIFT_U | - | :1 | column `shift_u` stands twice
+v_mm => v_cm | - | :1 | lengths are in mm and in cm
+shift_u_mm => shift_u_mm [cm] | - | :1 | `cm` is none of its units
+shift_u_mm => shift_u [furlong] | - | :1 | `furlong` is none of its units (m, cm, mm, um, nm, in)
+,shift_v_mm => ,shift_u_mm | - | :1 | rename one of them
+shift_u_mm => plate_in | shift_u=plate_in | :1 | may be in inches
+shift_u_mm => u [cm] | shift_u_mm=u [cm] | :1 | states another unit
+rotation_x_rad => rx | rotation_x=rx | :1 | `rx` states no unit (rad, mrad, deg)
+probe => probe | shift_u=Shift | :1 | which is no column
+probe => probe | x=probe | - | `x` is no column of these readings
+probe => probe | shift_u=probe,shift_v=probe | - | are both `probe`
+probe, => probe,pad_u,pad_v,t_s, | - | :1 | both shift_u, shift_v and pad_u, pad_v
+rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => rotation_x [deg],rotation_y,shift_u,shift_v\n,rad,rad,mm,mm | - | :1 | the unit `rad` in the next line
+shift_v_mm => shift_v_mm\n,rad,rad,mm,furlong | - | :2 | column `probe`: is empty
+shift_v_mm\n0,0,-0.3 => shift_v_mm\r\n\r\n0,0,x | - | :3 | column `rotation_y_rad`: `x` is not a number
+probe,rotation_x_rad,rotation_y_rad => sep=,\n# rig\n\nprobe,rotation_x_rad,rotation_z_rad | - | :4 | no column `rotation_y_rad`
+shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n | - | :1 | 'shift_u=…'
+a;b,c\n1;2,3\n | - | :1 | separated by semicolon or comma
+0,0,-0.5,4,0\n1,0.5,0,0,4\n | - | :1 | holds numbers
+probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm\n | - | :1 | no column `pad_u`
+probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v\n0,1,0,0,0,0\n1,9,0,0,0,0\n0,1,0,-0.5,4,0\n | - | :4 | back to 1 s
+ \n | - | - | is empty
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n | - | - | no readings
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,4,0\n | - | - | 1 probe(s)
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,4,0\n1,0,0.5,-4,0\n | - | - | do not span
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,0,0,0\n1,0,0,0,0\n | - | - | do not span
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,-4,0\n1,0.5,0,0,4\n | - | - | not a rolling contact
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n3,0,-0.5,4,0\n9,0.5,0,0,40\n | - | - | probe 9: a shift of 40
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n2,0,0.5,0,0\n | - | - | from u the contact did not move
+[{"probe": 1}] | - | :1 | an object per line
+{"probe": 1,\n"x": 2}\n | - | :1 | no JSON object of one line
+{"probe": 1, "probe": 2}\n | - | :1 | no columns `rotation_x_rad`
+{}\n | - | :1 | has no keys
+{"a.b": 1, "a": {"b": 2}}\n | - | :1 | the file has `a.b`, `a.b`
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1}\n{"shift_u":1}\n | - | :2 | is empty
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":true}\n | - | :1 | `true` is not a number
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
+"#;
+
+/// Numbers in a table that semicolons part.
+const DECIMALS: &str = r#"
+rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
+-1 => -1,5 | - | :2 | one decimal sign
+1.5 => 1,234.5 | - | :2 | separator of thousands
+1.5 => 1,234,567 | - | :2 | `1,234,567`
+"#;
+
+const NO_GLIDES: &str = r#"
+finger,x_mm,y_mm\n0,1,2 | - | :1 | no column `z`
+finger,x,y,z,normal_x,normal_y\n0,1,2,3,0,0\n | - | :1 | no column `normal_z`
+finger,x,y,z\n0.5,1,2,3\n | - | :2 | column `finger`: must be a whole number
+finger,x,y,z\n0,1,2,3\n | - | - | 1 contact(s) give 1 equation(s)
+finger,x,y,z\n0,0,0,0\n0,1,0,0\n1,0,1,0\n1,1,1,0\n1,2,1,0\n | - | - | 5 contact(s) give 5 equation(s)
+finger,x,y,z\n0,1,2,3\n0,1,2,3\n0,1,2,3\n0,1,2,3\n0,1,2,3\n0,1,2,3\n | - | - | on one point
+finger,x,y,z\n0,1,1,1\n0,2,2,2\n0,3,3,3\n0,4,4,4\n0,5,5,5\n0,6,6,6\n | - | - | on a line
+"#;
+
+const NO_PRESSES: &str = r#"
+x_mm,normal_displacement_mm\n0,1\n | - | :1 | no column `y`
+x,y,normal_displacement,tangential_x\n0,1,2,3\n | - | :1 | no column `tangential_y`
+radial_position,normal_displacement,y,x\n0,1,2,3\n | - | :1 | both places x, y and radial_position
+x,y,normal_displacement,tangential_x,tangential_y\n0,0,0,0,NaN\n | - | :2 | column `tangential_y`
+x,y,normal_displacement\n0,0,1\n1,1,1e200\n2,2,1\n3,1,1\n4,1,1\n | - | :3 | marker 1
+x,y,normal_displacement\n0,0,1\n1,0,1\n | - | - | 2 marker(s) give 2 equation(s)
+x,y,normal_displacement\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n | - | - | no contact
+x,y,normal_displacement\n0,0,0\n9,0,0\n0,9,0\n9,9,0\n4,4,0\n4,0,0\n | - | - | no contact
+"#;
+
+#[test]
+fn tables_that_are_none_are_refused_at_their_line() {
+    refuses(|table, form| roll(table, form), ROLLS, NO_ROLLS);
+    let decimals = "rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1.5;0\n1;0;0;2.5\n";
+    refuses(|table, form| roll(table, form), decimals, DECIMALS);
+    refuses(|table, form| glide(table, form), "", NO_GLIDES);
+    refuses(|table, form| press(table, form), "", NO_PRESSES);
+    for (bytes, words) in [
+        (&b"probe\n\xb5m"[..], "byte 0xb5 in line 2"),
+        (b"\xff\xfep\0r", "UTF-16"),
+        (b"\xfe\xff\xd8\0", "UTF-16"),
+        (b"\0\0\0\0", "no columns `rotation_x_rad`"),
+    ] {
+        let error = roll(bytes, Form::default()).unwrap_err();
+        assert!(
+            error.starts_with("r.csv:") && error.contains(words),
+            "{error}"
+        );
+    }
+    let deep = format!("{{\"a\":{}1{}}}\n", "[".repeat(200), "]".repeat(200));
+    assert!(
+        roll(deep, Form::default())
+            .unwrap_err()
+            .contains("recursion limit")
+    );
+    let wide: Vec<String> = (0..1001).map(|key| format!("\"{key}\":0")).collect();
+    let error = roll(format!("{{{}}}\n", wide.join(",")), Form::default()).unwrap_err();
+    assert!(error.contains("1001 columns; at most 1000"), "{error}");
+}
+
+#[test]
+fn names_in_other_units_are_read_by_form() {
+    let expected = rolls(ROLLS);
+    let mut foreign = "No;Rot A (deg);Rot B [mrad];U, raw [m];V [in];Force [N];note\n".to_owned();
+    for row in ROLLS.lines().skip(1) {
+        let field: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
+        let fields = [
+            field[0],
+            field[1].to_degrees(),
+            field[2] * 1e3,
+            field[3] / 1e3,
+            field[4] / 25.4,
+        ];
+        let fields = fields.map(|field| field.to_string().replace('.', ","));
+        foreign += &format!("{};1,5;\"a; b\"\n", fields.join(";"));
+    }
+    for columns in [
+        "rotation_x=Rot A (deg),rotation_y=rot b [MRAD],\"shift_u=U, raw [m]\",shift_v=V [in]",
+        "rotation_x=Rot A,rotation_y=Rot B,\"shift_u=U, raw\",shift_v=V",
+    ] {
+        let form = named(columns);
+        let said = roll(&foreign, form.clone()).unwrap_err();
+        assert!(said.contains("lengths are in m and in in"), "{said}");
+        let length_unit = Some(LengthUnit::Mm);
+        let found = roll(
+            &foreign,
+            Form {
+                length_unit,
+                ..form
+            },
+        )
+        .unwrap();
+        assert_close(mean_curvature(&found), mean_curvature(&expected), 1e-12);
+        assert_eq!(found["arc_length"]["unit"], "mm");
+        assert!(warnings(&found)[0].contains("each of the 4 rows counts as a probe"));
+    }
+    // The unit of a header that states none stands behind palpate's name.
+    let bare = ROLLS.replace("shift_u_mm", "u").replace("shift_v_mm", "v");
+    assert_eq!(
+        roll(bare, named("shift_u_mm=u,shift_v_mm=v")),
+        Ok(expected.clone())
+    );
+    let nested = "{\"rot\": [0, -0.3], \"shift\": {\"u\": 2, \"v\": 0}, \"note\": null}\n\n\
+                  {\"shift\": {\"v\": 2, \"u\": 0}, \"rot\": [0.3, 0]}\n";
+    let columns = "rotation_x_rad=rot.0,rotation_y_rad=rot.1,shift_u_mm=shift.u,shift_v_mm=shift.v";
+    let found = roll(nested, named(columns)).unwrap();
+    assert_close(mean_curvature(&found), 0.05, 1e-12);
+}
+
+/// The names that a message proposes make the table readable, whatever the file calls its columns.
+#[test]
+fn messages_propose_names_of_columns() {
+    fn proposed(said: &str) -> &str {
+        let (_, columns) = said
+            .split_once("--columns '")
+            .unwrap_or_else(|| panic!("{said}"));
+        columns.split_once('\'').unwrap().0
+    }
+    let (_, rows) = ROLLS.split_once('\n').unwrap();
+    for header in [
+        "id,rx,ry,du [mm],dv [mm]",
+        "trial,rot x (rad),rot y (rad),u_mm,v_mm",
+        "n,Rotation.0,Rotation.1,Shift.0,Shift.1",
+    ] {
+        let table = format!("{header}\n{rows}");
+        let said = roll(&table, Form::default()).unwrap_err();
+        let found = roll(&table, named(proposed(&said))).unwrap();
+        assert_close(mean_curvature(&found), mean_curvature(&rolls(ROLLS)), 1e-12);
+    }
+    for (table, columns) in [
+        (
+            "{\"normal\": [0, 0, 1], \"position\": [1, 2, 3]}\n",
+            "x=position.0,y=position.1,z=position.2",
+        ),
+        (
+            "{\"d\": [1, 2, 3], \"p\": [1, 2, 3]}\n",
+            "x=p.0,y=p.1,z=p.2",
+        ),
+        (
+            "nx,ny,nz,px_mm,py_mm,pz_mm\n0,0,1,1,2,3\n",
+            "x=px_mm,y=py_mm,z=pz_mm",
+        ),
+    ] {
+        assert_eq!(
+            proposed(&glide(table, Form::default()).unwrap_err()),
+            columns
+        );
+    }
+    // A column that resembles none is left to the reader.
+    let said = roll(
+        "p,q,rotation_y,shift_u,shift_v\n1,2,3,4,5\n",
+        Form::default(),
+    )
+    .unwrap_err();
+    assert_eq!(
+        proposed(&said),
+        "rotation_x_rad=…,rotation_y_rad=rotation_y"
+    );
+}
+
+/// The README's way from a foreign table to a curvature: a message, and what that says to type.
+#[test]
+fn the_second_command_tells_the_curvature() {
+    const NAME: &str = "examples/foreign-glide.csv";
+    const README: &str = include_str!("../../../../README.md");
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("examples")).unwrap();
+    desk.write(NAME, include_str!("../../../../examples/foreign-glide.csv"));
+    let said = desk.palpate(&format!("estimate glide {NAME}")).said(1);
+    assert!(README.contains(&said), "{said}");
+    let typed = said.trim_end().split("write ").nth(1).unwrap();
+    let line = format!("palpate estimate glide {NAME} {typed} --length-unit mm");
+    assert!(README.contains(&format!("\n{line}\n")), "{line}");
+    let printed = desk
+        .shell(&line.replacen("palpate", "\"$palpate\"", 1))
+        .printed();
+    let found: Value = serde_json::from_str(&printed).unwrap();
+    // The same contacts as examples/glide-readings.csv, without normals: a mug of radius 40 mm.
+    let std = found["mean_curvature"]["std"].as_f64().unwrap();
+    assert!(
+        (mean_curvature(&found) - 1.0 / 80.0).abs() < 2.0 * std,
+        "{found}"
+    );
+}
+
+/// The form of a table by flags, the names of columns in a study, and a line of the shell that a message has.
+#[test]
+fn forms_are_told_by_flags_and_studies() {
+    let desk = Desk::new();
+    let expected = mean_curvature(&rolls(ROLLS));
+    let assert_same = |line: &str| {
+        let line = format!("\"$palpate\" estimate roll --probe-radius 10 {line}");
+        let found: Value = serde_json::from_str(&desk.shell(&line).printed()).unwrap();
+        assert_close(mean_curvature(&found), expected, 1e-12);
+    };
+    let commas = ROLLS.replace(',', ";").replace('.', ",");
+    desk.write("r.csv", commas.replace("shift_u_mm", "U, raw (mm)"));
+    let columns = "--columns '\"shift_u=U, raw (mm)\"'";
+    assert_same(&format!("r.csv --delimiter ';' --decimal , {columns}"));
+    assert_same(&format!(
+        "- --delimiter semicolon --decimal comma {columns} < r.csv"
+    ));
+    desk.write("r.csv", ROLLS.replace(',', "  "));
+    let said = desk
+        .palpate("estimate roll r.csv --probe-radius 10")
+        .said(1);
+    desk.shell(said.split_once("commas: ").unwrap().1).printed();
+    assert_same("commas.csv");
+
+    let named = "columns = { shift_u = \"U (mm)\", shift_v = \"W (mm)\" }\n";
+    desk.write("s.toml", format!("{named}{SCENE}"));
+    let foreign = ROLLS.replace("shift_u", "U").replace("shift_v", "V");
+    desk.write("r.csv", foreign.replace("_mm", " (mm)"));
+    assert_same("r.csv --like s.toml --columns 'shift_v_mm=V (mm)'");
+    desk.palpate("estimate roll r.csv --like s.toml")
+        .fails(1, "`shift_v` is said to be `W (mm)`");
+    let line = "\"$palpate\" estimate roll - --probe-radius 10";
+    desk.shell(&format!("{line} --columns ''"))
+        .fails(2, "names no column");
+    desk.shell(&format!("{line} < /dev/null"))
+        .fails(1, "standard input: is empty");
+}
+
+#[test]
+fn columns_that_no_estimate_needs() {
+    let rolled = ROLLS.replace("0,0.3,-2,0", "0,0.3,0,0");
+    let noted = rolled
+        .replace("shift_v_mm\n", "shift_v_mm,Force [N],note\n")
+        .replace(",0.25\n", ",0.25,1,\n")
+        .replace("2.125\n2", "2.125,2,\n2")
+        .replace("0,0\n", "0,0,3,\"slow, \"\"so\"\"\"\n")
+        .replace(",-2\n", ",-2,4,\n");
+    let mut found = rolls(&noted);
+    let probe = found["unresolved_probes"][0].as_object_mut().unwrap();
+    let columns = probe.remove("columns").unwrap();
+    assert_eq!(
+        columns,
+        serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
+    );
+    // Nothing else depends on them.
+    assert_eq!(found, rolls(&rolled));
+    // A marker that is left out keeps its own.
+    let rows = super::readings::PRESS.lines().enumerate();
+    let labelled = rows.map(|(number, line)| match number {
+        0 => format!("{line},label\n"),
+        30 => line.replacen(line.split(',').nth(2).unwrap(), "1.2", 1) + ",m30\n",
+        _ => format!("{line},m{number}\n"),
+    });
+    let found = press(labelled.collect::<String>(), Form::default()).unwrap();
+    let wrong = found["wrong_markers"].as_array().unwrap();
+    let row = wrong.iter().find(|row| row["row"] == 30).unwrap();
+    assert_eq!(row["columns"]["label"], "m30");
+
+    let desk = Desk::new();
+    let mut bowl = "finger,x_mm,y_mm,z_mm,class,only\n".to_owned();
+    for contact in 0..36 {
+        let [x, y] = [contact % 6, contact / 6].map(f64::from);
+        let (finger, z) = (contact / 6, 0.02 * (x * x + y * y));
+        let note = if contact == 7 { "here" } else { "" };
+        bowl += &format!("{finger},{x},{y},{z},a{contact},{note}\n");
+    }
+    desk.write("r.csv", &bowl);
+    desk.palpate("estimate glide r.csv --map at.csv --at-contacts")
+        .printed();
+    let map = desk.table("at.csv");
+    assert_eq!(map.header.last().unwrap(), "only");
+    assert_eq!((map.text(7, "only"), map.text(8, "only")), ("here", ""));
+    assert_eq!(map.text(35, "readings_class"), "a35");
+    assert_ne!(map.text(35, "class"), "a35");
+    desk.palpate("estimate glide r.csv --map grid.csv")
+        .printed();
+    assert!(!desk.read("grid.csv").contains("readings_class"));
+}
+
+/// Contacts of three fingers on a bowl, and what parts the fingers.
+fn three_fingers(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for finger in 0..3 {
+        for contact in 0..8 {
+            let [x, y] = [f64::from(contact), 10.0 * finger as f64];
+            text += &format!("{}\n", row(finger, [x, y, 0.01 * (x * x + y * y)]));
+        }
+        text += between;
+    }
+    text
+}
+
+#[test]
+fn fingers_and_probes_that_are_not_named() {
+    let estimate = |contents: &str| glide(contents, Form::default()).unwrap();
+    let numbers = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+    let places = "x_mm,y_mm,z_mm";
+    let named = estimate(&three_fingers(
+        "finger,x_mm,y_mm,z_mm",
+        "",
+        |finger, place| format!("{finger},{}", numbers(place)),
+    ));
+    assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
+    for (between, words) in [
+        ("", "3 fingers are told by steps"),
+        ("\n  \n", "blank lines part 3 fingers"),
+        (",,\n", "blank lines part 3 fingers"),
+    ] {
+        let found = estimate(&three_fingers(places, between, |_, place| numbers(place)));
+        assert_eq!(found["mean_curvature"], named["mean_curvature"]);
+        assert!(
+            found["fingers"] == 3 && warnings(&found)[0].contains(words),
+            "{found}"
+        );
+    }
+    // One finger that goes steadily is one, and blank lines mean nothing beside a column.
+    let one = estimate(&three_fingers(places, "", |finger, [x, y, z]| {
+        numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
+    }));
+    assert!(
+        one["fingers"] == 1 && warnings(&one)[0].contains("one finger"),
+        "{one}"
+    );
+    let both = estimate(&three_fingers("finger,x_mm,y_mm,z_mm", "\n", |_, place| {
+        format!("7,{}", numbers(place))
+    }));
+    assert_eq!((&both["fingers"], warnings(&both).len()), (&1.into(), 0));
+
+    let header = "t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm\n";
+    let [one, other, later] = [
+        "0,0,0,0,0\n1,0,-0.3,2,0\n",
+        "0,0,0,0,0\n1,0.3,0,0,2\n",
+        "\n5,0,0,0,0\n6,0.3,0,0,2\n",
+    ];
+    for second in [other, later] {
+        let found = rolls(format!("{header}{one}{second}"));
+        assert_eq!(found["probes"], 2);
+        assert_close(mean_curvature(&found), 0.05, 1e-12);
+        assert!(warnings(&found)[0].contains("2 are told"), "{found}");
+    }
+}
