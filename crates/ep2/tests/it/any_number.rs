@@ -115,6 +115,7 @@ fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
         fit.curvatures(1 << 20).map_err(name).err(),
         Some("bad-setting")
     );
+    assert_eq!([0, 1].map(|side| fit.map(side).unwrap().len()), [0, 1]);
     let mut points = fit.map(3).unwrap();
     let thresholds = ShapeThresholds::new(1e-3, 1e-3).unwrap();
     for side in [0, 2, usize::MAX] {

@@ -25,6 +25,24 @@ fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smooth
     SmoothingSpline::new(degree, smoothing).fit(points)
 }
 
+/// A power of two as a unit of height changes no digit.
+#[test]
+fn waves_are_smoothed_alike_in_any_unit() {
+    let wave = grid(|u, v| libm::sin(5.0 * u) * libm::cos(4.0 * v));
+    let unit = 2f64.powi(20);
+    let scaled: Vec<_> = wave
+        .iter()
+        .map(|one| point(one.u, one.v, one.w * unit))
+        .collect();
+    for smoothing in [0.0, 1e-12, 1e-3, 1e300] {
+        let here = fit(3, smoothing, &wave).unwrap();
+        let there = fit(3, smoothing * unit * unit, &scaled).unwrap();
+        assert_eq!(here.status, there.status);
+        let off = there.residual_sum / unit / unit - here.residual_sum;
+        assert!(off.abs() <= 1e-12 * here.residual_sum, "{smoothing:e}");
+    }
+}
+
 #[test]
 fn polynomials_are_interpolated() {
     let points = grid(|u, v| 3.0 - u * u * v + v * v);
@@ -47,6 +65,11 @@ fn polynomials_are_interpolated() {
             );
         }
     }
+    // A weight beside which the others have no digits leaves nothing to compare.
+    let mut points = points;
+    points[7].weight = 1e150;
+    let spline = fit(2, 1e-3, &points).unwrap().spline;
+    assert!(spline.coefficients.iter().all(|one| one.is_finite()));
     let level = fit(3, 0.0, &grid(|_, _| 0.0)).unwrap();
     assert_eq!(level.status, Status::Interpolating);
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);

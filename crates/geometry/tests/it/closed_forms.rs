@@ -34,8 +34,10 @@ fn assert_forms(found: &ChartGeometry, metric: [f64; 2], curvature: [f64; 2], to
 #[test]
 fn sphere_and_dish() {
     let r = 1.7;
+    let (sphere, dish) = (Sphere::new(r).unwrap(), Dish::new(r).unwrap());
+    assert_eq!([sphere.radius(), dish.radius()], [r; 2]);
     let torsion = |u: f64| [0.0, -libm::tan(u) / r];
-    over_angles(&Sphere::new(r).unwrap(), |u, found| {
+    over_angles(&sphere, |u, found| {
         assert_forms(
             &found,
             [r, r * libm::cos(u)],
@@ -44,7 +46,7 @@ fn sphere_and_dish() {
         );
         assert_relative_eq!(found.frame.normal, found.point.coords / r, epsilon = 1e-15);
     });
-    over_angles(&Dish::new(r).unwrap(), |u, found| {
+    over_angles(&dish, |u, found| {
         assert_forms(
             &found,
             [r, r * libm::cos(u)],

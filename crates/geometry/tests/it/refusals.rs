@@ -88,6 +88,11 @@ fn places_without_a_normal_are_off_domain() {
     off_domain(&|place| ellipsoid.level_set(place).err(), 0.0);
     let torus = Torus::new(1.0, 0.3).unwrap();
     off_domain(&|place| torus.level_set(place).err(), 0.1);
+    let no_tangent = Vector3::repeat(f64::NAN);
+    off_domain(
+        &|place| ellipsoid.curvature_along(place, &no_tangent).err(),
+        3.0,
+    );
 }
 
 #[test]

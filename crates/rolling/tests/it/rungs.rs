@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use palpate_geometry::Shape;
-use palpate_rolling::{Chart, HeldAxis, Model, Motion};
+use palpate_rolling::{Chart, HeldAxis, Model, Motion, Probe, Roller, Rolls};
 
 use crate::scenes::{
     DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
@@ -228,6 +228,18 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
             assert!((a.arc_length - b.arc_length).abs() < 1e-12);
         }
     }
+}
+
+#[test]
+fn a_meridian_takes_no_motion_that_changes_on_the_way() {
+    let rolls = [vec![
+        Motion::rolling(0.3, 0.6, 1.0),
+        Motion::rolling(2.0, 0.3, 1.0),
+    ]];
+    let (probe, rolls) = (Probe::new(1.0).unwrap(), Rolls { rolls: &rolls });
+    let made = Roller::new(probe, paraboloid(1.0), (0.0, 0.0), Model::Meridian, rolls);
+    let error = made.err().unwrap().to_string();
+    assert!(error.contains("the motion changes on the way"), "{error}");
 }
 
 #[test]

@@ -78,6 +78,11 @@ fn a_marker_looks_as_large_as_its_solid_angle_through_the_lens() {
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);
     assert!((apex / expected - 1.0).abs() < 5e-3, "{apex} {expected}");
+    // A skin that is not folded from gores has no strain.
+    let lattice = "layout = { kind = \"lattice\", pitch = 6.0, cap_deg = 60.0 }";
+    let camera = "sensor = { lens = \"fisheye\", size_px = 640, field_deg = 65 }";
+    let unfolded = values(&text(&format!("{lattice}, {DISCS}"), camera));
+    assert_eq!(unfolded, [("marker_area", apex)]);
 }
 
 #[test]

@@ -92,6 +92,8 @@ fn numbers_out_of_range_are_named_by_line_and_tiny_ones_count_as_0() {
     }
     assert_eq!(kind(roll("1e308", 1.0)), "readings");
     assert_eq!(kind(glide(Some("1e308"), 1.0)), "line");
+    assert_eq!(kind(press("1e308", 20.0)), "line");
+    assert_eq!(kind(calibrated("1e308")), "line");
     for text in ["5e-324", "-0", "1e-320"] {
         assert_eq!(kind(roll(text, 1.0)), "readings", "{text}");
         let near = |one: f64, other: f64| assert!((one / other - 1.0).abs() < 1e-9, "{text}");
@@ -113,7 +115,7 @@ fn readings_of_any_size_give_a_curvature() {
         let found = glide(None, scale).unwrap();
         assert!((found * scale / of_glide - 1.0).abs() < 1e-6, "{scale:e}");
     }
-    for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY, 5e-324] {
+    for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY, 5e-324, 1e308] {
         assert_eq!(kind(roll("0.6", bad)), "readings", "{bad}");
         assert_eq!(kind(press("0.5", bad)), "readings", "{bad}");
         assert!(RollOptions::noise_of_pads(1.0, bad).is_err());
@@ -187,6 +189,7 @@ fn frames_are_read_back_or_refused() {
         assert_eq!(image.get_pixel(width - 1, 0).0, [(width - 1) as u8, 0, 7]);
     }
     assert_eq!(kind(read(png(8193, 1))), "file");
+    assert_eq!(kind(read(b"GIF89a".to_vec())), "file");
     for kept in [0, 8, 33] {
         assert_eq!(kind(read(png(64, 64)[..kept].to_vec())), "file", "{kept}");
     }

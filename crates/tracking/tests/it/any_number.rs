@@ -65,6 +65,7 @@ fn the_shortest_shifts_are_not_lost() {
 #[test]
 fn what_is_no_place_does_not_shift() {
     let camera = Equidistant::new([1.0; 2], 1e-6).unwrap();
+    assert_eq!((camera.centre_px(), camera.px_per_rad()), ([1.0; 2], 1e-6));
     for number in [f64::NAN, f64::INFINITY, f64::MAX] {
         assert_eq!(camera.shift([number, 0.0], [2.0, 3.0]), [0.0; 2]);
         assert!(

@@ -174,6 +174,7 @@ fn what_is_shown_is_read() {
     let normal = NormalCalibration::fit(&normal, NormalFrom::Hue).unwrap();
     let lateral = LateralCalibration::fit(&lateral).unwrap();
     let fitted = Calibration::new(Some(normal), Some(lateral), Some(77)).unwrap();
+    assert_eq!(fitted.lateral_part(), Some(&lateral));
     let change = Change {
         hue_turns: -0.012,
         ..Change::default()

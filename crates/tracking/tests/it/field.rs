@@ -102,3 +102,24 @@ fn linear_fields_of_any_size() {
         }
     }
 }
+
+#[test]
+fn impossible_fields_have_named_errors() {
+    let at = |x: f64, normal: f64| Displaced {
+        place: [x, 0.0],
+        tangential: [0.0; 2],
+        normal,
+    };
+    for (markers, expected) in [
+        (vec![], "no-markers"),
+        (vec![at(0.1, 1.0); 2], "coincident"),
+        (vec![at(1e-40, 1.0), at(0.0, 1.0)], "coincident"),
+        (vec![at(3.2, 1.0)], "out-of-range"),
+        (vec![at(0.0, f64::NAN)], "out-of-range"),
+    ] {
+        let error = Field::new(&markers).unwrap_err();
+        assert_eq!(error.name(), expected, "{markers:?}");
+    }
+    let one = Field::new(&[at(0.0, 1.0)]).unwrap();
+    assert_eq!(one.smoothed(-1.0).unwrap_err().name(), "bad-filter");
+}
