@@ -51,9 +51,11 @@ pub(crate) struct Queue<T, E, F> {
     moved: Condvar,
 }
 
+/// Task that is handed out, the first of its trials that has not been, and its experiment.
+type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
+
 struct State<T, E> {
-    /// Task that is handed out, the first of its trials that has not been, and its experiment.
-    open: Option<(Task, u64, Arc<Experiment<T, E>>)>,
+    open: Option<OpenTask<T, E>>,
     /// Number of the open task, or of the next.
     next: u64,
     /// Number of jobs handed out, and of those whose results have been taken.
