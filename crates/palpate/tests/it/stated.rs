@@ -56,7 +56,7 @@ fn stated_quantities_that_the_readings_contradict() {
             let ended = desk.palpate(&format!("estimate {command} {options}"));
             let told = if ended.status == Some(0) {
                 let json: Value = serde_json::from_str(&ended.stdout).unwrap();
-                assert_eq!(json["format_version"], 1);
+                assert_eq!(json["format_version"], 2);
                 // Standard error repeats the warnings.
                 let lines = warnings(&json)
                     .into_iter()
@@ -72,10 +72,10 @@ fn stated_quantities_that_the_readings_contradict() {
 }
 
 #[test]
-fn doubts_have_names() {
+fn warnings_have_codes() {
     let desk = Desk::new();
     desk.write("r.csv", PRESS);
-    for (options, name) in [
+    for (options, code) in [
         ("--indentation 1.5", None),
         ("--indentation 1", Some("other-indentation")),
         ("--indentation 3", Some("other-indentation")),
@@ -86,9 +86,15 @@ fn doubts_have_names() {
     ] {
         let command = format!("estimate press r.csv --sensor-radius 20 --depth 2 {options}");
         let json: Value = serde_json::from_str(&desk.palpate(&command).stdout).unwrap();
-        let doubts = json["doubts"].as_array().unwrap().iter();
-        let names: Vec<&str> = doubts.filter_map(|doubt| doubt["name"].as_str()).collect();
-        assert_eq!(names.first().copied(), name, "{options}: {names:?}");
+        let warnings = json["warnings"].as_array().unwrap().iter();
+        let codes: Vec<&str> = warnings
+            .filter_map(|warning| warning["code"].as_str())
+            .collect();
+        assert_eq!(
+            codes.contains(&code.unwrap_or("other-indentation")),
+            code.is_some(),
+            "{options}: {codes:?}"
+        );
     }
 }
 
