@@ -17,16 +17,13 @@ impl Wrist {
     /// direction, on a fingertip of `radius`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless both are finite, `std >= 0` and at most 1e150 radii, and `radius > 0`.
+    /// [`InvalidSensor`] unless `0 < radius <= 1e300`, and `std` is at least 0 and at most 1e150 radii.
     pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
         let holds = std >= 0.0 && std.is_finite();
         InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
-        InvalidSensor::unless(
-            radius > 0.0 && radius.is_finite(),
-            "radius",
-            radius,
-            "finite and > 0",
-        )?;
+        // Half a turn is a finite length.
+        let holds = radius > 0.0 && radius <= 1e300;
+        InvalidSensor::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
         let holds = std / radius <= 1e150;
         InvalidSensor::unless(holds, "std", std, "at most 1e150 times the probe's radius")?;
         Ok(Self { std, radius })

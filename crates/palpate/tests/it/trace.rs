@@ -248,7 +248,7 @@ fn a_replayed_trial_is_the_trial() {
             ));
             desk.palpate("run c.toml --out o --trials 1").printed();
             desk.palpate("trace c.toml --out t --trial 0").printed();
-            let json = estimate(&desk, "t/readings.csv --probe-radius 10");
+            let json = estimate(&desk, "t/readings.csv --like c.toml");
             let cells = desk.table("o/cells.csv");
             for quantity in [
                 "normal_curvature_u",
