@@ -14,7 +14,7 @@
 //! | the answer of a design | its [`Figure`] | [`answer_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
 //! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
-//! | several studies | one HTML page, one line per claim for the terminal, or sentences | [`page`], [`scorecard_lines`], [`scorecard_text`] |
+//! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
@@ -41,7 +41,7 @@ pub use plot::{
     RegionPanel, RegionStrip, Stretch, answer_figure, figure, figures, heat_figure, press_figures,
     region_figure, tradeoff_figures,
 };
-pub use scorecard::{scorecard_lines, scorecard_text};
+pub use scorecard::scorecard_lines;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};
 

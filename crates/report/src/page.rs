@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The page: the scorecard, then per study its source, sample size, figures, failures and config; then how often the
 /// intervals of each estimator hold the truth; then, where all studies lie in one folder, what is measured in it:
-/// `tradeoff/`, `extremes.csv`, `peers.csv`; then the words of `palpate explain`. It has no scripts and loads nothing.
+/// `tradeoff/`, `peers.csv`; then the words of `palpate explain`. It has no scripts and loads nothing.
 ///
 /// ```
 /// use palpate_report::{Study, page};

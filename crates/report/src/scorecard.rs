@@ -2,9 +2,6 @@
 
 use crate::{Score, Verdict};
 
-const WIDTH: usize = 100;
-const INDENT: usize = 14;
-
 /// One line per score, under a header: number, claim, published value, measured value, verdict and study; then a line
 /// of totals. Empty without scores.
 ///
@@ -64,29 +61,6 @@ pub fn scorecard_lines(scores: &[Score]) -> String {
     text + "\n" + &totals(scores)
 }
 
-/// The scores in sentences of at most 100 columns: claim, finding and rule; then the line of totals. Empty without scores.
-pub fn scorecard_text(scores: &[Score]) -> String {
-    if scores.is_empty() {
-        return String::new();
-    }
-    let mut text = String::new();
-    for score in scores {
-        let verdict = score.verdict.to_string().to_uppercase();
-        text += &format!("Claim {:>2}  {verdict}  ({})\n", score.claim, score.study);
-        for (name, what) in [
-            ("paper", &score.paper_says),
-            ("measured", &score.measured),
-            ("why", &score.why),
-        ] {
-            if !what.is_empty() {
-                text += &paragraph(name, what);
-            }
-        }
-        text.push('\n');
-    }
-    text + &totals(scores)
-}
-
 fn totals(scores: &[Score]) -> String {
     let count = |verdict: Verdict| {
         scores
@@ -96,60 +70,4 @@ fn totals(scores: &[Score]) -> String {
     };
     let [hold, differ, open] = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable].map(count);
     format!("{hold} hold, {differ} differ, {open} not testable\n")
-}
-
-/// A named paragraph with a hanging indent.
-fn paragraph(name: &str, words: &str) -> String {
-    let mut text = String::new();
-    let mut line = format!("  {name:<0$}", INDENT - 2);
-    let mut empty = true;
-    for word in words.split_whitespace() {
-        let wide = line.chars().count() + usize::from(!empty) + word.chars().count();
-        if !empty && wide > WIDTH {
-            text += line.trim_end();
-            text.push('\n');
-            line = " ".repeat(INDENT);
-            empty = true;
-        }
-        if !empty {
-            line.push(' ');
-        }
-        line += word;
-        empty = false;
-    }
-    text + line.trim_end() + "\n"
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_line_of_the_details_is_wider_than_100_columns_and_no_word_is_lost() {
-        let words = "µ ".repeat(300) + &"word ".repeat(200);
-        let score = |verdict| Score {
-            claim: 1,
-            study: "s".to_owned(),
-            title: "Title".to_owned(),
-            published: "1".to_owned(),
-            paper_says: words.clone(),
-            headline: "2".to_owned(),
-            measured: String::new(),
-            verdict,
-            why: "because".to_owned(),
-        };
-        let scores = [score(Verdict::Holds), score(Verdict::NotTestable)];
-        let text = scorecard_text(&scores);
-        assert!(
-            text.lines().all(|line| line.chars().count() <= WIDTH),
-            "{text}"
-        );
-        assert_eq!(text.matches("word").count(), 400);
-        assert!(!text.contains("measured"));
-        let totals = "1 hold, 0 differ, 1 not testable\n";
-        for text in [text, scorecard_lines(&scores)] {
-            assert!(text.ends_with(totals), "{text}");
-        }
-        assert_eq!([scorecard_lines(&[]), scorecard_text(&[])], ["", ""]);
-    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate::report::{Study as Scored, page, score, scorecard_text};
+use palpate::report::{Study as Scored, page, score, scorecard_lines};
 use palpate::{Files, ReportError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -59,7 +59,7 @@ fn refused(error: ReportError) -> PyErr {
 /// ----------
 /// *studies : Results or path
 ///     Results of studies, or directories that `palpate run` wrote. Of directories beside each other the page also has
-///     what is measured there: `tradeoff/`, `extremes.csv`, `peers.csv`.
+///     what is measured there: `tradeoff/`, `peers.csv`.
 ///
 /// Returns
 /// -------
@@ -110,7 +110,7 @@ pub(crate) fn report(py: Python<'_>, studies: &Bound<'_, PyTuple>) -> PyResult<R
     };
     Ok(Report {
         scores: scores.iter().map(record).collect::<PyResult<_>>()?,
-        text: scorecard_text(&scores),
+        text: scorecard_lines(&scores),
         html,
     })
 }

@@ -1,7 +1,4 @@
-//! Sections of the page for the tables beside the studies: `tradeoff/`, `extremes.csv` and `peers.csv`, as far as they
-//! exist.
-
-mod extremes;
+//! Sections of the page for the tables beside the studies: `tradeoff/` and `peers.csv`, as far as they exist.
 
 use super::size::least;
 use crate::plot;
@@ -32,9 +29,8 @@ pub(super) fn sections(folder: &Files) -> Result<Value, ReportError> {
         there.transpose()
     };
     let tradeoff = section("tradeoff", |folder| tradeoff(&folder.within("tradeoff")))?;
-    let extremes = section("extremes.csv", extremes::section)?;
     let peers = section("peers.csv", peers)?;
-    Ok(context! { tradeoff, extremes, peers })
+    Ok(context! { tradeoff, peers })
 }
 
 fn tradeoff(folder: &Files) -> Result<Value, ReportError> {

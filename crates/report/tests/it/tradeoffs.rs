@@ -124,14 +124,6 @@ fn the_page_shows_what_is_measured_beside_its_studies() {
     assert!(!page(&[study()]).unwrap().contains("Speed against accuracy"));
 
     fill(&results.path().join("tradeoff"));
-    let extremes = "entry,input,outcome,value,truth,error,condition,bound,verdict
-a::f,0,zero,,,,,,refused
-a::f,1,value,1,1,0,1,1e-15,within-bound
-a::f,2,value,1,1,4e-16,1,1e-15,within-bound
-a::f,3,value,1,1,2e-9,1,1e-6,within-bound
-b::g,1,value,1,1,0,1,1e-15,within-bound
-";
-    fs::write(results.path().join("extremes.csv"), extremes).unwrap();
     fs::write(
         results.path().join("peers.csv"),
         "task,peer,peer_time_us,ratio,verdict,machine\n\
@@ -144,11 +136,6 @@ b::g,1,value,1,1,0,1,1e-15,within-bound
         "Measured on a processor of 2 cores.",
         "<td>hard: an ellipsoid</td><td>RK4 × 8<span class=\"cost\">900 ns, 6 k instructions</span></td><td>none</td>",
         "<td class=\"number\">16</td>",
-        "5 cases",
-        "<td class=\"number\">1</td><td class=\"number\">4</td>",
-        "<summary>Each of 2 entry points</summary>",
-        "<td>a::f</td><td class=\"number\">4 × 10⁻¹⁶</td><td class=\"number\">1 × 10⁻¹⁵</td>\
-         <td class=\"number\">1</td><td class=\"number\">3</td>",
         "on one core of a desk.",
         "<th>task</th><th>verdict</th><th>peer</th><th>peer time (µs)</th><th>ratio</th></tr>",
         "<td>roll &lt;1&gt;</td><td>met</td><td>other</td>",

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow};
 use palpate_report::{
     Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_lines,
-    scorecard_text,
 };
 
 use crate::cli::{PlotArgs, ReportArgs};
@@ -91,7 +90,6 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     let page = page(&studies).map_err(Failure::work)?;
     out.write(page.as_bytes())?;
     let scores = score(&studies);
-    out.print(&scorecard_text(&scores))?;
     out.print(&scorecard_lines(&scores))?;
     out.print(&format!("page -> {}", args.out.display()))
 }
