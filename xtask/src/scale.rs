@@ -121,7 +121,7 @@ impl Desk<'_> {
 
     /// Kills runs at random moments, and lets them go on.
     fn kill(&self, kills: u32) -> Result<()> {
-        // A heavy cell of two superblocks and a bit, and some light ones.
+        // A heavy cell, and some light ones.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();

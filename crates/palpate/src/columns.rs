@@ -1,7 +1,7 @@
 //! Tables by columns, as other programs take them.
 
 use palpate_study::config::{self, LengthUnit, Study, SweptKind};
-use palpate_study::{Label, Table};
+use palpate_study::{Label, Rows, Table};
 
 /// Units that names of columns end with, and how they are written.
 const UNITS: [(&str, &str); 7] = [
@@ -215,14 +215,13 @@ pub fn columns(table: &Table, length_unit: LengthUnit) -> Vec<Column> {
 /// # Errors
 /// [`csv::Error`] for a row that has not as many fields as the header.
 pub fn columns_of_csv(text: &str, length_unit: LengthUnit) -> Result<Vec<Column>, csv::Error> {
-    let reader = || csv::Reader::from_reader(text.as_bytes());
-    let header = reader().headers()?.clone();
-    let mut record = csv::StringRecord::new();
+    let mut rows = Rows::new(text.as_bytes());
+    let header = rows.header()?;
     // Which other columns are numbers is known behind the last row.
-    let mut are_numbers: Vec<bool> = header.iter().map(|name| !TEXTS.contains(&name)).collect();
-    let mut rows = reader();
-    while rows.read_record(&mut record)? {
-        for (are_numbers, field) in are_numbers.iter_mut().zip(&record) {
+    let is_of_texts = |name: &String| TEXTS.contains(&name.as_str());
+    let mut are_numbers: Vec<bool> = header.iter().map(|name| !is_of_texts(name)).collect();
+    while let Some((_, row)) = rows.next_row()? {
+        for (are_numbers, field) in are_numbers.iter_mut().zip(row) {
             *are_numbers &= number(field).is_some();
         }
     }
@@ -233,21 +232,21 @@ pub fn columns_of_csv(text: &str, length_unit: LengthUnit) -> Result<Vec<Column>
             false => Values::Texts(Vec::new()),
         })
         .collect();
-    let mut rows = reader();
-    while rows.read_record(&mut record)? {
-        for (values, field) in all.iter_mut().zip(&record) {
+    let mut rows = Rows::new(text.as_bytes());
+    while let Some((_, row)) = rows.next_row()? {
+        for (values, field) in all.iter_mut().zip(row) {
             match values {
                 Values::Numbers(numbers) => numbers.push(number(field).flatten()),
                 Values::Texts(texts) => texts.push(field.to_owned()),
             }
         }
     }
-    let column = |(name, values): (&str, Values)| Column {
-        name: name.to_owned(),
-        unit: unit_of(name, length_unit.as_str()),
+    let column = |(name, values): (String, Values)| Column {
+        unit: unit_of(&name, length_unit.as_str()),
+        name,
         values,
     };
-    Ok(header.iter().zip(all).map(column).collect())
+    Ok(header.into_iter().zip(all).map(column).collect())
 }
 
 /// Unit that the name of a column ends with.

@@ -8,6 +8,7 @@ mod roll;
 
 use std::sync::OnceLock;
 
+use palpate_study::Rows;
 use palpate_study::config::{LengthUnit, SceneConfig};
 
 /// Families with what was measured of them: `cargo xtask tested` writes it from the tables of the harnesses.
@@ -101,8 +102,12 @@ pub fn tested(scene: &SceneConfig, unit: LengthUnit) -> Tested {
 fn families() -> &'static [Family] {
     static FAMILIES: OnceLock<Vec<Family>> = OnceLock::new();
     FAMILIES.get_or_init(|| {
-        let rows = csv::Reader::from_reader(TABLE.as_bytes()).into_records();
-        rows.filter_map(|row| family(&row.ok()?)).collect()
+        let mut rows = Rows::new(TABLE.as_bytes());
+        let mut families = Vec::new();
+        while let Ok(Some((_, row))) = rows.next_row() {
+            families.extend(family(row));
+        }
+        families
     })
 }
 

@@ -2,6 +2,7 @@
 
 use crate::group::by_key;
 use crate::{Files, ReportError};
+use palpate_study::Rows;
 use palpate_study::label::split_unit;
 use palpate_study::number::finite;
 use std::path::PathBuf;
@@ -27,11 +28,9 @@ impl Records {
             source,
         };
         let text = text.trim_start_matches('\u{feff}');
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let trimmed = |record: &csv::StringRecord| -> Vec<String> {
-            record.iter().map(|cell| cell.trim().to_owned()).collect()
-        };
-        let header = trimmed(reader.headers().map_err(unreadable)?);
+        let mut table = Rows::new(text.as_bytes());
+        let header = table.header().map_err(unreadable)?.into_iter();
+        let header: Vec<String> = header.map(|name| name.trim().to_owned()).collect();
         if header.iter().all(String::is_empty) {
             return Err(ReportError::EmptyTable { path });
         }
@@ -41,10 +40,9 @@ impl Records {
             return Err(ReportError::DuplicateColumn { path, column });
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
-        for record in reader.records() {
-            let record = record.map_err(unreadable)?;
-            lines.push(record.position().map_or(0, csv::Position::line));
-            rows.push(trimmed(&record));
+        while let Some((line, row)) = table.next_row().map_err(unreadable)? {
+            lines.push(line);
+            rows.push(row.iter().map(|cell| cell.trim().to_owned()).collect());
         }
         let mut records = Self {
             path,

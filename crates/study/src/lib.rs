@@ -21,7 +21,7 @@ pub use limited::{read_all, read_limited};
 pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
-pub use table::{Table, csv, push_row};
+pub use table::{Rows, Table, csv, push_row};
 pub use target::{Bound, Target, TargetError};
 
 #[cfg(doctest)]

@@ -1,4 +1,8 @@
-//! Tables that results are written as.
+//! Tables that results are written as, and read back from.
+
+use std::io::Read;
+
+use csv::{Reader, ReaderBuilder, StringRecord};
 
 use crate::number::shortest;
 
@@ -63,6 +67,52 @@ pub fn push_row(text: &mut String, row: &[String]) {
     text.push('\n');
 }
 
+/// Rows of a table that palpate wrote as CSV, each of as many fields as the first line.
+pub struct Rows<R> {
+    reader: Reader<R>,
+    record: StringRecord,
+}
+
+impl<R: Read> Rows<R> {
+    /// Rows behind a header.
+    pub fn new(csv: R) -> Self {
+        Self::of(csv, true)
+    }
+
+    /// Rows without a header.
+    pub fn without_header(csv: R) -> Self {
+        Self::of(csv, false)
+    }
+
+    fn of(csv: R, has_headers: bool) -> Self {
+        let mut builder = ReaderBuilder::new();
+        Self {
+            reader: builder.has_headers(has_headers).from_reader(csv),
+            record: StringRecord::new(),
+        }
+    }
+
+    /// Names of the columns.
+    ///
+    /// # Errors
+    /// [`csv::Error`] where the text cannot be read.
+    pub fn header(&mut self) -> Result<Vec<String>, csv::Error> {
+        Ok(self.reader.headers()?.iter().map(str::to_owned).collect())
+    }
+
+    /// The next row, with its line in the text from 1; `None` behind the last.
+    ///
+    /// # Errors
+    /// [`csv::Error`] for a row of more or fewer fields, or where the text cannot be read.
+    pub fn next_row(&mut self) -> Result<Option<(u64, &StringRecord)>, csv::Error> {
+        if !self.reader.read_record(&mut self.record)? {
+            return Ok(None);
+        }
+        let line = self.record.position().map_or(0, csv::Position::line);
+        Ok(Some((line, &self.record)))
+    }
+}
+
 fn push_field(text: &mut String, field: &str) {
     let is_special = |byte: &u8| matches!(byte, b',' | b'"' | b'\n' | b'\r');
     if field.as_bytes().iter().any(is_special) {
@@ -94,12 +144,12 @@ mod tests {
         table.rows.push(fields.map(str::to_owned).to_vec());
         table.push(3, [-0.0, 1e-300, 0.1, 5.0, 6.0, 7.0, 8.0]);
         let csv = table.to_csv();
-        let mut reader = csv::Reader::from_reader(csv.as_bytes());
-        assert_eq!(reader.headers().unwrap(), fields.as_slice());
-        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-        assert_eq!(rows.len(), 2);
-        assert_eq!(&rows[0], fields.as_slice());
-        assert_eq!((&rows[1][0], &rows[1][1], &rows[1][3]), ("3", "0", "0.1"));
-        assert_eq!(rows[1][2].parse(), Ok(1e-300));
+        let mut rows = Rows::new(csv.as_bytes());
+        assert_eq!(rows.header().unwrap(), fields);
+        assert_eq!(rows.next_row().unwrap().unwrap().1, fields.as_slice());
+        let (_, row) = rows.next_row().unwrap().unwrap();
+        assert_eq!((&row[0], &row[1], &row[3]), ("3", "0", "0.1"));
+        assert_eq!(row[2].parse(), Ok(1e-300));
+        assert!(rows.next_row().unwrap().is_none());
     }
 }

@@ -3,6 +3,8 @@
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::ColumnNames;
 
+use super::written::fields;
+
 /// Form of a table of readings. What is not stated is found in the table, where it can be told.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
@@ -100,26 +102,19 @@ impl Decimal {
 /// # Errors
 /// Problem in words, of a pair without `=` or with nothing on one side of it, and of a name that stands twice.
 pub fn column_names(text: &str) -> Result<ColumnNames, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(text.as_bytes());
     let mut names = ColumnNames::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| error.to_string())?;
-        for pair in &record {
-            let sides = pair.split_once('=');
-            let sides = sides.map(|(name, in_file)| (name.trim(), in_file.trim()));
-            let Some((name, in_file)) =
-                sides.filter(|(name, in_file)| !name.is_empty() && !in_file.is_empty())
-            else {
-                return Err(format!(
-                    "`{pair}` is no pair of names; write a column of palpate, =, and the file's column: x=Finger X [m]"
-                ));
-            };
-            if names.insert(name.to_owned(), in_file.to_owned()).is_some() {
-                return Err(format!("`{name}` stands twice"));
-            }
+    for pair in fields(text).map_err(|error| error.to_string())? {
+        let sides = pair.split_once('=');
+        let sides = sides.map(|(name, in_file)| (name.trim(), in_file.trim()));
+        let Some((name, in_file)) =
+            sides.filter(|(name, in_file)| !name.is_empty() && !in_file.is_empty())
+        else {
+            return Err(format!(
+                "`{pair}` is no pair of names; write a column of palpate, =, and the file's column: x=Finger X [m]"
+            ));
+        };
+        if names.insert(name.to_owned(), in_file.to_owned()).is_some() {
+            return Err(format!("`{name}` stands twice"));
         }
     }
     match names.is_empty() {

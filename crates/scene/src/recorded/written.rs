@@ -110,6 +110,15 @@ impl<'a> Text<'a> {
     }
 }
 
+/// Fields of a text between commas, which stand in quotation marks where they hold one.
+pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
+    let mut fields = Vec::new();
+    for record in Text::of(text).reader(text, Delimiter::Comma).records() {
+        fields.extend(record?.iter().map(str::to_owned));
+    }
+    Ok(fields)
+}
+
 impl<'a> Written<'a> {
     /// Reads the header of a file's text.
     pub(super) fn of(file: &'a RecordedFile, text: &'a str) -> Result<Self, RecordedError> {

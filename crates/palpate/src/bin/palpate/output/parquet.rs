@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Error};
 use palpate::{ColumnType, ValueKind};
+use palpate_study::Rows;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -73,16 +74,14 @@ impl<W: Write + Send> Writer<W> {
 
     /// Adds rows, as CSV text.
     pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
-        let mut reader = csv::ReaderBuilder::new();
-        let mut reader = reader.has_headers(false).from_reader(rows.as_bytes());
-        let mut row = csv::StringRecord::new();
-        while reader.read_record(&mut row).map_err(io::Error::other)? {
+        let mut rows = Rows::without_header(rows.as_bytes());
+        while let Some((_, row)) = rows.next_row().map_err(io::Error::other)? {
             if row.len() != self.columns.len() {
                 let (fields, columns) = (row.len(), self.columns.len());
                 let problem = format!("a row has {fields} fields, and the table {columns} columns");
                 return Err(io::Error::other(problem));
             }
-            for ((column, values), field) in self.columns.iter_mut().zip(&row) {
+            for ((column, values), field) in self.columns.iter_mut().zip(row) {
                 if !values.push(column.kind, field) {
                     let (name, word) = (&column.name, word(column.kind));
                     let problem = format!("column {name}: `{field}` is no {word}");

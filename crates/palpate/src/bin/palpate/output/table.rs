@@ -1,11 +1,12 @@
 //! A table that is written row by row, and read back.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context, Error};
 use palpate::ColumnType;
-use palpate_study::csv;
+use palpate_study::{Rows, csv};
 
 use super::format::Format;
 use super::owned::begins_as;
@@ -125,15 +126,14 @@ fn read_csv<const N: usize>(
     columns: [&str; N],
     take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let mut reader = csv::Reader::from_path(path)?;
-    let header = reader.headers()?;
+    let mut rows = Rows::new(BufReader::new(File::open(path)?));
+    let header = rows.header()?;
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {
         let found = header.iter().position(|column| column == name);
         *place = found.with_context(|| format!("it has no column `{name}`"))?;
     }
-    let mut row = csv::StringRecord::new();
-    while reader.read_record(&mut row)? {
+    while let Some((_, row)) = rows.next_row()? {
         take(places.map(|place| row.get(place).unwrap_or_default()))?;
     }
     Ok(())
