@@ -11,7 +11,6 @@ use std::f64::consts::TAU;
 /// use palpate_geometry::Meridian;
 ///
 /// let spheroid = Meridian::Spheroid { a: 2.0, c: 1.0 };
-/// assert_eq!(spheroid.apex_curvature(), 0.25);
 /// // A quarter of the ellipse leads from the pole to the equator.
 /// let equator = spheroid.at(std::f64::consts::FRAC_PI_2);
 /// assert!((equator.r - 2.0).abs() < 1e-15);
@@ -100,15 +99,6 @@ impl Meridian {
                     slope_per_parameter: a * c / square,
                 }
             }
-        }
-    }
-
-    /// The normal curvature along the meridian at the apex, 1/length; it is the same in every
-    /// direction there.
-    pub fn apex_curvature(&self) -> f64 {
-        match *self {
-            Self::Paraboloid { c } => 2.0 * c,
-            Self::Spheroid { a, c } => c / (a * a),
         }
     }
 

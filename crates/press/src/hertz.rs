@@ -8,26 +8,6 @@ pub const LARGE_CONTACT: f64 = 0.3;
 /// Largest ratio of the contact's radius to a bulging object's for which a press is computed at all.
 pub const MAX_CONTACT: f64 = 0.9;
 
-/// The 2020 paper's equation 2, δ (1 − r²/a²) within the contact and 0 outside. It falls to 0 at the contact's edge,
-/// where Hertz theory has δ/2: its r² lacks a factor ½. Also 0 where the formula gives no finite number.
-///
-/// ```
-/// use palpate_press::hertz::published_parabola;
-///
-/// assert_eq!(published_parabola(1.0, 2.0, 1.0), 0.75);
-/// assert_eq!(published_parabola(1.0, 2.0, 2.0), 0.0);
-/// assert_eq!(published_parabola(1.0, 2.0, 3.0), 0.0);
-/// ```
-pub fn published_parabola(indentation: f64, a: f64, r: f64) -> f64 {
-    let ratio = r / a;
-    let displacement = indentation * (1.0 - ratio * ratio);
-    if displacement.is_finite() {
-        displacement.max(0.0)
-    } else {
-        0.0
-    }
-}
-
 /// Sneddon's relation for a rigid sphere of radius R and any contact radius a < R: δ = (a/2) ln((R + a)/(R − a)).
 ///
 /// Hertz theory has δ = a²/R, which is its limit for a ≪ R. Within 1e-15 of it.

@@ -110,16 +110,7 @@ impl Terrain {
             // Places at the edge of the window are beyond the reach.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
-            let around = [
-                (-1, -1),
-                (0, -1),
-                (1, -1),
-                (-1, 0),
-                (1, 0),
-                (-1, 1),
-                (0, 1),
-                (1, 1),
-            ];
+            let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
                 // What is missing is not nearer.
                 squares
@@ -127,7 +118,7 @@ impl Terrain {
                     .is_none_or(|other| other.is_nan() || *other >= square)
             };
             let place = self.place(column, row);
-            if square <= reach * reach && around.into_iter().all(is_nearer) {
+            if square <= reach * reach && around.all(is_nearer) {
                 starts.push(Start {
                     place,
                     is_on_wall: false,

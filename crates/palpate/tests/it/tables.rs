@@ -29,11 +29,6 @@ fn as_json(table: &str) -> String {
     lines.map(object).collect()
 }
 
-fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
-    let units = format!("\u{feff}{text}");
-    units.encode_utf16().flat_map(bytes).collect()
-}
-
 #[test]
 fn the_writing_of_a_table_does_not_matter() {
     let expected = rolls(ROLLS);
@@ -79,9 +74,6 @@ fn the_writing_of_a_table_does_not_matter() {
             .replace("0\n", "0,\n"),
     ] {
         assert_eq!(rolls(&table), expected, "{table}");
-    }
-    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
-        assert_eq!(rolls(utf16(ROLLS, bytes)), expected);
     }
     let form = Form {
         delimiter: Some(Delimiter::Semicolon),
@@ -246,8 +238,7 @@ fn tables_that_are_none_are_refused_at_their_line() {
     refuses(|table, form| press(table, form), "", NO_PRESSES);
     for (bytes, words) in [
         (&b"probe\n\xb5m"[..], "byte 0xb5 in line 2"),
-        (b"\xff\xfep\0r", "UTF-16"),
-        (b"\xfe\xff\xd8\0", "UTF-16"),
+        (b"\xff\xfep\0r", "byte 0xff in line 1; save it as UTF-8"),
         (b"\0\0\0\0", "no columns `rotation_x_rad`"),
     ] {
         let error = roll(bytes, Form::default()).unwrap_err();

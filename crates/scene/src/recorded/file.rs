@@ -1,6 +1,5 @@
 //! Recorded files as bytes, with the names that messages give.
 
-use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
@@ -82,19 +81,14 @@ impl RecordedFile {
     }
 
     /// Its text, as of a table.
-    pub(super) fn table(&self) -> Result<Cow<'_, str>, RecordedError> {
+    pub(super) fn table(&self) -> Result<&str, RecordedError> {
         self.text("a header and one row per reading are needed")
     }
 
-    /// Its text, of UTF-8 or, with a byte order mark, UTF-16; the mark is dropped. Where there is none, the error says what is
-    /// needed.
-    pub(super) fn text(&self, needed: &str) -> Result<Cow<'_, str>, RecordedError> {
-        let text = match self.bytes.as_slice() {
-            [0xff, 0xfe, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_le_bytes)?),
-            [0xfe, 0xff, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_be_bytes)?),
-            [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(self.utf8(rest)?),
-            bytes => Cow::Borrowed(self.utf8(bytes)?),
-        };
+    /// Its text, of UTF-8; a byte order mark is dropped. Where there is none, the error says what is needed.
+    pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
+        let bytes = self.bytes.as_slice();
+        let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;
         if text.trim().is_empty() {
             return Err(self.error(format!("is empty; {needed}")));
         }
@@ -106,20 +100,9 @@ impl RecordedFile {
             let (before, rest) = bytes.split_at(error.valid_up_to());
             let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
             let byte = rest.first().copied().unwrap_or_default();
-            let name = &self.name;
             self.error(format!(
-                "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8, as by iconv -f latin1 -t utf-8 {name} > utf-8.csv"
+                "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8"
             ))
         })
-    }
-
-    fn utf16(&self, bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, RecordedError> {
-        let fault = || self.error("is not UTF-8 text, nor UTF-16, whose byte order mark it has");
-        let pairs = bytes.chunks_exact(2);
-        if !pairs.remainder().is_empty() {
-            return Err(fault());
-        }
-        let units: Vec<u16> = pairs.map(|pair| unit([pair[0], pair[1]])).collect();
-        String::from_utf16(&units).map_err(|_| fault())
     }
 }

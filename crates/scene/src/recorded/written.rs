@@ -339,10 +339,7 @@ fn spaced(
     match count > 1 && has_as_many && has_numbers {
         false => Ok(Delimiter::Comma),
         true => {
-            let name = &file.name;
-            let message = format!(
-                "fields are separated by spaces; separate them by commas: sed 's/^ *//; s/  */,/g' {name} > commas.csv"
-            );
+            let message = "fields are separated by spaces; separate them by commas";
             Err(file.fail(header_line, message))
         }
     }

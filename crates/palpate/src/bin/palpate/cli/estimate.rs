@@ -12,7 +12,7 @@ use super::settings::Settings;
 /// Paragraph on tables that every help of them has.
 macro_rules! tables {
     () => {
-        "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8 or UTF-16, or
+        "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8, or
 JSON with one object per line, whose keys are the columns (those within others joined by points). Columns stand in
 any order, in any case of letters; units stand behind names, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad,
 deg. Inches are read as mm and nm as um, unless --length-unit says otherwise. Columns that are called otherwise
