@@ -215,7 +215,10 @@ mod tests {
     fn few_or_equal_errors_have_their_bounds() {
         assert_eq!(each(&[]).std_of_rms(), None);
         assert_eq!(each(&[3.0]).std_of_rms(), None);
-        assert_eq!(of_trials(&[3.0, 4.0], [0..2]).std_of_rms(), None);
+        assert_eq!(
+            of_trials(&[3.0, 4.0], std::iter::once(0..2)).std_of_rms(),
+            None
+        );
         for errors in [[0.0; 9], [1e-300; 9], [0.1; 9], [f64::MAX; 9]] {
             assert_eq!(each(&errors).std_of_rms(), Some(0.0));
         }

@@ -104,7 +104,7 @@ pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, Recorde
 /// Errors of [`read_calibration_points`].
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let text = file.table()?;
-    let table = Written::of(file, &text)?;
+    let table = Written::of(file, text)?;
     let columns = columns(&header(&table, &CALIBRATIONS)?);
     let sheet = Sheet::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);

@@ -134,12 +134,12 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
 /// Errors of [`read_calibration`].
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text("a calibration is needed, as `palpate sensor calibrate` writes it")?;
-    if is_camera(&text) {
+    if is_camera(text) {
         return Err(file.error(
             "is a camera that a frame at rest told, which knows no displacements; it is of use to the method image",
         ));
     }
-    let parsed: CalibrationFile = toml::from_str(&text).map_err(|error| {
+    let parsed: CalibrationFile = toml::from_str(text).map_err(|error| {
         file.error(format!(
             "is no calibration: {}",
             error.to_string().trim_end()

@@ -117,7 +117,7 @@ pub fn read_glide(path: &Path) -> Result<GlideReadings, RecordedError> {
 /// Errors of [`read_glide`].
 pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
     let text = file.table()?;
-    let table = Written::of(&file, &text)?;
+    let table = Written::of(&file, text)?;
     let header = header(&table, &GLIDES)?;
     let [finger, places @ .., _, _, _] = &GLIDES;
     let names_fingers = header.has(finger);

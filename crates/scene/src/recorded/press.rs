@@ -93,7 +93,7 @@ pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
 /// Errors of [`read_press`].
 pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
     let text = file.table()?;
-    let table = Written::of(&file, &text)?;
+    let table = Written::of(&file, text)?;
     let header = header(&table, &columns_of("press"))?;
     let has = |column: &Column| header.has(column);
     let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {

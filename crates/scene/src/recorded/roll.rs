@@ -163,7 +163,7 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
 /// Errors of [`read_roll`].
 pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     let text = file.table()?;
-    let table = Written::of(&file, &text)?;
+    let table = Written::of(&file, text)?;
     let is_series = is_series(&table)?;
     let header = header(&table, &columns_of("roll"))?;
     let has = |column: &Column| header.has(column);

@@ -29,14 +29,14 @@ pub fn read_camera(path: &Path) -> Result<RestCamera, RecordedError> {
 /// deviations.
 pub fn parse_camera(file: &RecordedFile) -> Result<RestCamera, RecordedError> {
     let text = file.text("a camera is needed, as `palpate sensor calibrate --rest` writes it")?;
-    let kinds = kinds_of_calibration(&text);
+    let kinds = kinds_of_calibration(text);
     if !kinds.is_empty() {
         return Err(file.error(format!(
             "is a calibration of displacements (`{}`); the method image takes the camera that `palpate sensor calibrate --rest` writes",
             kinds.join("`, `")
         )));
     }
-    let camera: RestCamera = toml::from_str(&text).map_err(|error| {
+    let camera: RestCamera = toml::from_str(text).map_err(|error| {
         let message = error.to_string();
         file.error(format!("is no camera: {}", message.trim_end()))
     })?;
