@@ -1,8 +1,9 @@
 //! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), and check that
-//! `auto` takes an adequate and cheap rung ([`promise`]), that answers keep their word ([`answers`]), and that stated
-//! intervals hold ([`intervals`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow.
-//! [`ours`] times palpate on the tasks of its peers. The truths come from independent computations: [`pressed`] for presses,
-//! [`touched`] for fingertips with a radius, [`rolled`] for rolls.
+//! `auto` chooses a cheap rung that is accurate enough ([`promise`]), that the answers of `design` and `distinguish` hold
+//! ([`answers`]), and that stated intervals contain the true value ([`intervals`]). The instructions of the [`hot`]
+//! paths and the errors in [`accuracy`] must not grow. [`ours`] times palpate on the tasks of its peers. The true
+//! values come from independent computations: [`pressed`] for presses, [`touched`] for fingertips with a radius,
+//! [`rolled`] for rolls.
 
 pub mod accuracy;
 pub mod answers;

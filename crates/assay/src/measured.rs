@@ -136,16 +136,16 @@ fn evaluate_once(run: &mut dyn FnMut()) {
 /// program again with the arguments it has and [`COUNTED`]. `scales` are those of the evaluations.
 ///
 /// # Errors
-/// If that run fails, or does not count as many.
+/// If that run fails, or counts another number of evaluations than `scales` has.
 pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
     let arguments = std::env::args_os().skip(1);
     instructions_by(arguments.chain([COUNTED.into()]), scales)
 }
 
-/// As [`instructions`], with these arguments, upon which this program calls [`count`].
+/// Like [`instructions`], but for a run with these arguments, for which this program must call [`count`].
 ///
 /// # Errors
-/// If that run fails, or does not count as many.
+/// If that run fails, or counts another number of evaluations than `scales` has.
 pub fn instructions_by(
     arguments: impl IntoIterator<Item = OsString>,
     scales: &[u32],

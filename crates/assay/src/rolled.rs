@@ -43,7 +43,8 @@ impl End {
         Self::new(direction, length(low), [low, -c * low * low])
     }
 
-    /// End of a path in the plane of a meridian, at this distance from the axis and height on the object.
+    /// End of a roll in the plane of a meridian. `path` is its length; the last contact on the object has this distance
+    /// from the axis and this height.
     fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
         let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
         let (sine, cosine) = libm::sincos(path);

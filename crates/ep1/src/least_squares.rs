@@ -26,10 +26,10 @@ use crate::{
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
 
-/// Largest share that errors of measured rotations may have of the squares of the rotations in any direction.
+/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations.
 const MOST_NOISE: f64 = 0.5;
 
-/// Standard deviation that rounding alone gives the entries of `K₁ B`: readings and sums err by some last places.
+/// Standard deviation of the rounding in the entries of `K₁ B`: the last digits of readings and sums are wrong.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The least squares for a set of rotations: all of it that does not depend on the shifts.

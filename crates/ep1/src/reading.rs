@@ -15,7 +15,7 @@ pub struct ProbeReading {
 /// Where on the pads of a fingertip rolls start: it decides which errors they share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PadStart {
-    /// Each roll starts at a place of its own: errors are independent.
+    /// Each roll starts at its own place, so the errors of different rolls are independent.
     #[default]
     PerRoll,
     /// All rolls start at the same place, anywhere on a pad: they share the error of the start, and ends that lie alike on
@@ -28,8 +28,8 @@ pub enum PadStart {
 
 /// Noise and resolution of readings, from which covariances and bounds follow.
 ///
-/// The errors are independent between probes and components, each of the stated standard deviation; of pads, shifts share
-/// errors as [`PadStart`] says.
+/// Errors of different probes and components are independent and have the stated standard deviation. Over pads, shifts
+/// share errors as [`PadStart`] describes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadingNoise {
     /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
@@ -105,7 +105,7 @@ impl ReadingNoise {
             }
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
-            // The error of an opposite shift is the opposite error.
+            // Opposite shifts have opposite errors.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

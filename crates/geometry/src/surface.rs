@@ -103,8 +103,8 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where a graph's descent cannot start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
 
-    /// The closest point that descent reaches from `(x, y)` of a graph, where it may be another one than
-    /// [`Surface::closest_point`]; of other surfaces the same one.
+    /// On a graph, the point that descent from this `(x, y)` reaches, which may differ from [`Surface::closest_point`].
+    /// On other surfaces, the same point as [`Surface::closest_point`].
     ///
     /// # Errors
     /// Errors of [`Surface::closest_point`].

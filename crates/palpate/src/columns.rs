@@ -27,7 +27,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Name without the unit of length of its table: `x` of `x_mm`, `rotation_x_rad` of itself.
+    /// Name of the column without the length unit of its table: `x` for `x_mm`; `rotation_x_rad` is unchanged.
     pub fn stem(&self, length_unit: LengthUnit) -> &str {
         let length = length_unit.as_str();
         let endings = [

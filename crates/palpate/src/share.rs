@@ -39,7 +39,7 @@ impl Share {
         all.saturating_sub(before).div_ceil(self.shard.of)
     }
 
-    /// Cell of this shard's task with this number.
+    /// Cell of the task with this number in this shard.
     pub(crate) fn cell(&self, number: u64) -> usize {
         let place = number * self.shard.of + self.shard.number - 1;
         self.cells[place as usize]

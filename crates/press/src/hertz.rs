@@ -2,7 +2,8 @@
 
 use crate::PressError;
 
-/// Ratio of the contact's radius to that of the sensor or the object from which on small-strain theory errs noticeably.
+/// Ratio of the contact's radius to the sensor's or the object's radius above which small-strain theory errs
+/// noticeably.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// Largest ratio of the contact's radius to a bulging object's for which a press is computed at all.

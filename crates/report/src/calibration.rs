@@ -71,7 +71,7 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// Kind of a part of the scene of a row; its label where a sweep puts something unknown there.
+/// Kind of a part of a row's scene, or the label of a sweep that replaces this part.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

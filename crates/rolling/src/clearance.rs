@@ -1,7 +1,7 @@
 //! Distance between a rolling probe and the parts of the object that it does not touch.
 //!
-//! A hill beside the path may reach into the probe although nothing at the contact shows it. The relief of the object is
-//! sampled once along a path; from its places nearest to the probe's centre, descent finds the closest points.
+//! A hill beside the path may reach into the probe although nothing at the contact shows it. The heights of the object
+//! are sampled once along a path. From the samples nearest to the probe's centre, descent finds the closest points.
 
 use std::collections::HashMap;
 
@@ -10,20 +10,22 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Sampled places across a radius of the probe. What is narrower than their distance may pass unnoticed.
+/// Samples per radius of the probe. Parts of the object that are narrower than the distance between samples may be
+/// missed.
 const PER_RADIUS: f64 = 48.0;
 /// Places along a side of a tile of the relief.
 const TILE: i64 = 32;
-/// Overlap that is none, as a share of the probe's radius.
+/// Overlap that still counts as none, as a share of the probe's radius.
 const TOLERANCE: f64 = 5e-7;
 /// Distance from the contact within which a closest point is the contact itself, as a share of the radius.
 const CONTACT: f64 = 1e-4;
-/// Longest way of the centre between two samples of a path, and the shortest that is cut, as shares of the radius.
+/// Longest way of the probe's centre between two samples of a path, and the shortest way that is bisected, as shares of
+/// the radius.
 const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
-/// Rise between neighbouring places, in their distances, from which the wall between them is looked for.
+/// Slope between neighbouring samples above which the wall between them is searched for.
 const STEEP: f64 = 2.0;
-/// Halvings of the distance between neighbouring places, by which a wall is found.
+/// Number of bisections that locate a wall between neighbouring samples.
 const HALVINGS: usize = 40;
 
 /// The relief under a path of the probe: heights on a square lattice, in tiles.
@@ -33,8 +35,8 @@ pub struct Terrain {
     spacing: f64,
 }
 
-/// A place on the path: the time, the way of the probe's centre until then in radii, and the distance of the probe from the
-/// nearest part of the object that it does not touch, at most the reach.
+/// A sample of the path: the time, the way of the probe's centre so far (radii), and the clearance. The clearance is
+/// the distance from the probe to the nearest part of the object that it does not touch, at most the reach.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
@@ -84,8 +86,8 @@ impl Terrain {
         tile.map_or(f64::NAN, |heights| heights[index as usize])
     }
 
-    /// Places within `reach` of `centre` from which descent may lead to a closest point: those that are nearer than all their
-    /// neighbours, and those on walls between neighbours.
+    /// Points within `reach` of `centre` from which descent may lead to a closest point: samples that are nearer than
+    /// all their neighbours, and points on walls between neighbours.
     fn starts(&self, object: &Shape, centre: &Point3<f64>, reach: f64) -> Vec<Start> {
         let range = |axis: usize| {
             let end = |end: f64| ((centre[axis] + end) / self.spacing) as i64;
@@ -163,7 +165,7 @@ fn crossing(
     Some(low)
 }
 
-/// Distance from the probe's centre as far as which the object is looked at.
+/// Distance from the probe's centre up to which the object is examined.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }
@@ -174,7 +176,7 @@ impl Roller {
         self.object().may_touch_twice(self.probe().radius())
     }
 
-    /// The relief along a roll by `motions`, and as much further as rolls stray from it by `margin` (length).
+    /// The relief around a roll by `motions`, wide enough for rolls that deviate from it by up to `margin` (length).
     ///
     /// # Errors
     /// [`RollError`] where the roll ends early.
@@ -218,7 +220,7 @@ impl Roller {
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // The distance changes by no more than the centre moves.
+            // The clearance changes by no more than the centre moves, so a large clearance needs no finer samples.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -272,8 +274,8 @@ impl Roller {
         })
     }
 
-    /// The contact after some of the motions, and the probe's centre. The contact is where the object is, whatever the
-    /// integration errs by.
+    /// The contact after some of the motions, and the probe's centre. The contact is moved onto the object, because
+    /// integration errors may have moved it off.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
         let mut contact = self.roll(&until(motions, time_s))?;
         let Point3 { coords } = contact.on_object;
@@ -288,7 +290,7 @@ impl Roller {
     }
 }
 
-/// The motions until a time.
+/// The part of the motions before `time_s`.
 fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let mut left = time_s;
     let cut = motions.iter().map(|motion| {

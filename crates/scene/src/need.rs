@@ -45,7 +45,7 @@ pub enum Need {
 }
 
 impl Need {
-    /// The warning, of a line that is one.
+    /// The warning, if this need is one.
     pub fn warning(&self) -> Option<&Warning> {
         match self {
             Self::Warning(warning) => Some(warning),

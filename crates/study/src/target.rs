@@ -76,7 +76,7 @@ pub enum TargetError {
     /// The limit is no finite number.
     #[error("the limit {0:?} is no finite number")]
     NoLimit(String),
-    /// A share with a plain number above 1.
+    /// The limit of a share is a number above 1 without a percent sign.
     #[error(
         "{statistic} is a share, and {} may mean {} % or {} %; write {} % or {}",
         number::exact(*limit), number::exact(*limit), number::exact(100.0 * limit), number::exact(*limit),

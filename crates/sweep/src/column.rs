@@ -18,7 +18,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
-    /// True values; none is −0.
+    /// True values; −0 does not occur.
     truths: Vec<f64>,
     /// Standard deviations, or [`UNREPORTED`].
     stds: Vec<f64>,
@@ -113,7 +113,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Sums of all observations, whose errors go to a histogram; none is left.
+    /// Sums of all observations. Their errors are added to the histogram, and the column is emptied.
     pub(crate) fn sum_up(&mut self, histogram: &mut Histogram) -> Sums {
         let mut sums = Sums::default();
         let mut start = 0;

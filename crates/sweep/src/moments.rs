@@ -43,8 +43,8 @@ impl Moments {
         Self::of(&[value])
     }
 
-    /// Moments of finite `values` from the `sums` of their deviations from the first and of the squares of these, where
-    /// these need no unit.
+    /// Moments of finite `values`. `sums` are the sums of their deviations from the first value and of the squared
+    /// deviations; they are used if they need no scaling.
     pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
         match values.first() {
             Some(&first) if is_ordinary(sums[1]) => {

@@ -75,7 +75,7 @@ impl Partial {
         }
     }
 
-    /// Runs the block that follows; cut short where the run is cancelled.
+    /// Runs the next block, or a part of it if the run is cancelled.
     #[inline(never)] // by this name instructions are counted
     pub(crate) fn run_block(
         &mut self,
@@ -115,7 +115,7 @@ impl Partial {
         }
     }
 
-    /// Statistics of these trials, whose blocks are folded.
+    /// Statistics of the trials in all blocks that have been merged.
     pub(crate) fn statistics(&self) -> CellStatistics {
         CellStatistics {
             trials: self.trials,

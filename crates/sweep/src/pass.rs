@@ -48,7 +48,7 @@ impl WithSimd for AreSound<'_> {
     }
 }
 
-/// Observations of some trials: as many truths and standard deviations ([`UNREPORTED`] where there is none) as estimates.
+/// Observations of some trials. All three slices have the same length; a missing standard deviation is [`UNREPORTED`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed<'a> {
     pub(crate) estimates: &'a [f64],
@@ -247,7 +247,7 @@ impl WithSimd for TotalsOf<'_> {
             parts.add([estimates, truths, stds], errors);
         }
         if !last_errors.is_empty() {
-            // Filled up with what adds nothing.
+            // Fill the last vector with values that add nothing to the sums.
             let [estimate, truth] = self.first;
             let mut filled = [estimate, truth, UNREPORTED].map(|value| [value; LANES]);
             let last = [last_estimates, last_truths, last_stds];

@@ -51,7 +51,7 @@ pub(crate) struct Queue<T, E, F> {
     moved: Condvar,
 }
 
-/// Task that is handed out, the first of its trials that has not been, and its experiment.
+/// Task that is being handed out, the first of its trials that is still waiting, and its experiment.
 type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
 
 struct State<T, E> {
@@ -74,7 +74,7 @@ impl<T, E> State<T, E> {
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    /// Queue of so many tasks.
+    /// Queue of this many tasks.
     pub(crate) fn new(tasks: u64, task: F) -> Self {
         Self {
             tasks,

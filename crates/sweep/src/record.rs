@@ -85,12 +85,12 @@ impl Record {
         count
     }
 
-    /// Prepares for trials that observe so many quantities; the observations before must have been summed up.
+    /// Prepares for trials that observe this many quantities. Earlier observations must have been summed up.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Result of the trial that ran: it also fails where it recorded what cannot be.
+    /// Result of the trial that ran. It is also an error if the trial recorded an impossible value.
     pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
         let rejection = self.rejection.take();
         result.and_then(|()| rejection.map_or(Ok(()), Err))
@@ -132,8 +132,8 @@ impl Record {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Hands over the observations of each of some trials, which have observed equally often since the columns were this
-    /// long.
+    /// Passes the observations of each trial to `note`. `before` holds the lengths of the columns before these trials,
+    /// each of which made the same number of observations.
     pub(crate) fn tell(
         &self,
         trials: Range<u64>,

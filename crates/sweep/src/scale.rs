@@ -32,7 +32,7 @@ pub(crate) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a sum of squares is so far from both ends of the floats that no unit is needed.
+/// Whether a sum of squares is so far from overflow and underflow that it needs no scaling.
 pub(crate) fn is_ordinary(squares: f64) -> bool {
     (1e-200..1e200).contains(&squares)
 }

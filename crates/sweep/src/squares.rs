@@ -143,7 +143,7 @@ mod tests {
         sums(errors).squares
     }
 
-    /// Squares of trials that made the errors at these places.
+    /// Sums of squares over trials. Each range in `trials` gives the places of the errors of one trial.
     fn of_trials(errors: &[f64], trials: impl IntoIterator<Item = Range<usize>>) -> TrialSquares {
         let mut all = TrialSquares::default();
         for places in trials {

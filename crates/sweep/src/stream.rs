@@ -187,12 +187,12 @@ struct Line<'a, S: Sweep> {
     take: &'a mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
 }
 
-/// Task of which the first trials have been run.
+/// Task whose first trials have been run.
 #[derive(Default)]
 struct Open {
-    /// Blocks that are complete.
+    /// Trials of the completed blocks.
     cell: Partial,
-    /// Trials of the block that is not.
+    /// Trials of the block that is not complete yet.
     block: Slice,
 }
 

@@ -8,10 +8,10 @@ use crate::trial::BLOCK;
 pub struct Task {
     /// The cell.
     pub cell: usize,
-    /// Number of its trials, or the most that it may have; may be 0.
+    /// Number of its trials, or the maximum if a rule may end the cell earlier; may be 0.
     pub trials: u64,
-    /// Whether a rule may end the cell before its last trial. The last task of a run is shared among threads, which may
-    /// run trials that turn out to be too many and are dropped; others that may stop are run by one thread each.
+    /// Whether a rule may end the cell before its last trial. Several threads share the last task of a run, and drop
+    /// the trials that they ran after its end. Any other task with a rule is run by one thread.
     pub may_stop: bool,
 }
 

@@ -36,8 +36,8 @@ impl Template {
     }
 }
 
-/// An easy, a typical and a hard scene with the same rungs: what all scenes have in common, and the words and the lines of
-/// each.
+/// An easy, a typical and a hard scene with the same rungs. `common` is the config text of all three; `own` is the
+/// description and the additional text of each.
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],

@@ -242,8 +242,8 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     })
 }
 
-/// The area of a small disc is as the square of its width over its distance. Its centre shifts by an angle: the way
-/// along the skin over the distance at rest, or the way of the camera over the distance.
+/// The area of a small disc is proportional to (width / distance)². Its centre shifts by an angle: its displacement
+/// along the skin, or that of the camera, divided by the distance at rest.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();

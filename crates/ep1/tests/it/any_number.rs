@@ -1,5 +1,5 @@
-//! Readings that tell a curvature always do, exactly where they are exact; any bit patterns give finite numbers or the
-//! error that is due.
+//! Readings that determine a curvature always give it, and exact readings give it exactly. Any bit patterns give finite
+//! numbers or the right error.
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
@@ -124,7 +124,8 @@ proptest! {
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let estimate = LeastSquares::of(radius, ReadingNoise::default(), &readings(radius, &form, &rolls));
         let found = estimate.unwrap().curvature;
-        // The stated price for what is flat, the spread of these probes, and a hollow that magnifies.
+        // The bound grows with the flatness of the object, with the spread of these probes, and in a hollow, which
+        // amplifies errors.
         let bound = 1e-14 * (2.0 + along) * (1.0 + along) / (1.0 + across).min(1.0).powi(2) / radius;
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }

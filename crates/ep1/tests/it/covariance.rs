@@ -178,7 +178,7 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // In a star the error of a common start cancels, which leaves that of the ends.
+    // In a star the error of the common start cancels, and only the error of the ends remains.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),
@@ -190,7 +190,7 @@ fn rolls_that_share_errors_count_once() {
 fn intervals_of_flat_objects_hold_the_rounding() {
     for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
         let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
-        // Noise far below the last place.
+        // The noise is far below the last digit of the readings.
         let noise = ReadingNoise {
             shift_std: 1e-30,
             ..Default::default()

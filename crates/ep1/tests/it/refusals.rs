@@ -147,7 +147,7 @@ fn rotations_must_span_the_plane_and_leave_their_squares_in_range() {
         for across in [1.0, 1e-4] {
             let form = lopsided(theta, across).unwrap().curvature;
             assert!((form.k_uu - 0.5).abs() < 1e-14);
-            // The normal equations square the ratio.
+            // The normal equations square the ratio `across`.
             assert!((form.k_vv - 0.5).abs() < 1e-14 / across / across);
         }
         assert_eq!(

@@ -25,7 +25,7 @@ fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smooth
     SmoothingSpline::new(degree, smoothing).fit(points)
 }
 
-/// A power of two as a unit of height changes no digit.
+/// Scaling the heights by a power of two changes no digit of the result.
 #[test]
 fn waves_are_smoothed_alike_in_any_unit() {
     let wave = grid(|u, v| libm::sin(5.0 * u) * libm::cos(4.0 * v));
@@ -65,7 +65,7 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // A weight beside which the others have no digits leaves nothing to compare.
+    // Beside this weight, the other weights are lost to rounding, so the test only checks that the result is finite.
     let mut points = points;
     points[7].weight = 1e150;
     let spline = fit(2, 1e-3, &points).unwrap().spline;

@@ -133,7 +133,8 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // Around a bowl the ball meets the other side where its centre reaches the axis, and there the bowl is as hollow as it.
+    // A ball in a bowl touches the other side only when its centre reaches the axis. The bowl is then as curved as the
+    // ball.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -150,7 +151,8 @@ impl Height for Saddle {
         }
     }
 
-    // The centre of a ball reaches a valley's plane of symmetry only if it is as hollow there as the ball or hollower.
+    // The centre of a ball reaches a valley's plane of symmetry only if the valley is at least as curved there as the
+    // ball.
     fn may_touch_twice(&self, radius: f64) -> bool {
         2.0 * self.a.abs() * radius > 1.0
     }

@@ -1,5 +1,5 @@
-//! Surfaces answer near their default contact; any bit patterns as questions give finite numbers or an error; what is
-//! found lies on the surface.
+//! Surfaces return results near their default contact. Any bit patterns as arguments give finite numbers or an error,
+//! and returned points lie on the surface.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use palpate_geometry::formula::Formula;
@@ -112,7 +112,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
-    /// Whatever its size, every surface answers everything near its default contact.
+    /// Every method of every surface succeeds near the default contact, whatever the size of the surface.
     #[test]
     fn surfaces_of_any_size_answer_near_their_default_contact(
         power in -9.0..9.0_f64,
@@ -237,7 +237,7 @@ proptest! {
             prop_assert!(is_finite(&numbers), "{slope:?}");
         }
         let arc = paraboloid.arc_length(t).unwrap();
-        // No shorter than its shadow, within what an arc length is exact to.
+        // The arc is no shorter than its projection, except for rounding.
         prop_assert!(arc.is_finite() && arc >= t * (1.0 - 1e-15), "{arc:e}");
     }
 

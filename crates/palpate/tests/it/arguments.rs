@@ -265,7 +265,7 @@ fn every_number_has_bounds() {
                     || said.contains("unexpected argument '-1' found");
                 assert!(is_named, "{command} --{flag} {value}: {said}");
             }
-            // The flag stands once, with its number.
+            // A flag may be given only once, so this removes it from the known options.
             let known = match known.split_once(&format!("--{flag} ")) {
                 Some((before, after)) => {
                     format!("{before}{}", after.split_once(' ').unwrap_or_default().1)

@@ -196,7 +196,7 @@ fn a_map_at_the_contacts_has_their_places_in_their_order() {
     }
 }
 
-/// Maps are written to a directory that is there.
+/// A map can only be written to an existing directory.
 #[test]
 fn a_map_needs_a_directory() {
     let desk = desk(&bowl(1.0));

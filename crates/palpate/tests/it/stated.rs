@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::desk::Desk;
 use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
 
-/// What a command warns of with these options; `[]` of nothing.
+/// Options of a command, and words of its warning; `[]` if it gives no warning.
 const PRESSES: &str = "
  | at the skin's surface
 --depth 0 | []

@@ -9,7 +9,7 @@ use super::readings::{
     GLIDE, ROLLS, glide, mean_curvature, named, press, refuses, roll, scaled, warnings,
 };
 
-/// Rolls in a form that shows itself.
+/// Estimate from a table of rolls whose form is recognised without options.
 #[track_caller]
 fn rolls(contents: impl AsRef<[u8]>) -> Value {
     roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -54,7 +54,7 @@ fn the_writing_of_a_table_does_not_matter() {
         ROLLS.replace("shift_u_mm", " Shift U [mm] "),
         ROLLS.replace("shift_v_mm", "shift_v(mm)"),
         named_probes,
-        // Rows before the header, and units in a row of their own.
+        // Lines before the header, and units in a separate row.
         format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
         format!("# rig 3\n# {ROLLS}"),
         format!("sep=;\n{}", ROLLS.replace(',', ";")),
@@ -128,7 +128,7 @@ fn units_come_from_the_header_or_the_option() {
     assert_eq!(unit(ROLLS, Some(LengthUnit::Mm)), "1/mm^2");
     assert_eq!(unit(&bare, Some(LengthUnit::Um)), "1/um^2");
     assert_eq!(unit(&bare, None), "1/unit^2");
-    // One column may state it for all, and inches are read as millimetres.
+    // One column may state the unit for all, and inches are converted to millimetres.
     assert_eq!(unit(&ROLLS.replace("v_mm", "v"), None), "1/mm^2");
     let inches =
         scaled(ROLLS, &[3, 4], 1.0 / 25.4).replace("u_mm,shift_v_mm", "u_in,shift_v [inch]");
@@ -294,7 +294,7 @@ fn names_in_other_units_are_read_by_form() {
         assert_eq!(found["arc_length"]["unit"], "mm");
         assert!(warnings(&found)[0].contains("each of the 4 rows counts as a probe"));
     }
-    // The unit of a header that states none stands behind palpate's name.
+    // If a header states no unit, the unit in palpate's column name applies.
     let bare = ROLLS.replace("shift_u_mm", "u").replace("shift_v_mm", "v");
     assert_eq!(
         roll(bare, named("shift_u_mm=u,shift_v_mm=v")),
@@ -346,7 +346,7 @@ fn messages_propose_names_of_columns() {
             columns
         );
     }
-    // A column that resembles none is left to the reader.
+    // If no column in the file resembles the required one, the proposal contains `…`.
     let said = roll(
         "p,q,rotation_y,shift_u,shift_v\n1,2,3,4,5\n",
         Form::default(),
@@ -436,7 +436,7 @@ fn columns_that_no_estimate_needs() {
     );
     // Nothing else depends on them.
     assert_eq!(found, rolls(&rolled));
-    // A marker that is left out keeps its own.
+    // An outlier is reported with its own label.
     let rows = super::readings::PRESS.lines().enumerate();
     let labelled = rows.map(|(number, line)| match number {
         0 => format!("{line},label\n"),
@@ -505,7 +505,7 @@ fn fingers_and_probes_that_are_not_named() {
             "{found}"
         );
     }
-    // One finger that goes steadily is one, and blank lines mean nothing beside a column.
+    // A steady path counts as one finger, and blank lines have no meaning if there is a column of fingers.
     let one = estimate(&three_fingers(places, "", |finger, [x, y, z]| {
         numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
     }));

@@ -138,7 +138,7 @@ fn the_bound_is_that_of_an_independent_calculation() {
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
-    // In proportion to the noise, as far as its square is a double.
+    // The bounds are proportional to the noise, as long as its square is within the range of a double.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),

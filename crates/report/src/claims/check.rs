@@ -30,7 +30,7 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 /// One comparison.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Values of rows, each with the row that stands for it.
+    /// Values computed from rows, each with the row that represents it.
     pub(super) values: Values,
     /// Name of a value by its row; values of one name are compared and shown as one range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,

@@ -32,7 +32,7 @@ pub(super) struct Finding {
 }
 
 impl Claim {
-    /// A claim about the rows that `rows` accepts, which are `what`.
+    /// A claim about the rows that `rows` accepts; `what` describes these rows.
     pub(super) fn new(
         number: u32,
         [title, published, paper_says]: [&'static str; 3],
@@ -73,7 +73,7 @@ impl Claim {
         Self { remark, ..self }
     }
 
-    /// A check of values that rows give, each with the row that stands for it.
+    /// Adds a check of values computed from rows, each with the row that represents it.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,

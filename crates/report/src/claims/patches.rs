@@ -162,7 +162,7 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Two-pass at 10 % noise on other surfaces than the sphere.
+    /// Keeps the rows of the two-pass method at 10 % noise, on all surfaces except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))
@@ -211,7 +211,7 @@ fn strong_noise() -> Claim {
 }
 
 fn segmentation() -> Claim {
-    // At a = 0.1 all of the patch is of one class, and there is nothing to segment.
+    // At a = 0.1 the whole patch belongs to one class, so there is nothing to segment.
     let of_paper = |row: &Row<'_>| {
         let a = row.number("scene.object.a")? * row.number("scene.motion.inter_finger_distance")?;
         (row.text("scene.object.kind") == Some("saddle")).then_some(a.abs())

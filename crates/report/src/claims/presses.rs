@@ -22,14 +22,14 @@ fn gaussian_profile() -> Claim {
             R² of 0.96.",
     ];
     Claim::new(15, says, "r_squared of a gaussian on a half-space press without noise", move |row| {
-        // A press without noise is tried once.
+        // Presses without noise have a single trial.
         row.quantity() == "r_squared"
             && row.statistic("trials") == Some(1.0)
             && is_kind(row, ESTIMATOR, "gaussian")
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // How the samples are spread weighs them; which samples are fitted is the estimator's choice.
+    // The layout of the samples decides their weights, and the estimator decides which samples it fits.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -183,10 +183,10 @@ fn effective_radius() -> Claim {
 
 // ---- Regimes of contact by relative curvature
 
-/// A relative curvature below this share of the sensor's own is zero.
+/// A relative curvature below this share of the sensor's curvature counts as zero.
 const ZERO: f64 = 1e-9;
 
-/// Relative curvature over the curvature of the sensor.
+/// Relative curvature divided by the sensor's curvature.
 fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     let sensor = probe_radius(row)?;
     let object = || match row.text("scene.object.kind")? {

@@ -254,7 +254,7 @@ fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
 
-// ---- What a sharp object leaves
+// ---- Sharp objects, whose contact stays on one pad
 
 /// Share of the trials whose contact stays on its pad, which gives a bound on the radius and no radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
@@ -360,8 +360,8 @@ fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
 }
 
-/// The pad size whose error is that of the wrist sensor, between neighbours in size; none if the error is outside what
-/// the pads span.
+/// The pad size with the same error as the wrist sensor, interpolated between neighbouring sizes; `None` if that error
+/// is outside the range of the pads.
 fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
     let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
     let error = group.iter().find(is_compared).and_then(rms_error)?;

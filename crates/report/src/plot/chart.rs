@@ -44,7 +44,7 @@ pub(crate) struct Chart<'a> {
     pub(crate) draw: Draw<'a>,
 }
 
-/// Samples with their words below a heading; all may be empty.
+/// Samples with their labels below a heading; samples and heading may be empty.
 #[derive(Default)]
 pub(crate) struct Legend {
     pub(crate) title: String,

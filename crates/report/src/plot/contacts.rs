@@ -161,7 +161,7 @@ struct View {
 }
 
 impl View {
-    /// The view in which the box of these scales fills its room.
+    /// The view in which the box of these scales fills the available area.
     fn of(scales: &[Scale; 3]) -> Self {
         let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
         let (sin, cos) = libm::sincos(RAISE.to_radians());
@@ -183,7 +183,7 @@ impl View {
         }
     }
 
-    /// The box below what is on the sheet, with its walls.
+    /// The box with its walls, placed below the content that the sheet already has.
     fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;

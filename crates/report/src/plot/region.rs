@@ -212,7 +212,7 @@ impl RegionAxis {
     }
 }
 
-/// A panel in places along its scales, from 0 to 1.
+/// A panel; positions along its scales are from 0 to 1.
 struct Region<'a> {
     x: &'a Scale,
     y: &'a Scale,

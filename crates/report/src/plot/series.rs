@@ -43,7 +43,7 @@ pub(crate) struct Plot {
 pub(crate) struct Content {
     /// May be empty.
     pub(crate) title: String,
-    /// Coloured grounds below everything, by their corners.
+    /// Coloured polygons behind everything else, each given by its corners.
     pub(crate) grounds: Vec<(Vec<(f64, f64)>, Colour)>,
     pub(crate) lines: Vec<Line>,
     pub(crate) points: Vec<PointSet>,

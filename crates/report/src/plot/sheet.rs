@@ -77,7 +77,7 @@ pub(crate) struct Sample {
     pub(crate) symbol: Option<Symbol>,
 }
 
-/// Samples with their words.
+/// Entries of a key: each sample with its label.
 pub(crate) type Key = Vec<(Sample, String)>;
 
 /// Figure with these words around the content that `draw` adds.

@@ -1,5 +1,5 @@
-//! Objects blunter than the probe are rolled and glided on; any bit patterns as probes, objects, motions and places give
-//! finite numbers or a named error; a roll there and back returns.
+//! Rolls and glides on objects blunter than the probe succeed. Any bit patterns as probes, objects, motions and places
+//! give finite numbers or a named error. A roll forth and back ends where it began.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;

@@ -90,7 +90,7 @@ fn overlap(roller: &Roller, motion: &Motion) -> f64 {
         };
         let (mut middle, mut half) = (centre.xy().coords, radius);
         let mut best = f64::NEG_INFINITY;
-        // Ever finer around the deepest place.
+        // Each round refines the grid around the deepest point of the round before.
         for lines in [90, 12, 12, 12, 12, 12] {
             let spacing = 2.0 * half / f64::from(lines);
             let from = middle;

@@ -40,7 +40,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
         for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-9)] {
             let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
             let off = (end.arc_length - 1.0).abs();
-            // The difference of the curvatures has lost as many digits as the gap is small.
+            // The difference of the curvatures loses more digits as the gap becomes smaller.
             assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
         }
     }

@@ -189,14 +189,14 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
     };
     for theta in [1e-300, 1e-12, 0.1, TAU, 1e3 * TAU, 1e9 * TAU] {
         let motion = Motion::rolling(0.0, 1.0, theta);
-        // Angles have no more digits than their turns leave them.
+        // The rounding error of an angle grows with its number of turns.
         let blur = 5e-15 * theta.max(1.0);
         for (object, curvature) in [(plane(), 0.0), (sphere(3.0), 1.0 / 3.0)] {
             let roller = roller(1.0, &object, (0.0, 0.0), auto, motion);
             let shift = roller.shift(&[motion]).unwrap();
             let path = theta / (1.0 + curvature);
             assert_relative_eq!(shift.arc_length, path, max_relative = 1e-14);
-            // What is left of the path after whole turns of the probe.
+            // Remainder of the path after whole turns of the probe.
             let rest = path - (path / TAU).round() * TAU;
             assert_abs_diff_eq!(shift.displacement.x, rest, epsilon = blur.min(1e-14 * path));
         }
@@ -266,7 +266,7 @@ fn rk4_errs_by_the_fourth_power_of_its_steps() {
 
 #[test]
 fn charts_end_at_poles_and_chart_free_rolls_do_not() {
-    // The pole at +x is met after 0.8 rad of the probe's turn.
+    // From `short`, the contact reaches the pole at +x when the probe has turned by 0.8 rad.
     let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);
     for (start, theta) in [
         ((2.0, 0.0), 1.0),
@@ -295,7 +295,7 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl that hardly fits magnifies, and a long path is no better known than its angle.
+        // A bowl that barely holds the probe amplifies errors, and a long path is no more exact than its angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {

@@ -293,7 +293,7 @@ fn duration_for_arc_inverts_the_arc_length() {
             assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
         }
     }
-    // Too short to be squared.
+    // The square of this arc length underflows.
     let motion = Motion::rolling(0.3, 0.7, 1.0);
     let roller = roller(1.0, &sphere(3.0), (0.0, 0.0), Model::ClosedForm, motion);
     let found = roller.duration_for_arc(&motion, 1e-300).unwrap();

@@ -1,4 +1,4 @@
-//! Warnings of ways in which readings contradict the model.
+//! Warnings about contradictions between the readings and the model.
 
 use palpate_number::Number;
 

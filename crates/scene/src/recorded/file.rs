@@ -85,7 +85,7 @@ impl RecordedFile {
         self.text("a header and one row per reading are needed")
     }
 
-    /// Its text, of UTF-8; a byte order mark is dropped. Where there is none, the error says what is needed.
+    /// Its UTF-8 text without the byte order mark. If the file is empty, the error states what is `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;

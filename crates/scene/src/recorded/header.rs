@@ -416,7 +416,7 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
 
 /// Similarity of a column's name to one in the file, from 0 to 1.
 fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
-    // A part of a quaternion is no angle.
+    // A component of a quaternion is not an angle.
     if is_quaternion(heading) && column.measure != Measure::Length {
         return 0.0;
     }

@@ -116,7 +116,7 @@ pub fn estimate_press(
     if let Some(contradiction) = &contradiction {
         doubts = contradiction.doubts(doubts);
     }
-    // Where something else is wrong, that is what has to be said.
+    // Any other warning names the cause, so a contact that is too wide is an error only without one.
     if doubts.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }

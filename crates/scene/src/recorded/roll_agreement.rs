@@ -48,7 +48,7 @@ struct Told {
     /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where no
     /// noise is stated.
     p_value: Option<f64>,
-    /// Ways in which the readings contradict the model, each with its p-value, and mistakes that the readings look like.
+    /// Contradictions between the readings and the model, each with its p-value, and likely mistakes in the readings.
     warnings: Vec<Warning>,
 }
 

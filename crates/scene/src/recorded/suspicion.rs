@@ -257,7 +257,7 @@ pub(super) fn of_flatness(
     let principal = estimate.curvature.principal();
     let sharper = principal.k_min.abs().max(principal.k_max.abs());
     let std = rounding_std(probe_radius, sharper);
-    // A thousandth counts.
+    // Warn if rounding exceeds a thousandth of the curvature.
     (sharper < 1e3 * std).then(|| {
         format!(
             "the object is too flat for readings of double precision: rounding alone errs by {} 1/{}, and the normal curvatures found are at most {}",

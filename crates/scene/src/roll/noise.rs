@@ -61,8 +61,8 @@ impl MotionNoise {
         }
     }
 
-    /// Distance, length, by which noise makes the centre of a probe of `radius` stray from a commanded roll by `rotation`
-    /// (rad): a bound for uniform noise, six standard deviations for Gaussian noise.
+    /// Distance (length) by which noise moves the centre of a probe of `radius` away from a commanded roll by
+    /// `rotation` (rad): the maximum for uniform noise, six standard deviations for Gaussian noise.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         let Self::Motion { error, .. } = self else {
             return 0.0;

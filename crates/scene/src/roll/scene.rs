@@ -102,8 +102,8 @@ impl WithSimd for Together<'_> {
 }
 
 impl Together<'_> {
-    /// Runs the trials; returns the number before the first that failed. It is compiled in this crate: those that call
-    /// [`RollScene::side_by_side`] are optimised less, and would have no vectors.
+    /// Runs the trials; returns the number before the first that failed. It must be compiled in this crate, because
+    /// crates that call [`RollScene::side_by_side`] are optimised less and would not be vectorised.
     #[inline(never)]
     fn run(self, arch: Arch) -> usize {
         arch.dispatch(self)
@@ -301,12 +301,12 @@ impl RollScene {
 }
 
 impl RollScene {
-    /// Warning of an object so flat that rounding of the readings is most of what they differ by from those of a plane.
+    /// Warning about an object so flat that the rounding of the readings is noticeable in its curvature.
     fn rounding_warning(&self) -> Option<Warning> {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // What is flatter is a plane.
+        // A flatter object counts as a plane.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

@@ -340,7 +340,7 @@ fn quaternions_that_are_no_rotations_of_rolls_are_refused() {
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
         "probe 0 stands twice: a time series of a roll",
     );
-    // Their parts are never proposed for a rotation vector.
+    // Components of a quaternion are never proposed for a rotation vector.
     let hint = roll_of(quaternions(
         "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
         |q| q,

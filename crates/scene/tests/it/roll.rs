@@ -293,7 +293,7 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // From one place the copies add nothing.
+        // If all rolls start at one place, more stars do not reduce the error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(
@@ -357,7 +357,7 @@ fn a_probe_inside_the_object_is_refused_before_the_run() {
             "{error}"
         );
     }
-    // The step is as far away as the probe reaches without noise, and trials with noise meet it.
+    // Without noise the probe just misses the step; trials with noise hit it.
     let step = "1.5*(1+tanh(20*(x-1.5)))";
     assert!(roll(1.0, step, "").is_ok());
     let noisy = roll(

@@ -148,7 +148,7 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // The nearer to the opposite side, the less a direction tells.
+        // The closer a direction is to the opposite pole, the less exactly it determines the displacement.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {
@@ -187,7 +187,7 @@ fn rates_err_by_the_stated_share() {
         let squares: f64 = (0..10_000)
             .map(|_| error.draw(&mut stream, 5.0).norm_squared())
             .sum();
-        // Five standard deviations of a root mean square of as many Gaussian draws.
+        // The bound is five standard deviations of the root mean square of this many Gaussian draws.
         let share = (squares / 20_000.0).sqrt() / (5.0 * std);
         assert!((share - 1.0).abs() < 0.025, "{distribution:?}: {share}");
         assert!((error.relative_std() - std).abs() < 1e-15);

@@ -56,8 +56,8 @@ fn centred_pads_draw_nothing() {
 
 #[test]
 fn quantisation_error_is_that_of_two_ends() {
-    // Uniform over a pad at either end, but on a square grid the two ends share the grid, so that a shift of f pads more than
-    // a whole number errs by f (1 − f) pads squared.
+    // The error of each end is uniform over a pad. On a square grid both ends share the grid, so a shift of a whole
+    // number of pads plus f has a mean square error of f (1 − f) pads squared.
     for (layout, expected) in [
         (PadLayout::Square, 0.5 * (0.24 + 0.16)),
         (PadLayout::Uniform, 1.0 / 6.0),

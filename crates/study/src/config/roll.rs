@@ -105,16 +105,16 @@ pub struct RollMotionConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
-    /// How long each probe rolls. One of this, `arc_length` and `angle_deg` is given.
+    /// How long each probe rolls. Give either this, `arc_length` or `angle_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["arc_length", "angle_deg"]))]
     pub duration_s: Option<f64>,
-    /// How long the contact's path on the probe is in each roll, without noise. One of this, `duration_s` and `angle_deg`
-    /// is given.
+    /// How long the contact's path on the probe is in each roll, without noise. Give either this, `duration_s` or
+    /// `angle_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["duration_s", "angle_deg"]))]
     pub arc_length: Option<f64>,
-    /// Angle by which each probe turns, without noise and spin. One of this, `duration_s` and `arc_length` is given.
+    /// Angle by which each probe turns, without noise and spin. Give either this, `duration_s` or `arc_length`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
@@ -342,11 +342,11 @@ pub struct RotationNoise {
     /// Distribution of the error.
     #[serde(default)]
     pub kind: GaussianKind,
-    /// Its standard deviation. One of this and `std_rad` is given.
+    /// Its standard deviation. Give either this or `std_rad`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
-    /// Its standard deviation. One of this and `std_deg` is given.
+    /// Its standard deviation. Give either this or `std_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
@@ -359,7 +359,7 @@ impl RotationNoise {
     }
 }
 
-/// The distribution of an error that has no other.
+/// Distribution of an error that is always Gaussian.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GaussianKind {
@@ -368,15 +368,15 @@ pub enum GaussianKind {
     Gaussian,
 }
 
-/// An encoder that reports rotations in steps, which lie elsewhere relative to the start of every roll.
+/// An encoder that reports rotations in steps. The start of each roll lies at a random place within a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
-    /// Its step. One of this and `step_rad` is given.
+    /// Its step. Give either this or `step_rad`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_rad"]))]
     pub step_deg: Option<f64>,
-    /// Its step. One of this and `step_deg` is given.
+    /// Its step. Give either this or `step_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_deg"]))]
     pub step_rad: Option<f64>,

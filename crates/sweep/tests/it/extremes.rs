@@ -39,7 +39,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
             close(found.std, (n * (n + 1.0) / 12.0).sqrt());
             close(found.mean_reported_std, 1.0);
         }
-        // Of a share p of ones the mean square is p, and its variance p (1 − p)/(n − 1).
+        // If a share p of the errors is 1, the mean square is p, and its variance is p (1 − p)/(n − 1).
         let quarter = summary(4096, |trial| {
             observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
         });

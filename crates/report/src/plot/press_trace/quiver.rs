@@ -100,7 +100,7 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     })
 }
 
-/// A trace with how its parts are drawn.
+/// A trace, with the scale and the sizes for drawing its parts.
 struct Quiver<'a> {
     trace: &'a Trace,
     /// Scale of the shade that shows the true normal displacement.
