@@ -122,29 +122,29 @@ subjects! {
         "unsettled": "Status of two-pass: the parameter that balances residuals against roughness was not found; curvatures are of no use. Another --smoothing helps.";
         "never-enough": "Of two objects: no number of trials tells them apart, since a trial is as likely to put them in the wrong order.";
     }
-    "Doubts about estimates" {
-        "warnings": "Reasons to distrust an estimate, each with a code, a text and numbers. A p_value among the numbers is the probability that readings contradict the model as much by chance.";
+    "Warnings about estimates" {
+        "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";
         "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
-        "large-residuals": "Doubt about an estimate: the residuals are larger than the stated noise makes them.";
-        "common-shift": "Doubt about rolls: all contacts moved by a part in common, which no rotation makes, as by probes that slip or drift.";
-        "twist": "Doubt about rolls: the contacts moved askew to the rotations, as where the frames of the two are turned against each other.";
-        "varying-curvature": "Doubt about rolls: they are too long for the object, whose curvature changes along them.";
-        "slipped-probe": "Doubt about rolls: one probe contradicts the others.";
-        "contradicting-normals": "Doubt about glides: normals and positions tell different slopes, as in frames that are turned against each other.";
-        "displaced-finger": "Doubt about glides: one finger is displaced against the others.";
-        "not-a-quadric": "Doubt about glides by the method quadric: the surface's curvature changes over the patch, and intervals are too narrow. The method penalised follows it.";
-        "stray-contact": "Doubt about glides: one contact contradicts the others.";
-        "not-round": "Doubt about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
-        "other-indentation": "Doubt about presses: the stated indentation is not the one that the displacements tell.";
-        "slipped-marker": "Doubt about presses: one marker contradicts the others, by too little to be left out.";
+        "large-residuals": "Warning: the residuals are larger than the stated noise makes them.";
+        "common-shift": "Warning about rolls: all contacts moved by a part in common, which no rotation makes, as by probes that slip or drift.";
+        "twist": "Warning about rolls: the contacts moved askew to the rotations, as where the frames of the two are turned against each other.";
+        "varying-curvature": "Warning about rolls: they are too long for the object, whose curvature changes along them.";
+        "slipped-probe": "Warning about rolls: one probe contradicts the others.";
+        "contradicting-normals": "Warning about glides: normals and positions give different slopes, for example because their frames are rotated against each other.";
+        "displaced-finger": "Warning about glides: one finger is displaced against the others.";
+        "not-a-quadric": "Warning about glides by the method quadric: the surface's curvature changes over the patch, and intervals are too narrow. The method penalised follows it.";
+        "stray-contact": "Warning about glides: one contact contradicts the others.";
+        "not-round": "Warning about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
+        "other-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
+        "slipped-marker": "Warning about presses: one marker contradicts the others, by too little to be left out.";
     }
     "Failures of rolls" {
-        "too-few-probes": "Fewer than two rolls: a curvature has three components, a roll tells two. Roll in at least two directions.";
-        "unresolvable-set": "All rolls go nearly the same way, so that the curvature across it is not told. Roll in another direction too.";
-        "noisy-rotations": "Errors of the measured rotations make up half of the rotations or more. Longer rolls or a finer encoder help.";
+        "too-few-probes": "Fewer than two rolls: a curvature has three components and one roll determines two. Roll in at least two directions.";
+        "unresolvable-set": "All rolls have nearly the same direction, so the curvature across it is undetermined. Add a roll in another direction.";
+        "noisy-rotations": "At least half of the squared rotations is measurement error. Use longer rolls or a finer encoder.";
         "unresolved": "The contact did not move in some direction, though the probe rolled: the object is too sharp for the pads, and only a bound on its radius is known. Finer pads or longer rolls help.";
         "not-rolling": "The contact moved against the roll in some direction, as no rolling contact does: noise is larger than the movement, or a sign of the readings is wrong. Longer rolls or less noise help; of recorded readings, a contact that moves to +u belongs to rotation_y < 0.";
-        "overlapping": "A part of the object beside the contact reaches into the rolling probe: no real probe gets there.";
+        "overlapping": "Beside the contact the object reaches into the probe, so that a real probe cannot roll there.";
         "conforming": "The object is as hollow as the probe or sensor is round, or nearly: they touch over an area at once, and there is no point of contact, nor a finite radius. In `press`, also the regime of such a pair.";
         "too-many-steps": "The integrator of the roll took the largest number of steps without coming to the end.";
         "singular": "The step of the integrator shrank to nothing, because the motion is singular at that place.";
@@ -171,11 +171,11 @@ subjects! {
         "no-indentation": "The indentation is not positive, so that the bodies do not touch.";
         "edge-contact": "The object is more hollow than the sensor is round, so that its rim is touched and not its bottom.";
         "too-deep": "The indentation is larger than the body that is indented.";
-        "too-wide": "The contact would be wider than the sensor, or than 0.9 of the object's radius.";
+        "too-wide": "The contact radius would exceed the sensor's radius, or 0.9 of the object's radius.";
         "layer-too-thin": "The contact is so much wider than the layer is thick that its equations cannot be solved.";
         "too-few-markers": "Fewer readings of markers than unknowns.";
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. Where nothing touches, noise passes for a press in fewer than 5 of 100. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
-        "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another. A failure where no press fits, a doubt where one fits badly.";
+        "other-body": "The fitted body is wrong in its kind, its thickness or the depth of the markers. This is an error if no press fits, and a warning if the fit is bad.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
         "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
         "contradicting-rest": "Markers at rest contradict the presses that calibrate a camera sensor, more than one in eight: the frame is of another sensor.";

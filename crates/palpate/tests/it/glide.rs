@@ -199,7 +199,7 @@ fn check_tells_what_is_needed() {
     let beyond = edited(GLIDE, "half_width = 10.0", "half_width = 16.0");
     Desk::with(&beyond)
         .palpate("check c.toml")
-        .prints("warning: the grid reaches beyond the contacts");
+        .prints("warning: the grid extends beyond the contacts");
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn zeros() -> Claim {
         .only(size, is(5.0))
         .bound(AtMost(1e-12))
         .reports("at R₂ = 5 R₁ {count} do")
-        .remark("Zero is a curvature of at most 10⁻¹² / R₁.")
+        .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
 /// Errors at the shortest and at the longest roll of a group, where they differ.

@@ -320,7 +320,7 @@ fn beyond(config: &GlideConfig) -> Option<Warning> {
     (half_width > reach * (1.0 + 1e-9)).then(|| {
         Warning::new(
             "grid-beyond-contacts",
-            "the grid reaches beyond the contacts, where the fit is a guess",
+            "the grid extends beyond the contacts, where the fit is extrapolated",
             [("half_width", half_width), ("reach", reach)],
         )
     })
