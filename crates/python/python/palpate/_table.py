@@ -37,7 +37,7 @@ class Table(dict[str, "NDArray[Any]"]):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self._text == other._text
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __repr__(self) -> str:
         return f"<Table of {self.height} rows: {', '.join(self)}>"
