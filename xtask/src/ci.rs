@@ -58,8 +58,8 @@ fn clippy(shell: &Shell) -> Result<()> {
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
-/// Runs all tests, with doc tests, without benchmarks. Properties are tried on the same random cases each time, so that only a
-/// change of the code changes the outcome; tests that are run by hand draw others.
+/// Runs all tests and doc tests, but no benchmarks. Property tests use the same random cases each time, so that only a
+/// change of the code changes the outcome. Tests that are run by hand draw other cases.
 fn tests(shell: &Shell) -> Result<()> {
     let tests = cmd!(
         shell,

@@ -58,8 +58,8 @@ fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> 
     (then - now).abs() <= bin + TOLERANCE * then.abs().max(now.abs()).max(SMALL)
 }
 
-/// Differences between the tables and configs that a study has now and the committed ones, beyond the last digits that hosts
-/// differ in. Of a partial run only the cells that were run are compared.
+/// Differences between the present tables and configs of a study and the committed ones. Differences in the last
+/// digits, as between hosts, do not count. After a partial run, only the cells that were run are compared.
 pub(crate) fn study(
     name: &str,
     committed: &Path,

@@ -148,7 +148,7 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     let config = format!("sim-configs/{study}.toml");
     let stride = quick.then(|| ["--every-nth-cell".to_owned(), QUICK_STRIDE.to_string()]);
     let stride = stride.into_iter().flatten();
-    // What it warns of is in warnings.txt.
+    // The run writes its warnings to warnings.txt.
     let run = cmd!(
         shell,
         "{palpate} run {config} --out {out} --quiet {stride...}"

@@ -119,7 +119,7 @@ impl Desk<'_> {
         Ok(())
     }
 
-    /// Kills runs at random moments, and lets them go on.
+    /// Kills runs at random moments, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
         // A heavy cell, and some light ones.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;

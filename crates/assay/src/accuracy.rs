@@ -44,7 +44,7 @@ pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     (sum / f64::from(count)).sqrt()
 }
 
-/// Rolls against closed forms, by every rung.
+/// Errors of rolls at every fidelity level, compared with closed forms.
 fn of_rolls() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
@@ -142,7 +142,7 @@ fn of_frames() -> Result<Figures> {
     Ok([named("dark", dark), named("rendered", rendered)].concat())
 }
 
-/// Presses of a layer: its thickness, and the depth of the markers, mm.
+/// The layer that is pressed: its thickness and the depth of the markers, mm.
 const LAYER: (f64, f64) = (5.0, 2.0);
 
 /// The field of a press, and what the estimators make of it.

@@ -57,10 +57,10 @@ pub fn summary(scores: &[Score]) -> String {
     format!("{within} of {all} cases within the limits")
 }
 
-/// Table of the scores; what cannot be told is an empty field.
+/// CSV table of the scores. A value that cannot be computed is an empty field.
 ///
 /// # Errors
-/// It cannot be written.
+/// The table cannot be written.
 pub fn table<S: Serialize>(scores: &[S]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for score in scores {

@@ -1,4 +1,5 @@
-//! Ends of rolls of the unit sphere in closed form, which is not how `palpate-rolling` computes most of them.
+//! Ends of rolls of the unit sphere in closed form. `palpate-rolling` computes most of them in another way, so this is
+//! an independent check.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,18 +1,20 @@
 //! The least squares of the 1996 paper, for any number of probes.
 //!
 //! With `g = (−Δθ_y, Δθ_x)` and `B = (K₁ + K₂)⁻¹` the model is `Δp = B g`. On a flat object
-//! `B = I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` cancels. Fitted instead is the deviation from rolling on
-//! a plane, `Δp − R₁ g = D g`, from which
+//! `B = I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` loses its digits by cancellation. Therefore the fit estimates `D`, the
+//! deviation from rolling on a plane, `Δp − R₁ g = D g`. The formula
 //!
 //! ```text
 //! K₂ = −K₁ (I + K₁ D)⁻¹ K₁ D
 //! ```
 //!
-//! loses nothing: readings of a flat object give exactly zero. Where rotations are measured with a stated error, their
-//! squares are reduced by its variance, which else makes the contact seem to move less. Exact readings of probes that turn alike
-//! in all directions give curvatures within `1e-15 (2 + K₁/|k| + |k|/K₁)` of themselves, where `K₁/|k|` is
-//! what the last place of a reading makes of them, and `|k|/K₁` the price for what is flat: an object a
-//! million times as sharp as the probe is told to nine digits.
+//! does not cancel: readings of a flat object give exactly zero. If rotations are measured with a stated error, their
+//! squares are reduced by its variance. Otherwise the contact would seem to move less.
+//!
+//! Exact readings of probes that turn alike in all directions give curvatures with a relative error of at most
+//! `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁` is the
+//! price of the accuracy on flat objects: the curvature of an object a million times as sharp as the probe has nine
+//! correct digits.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
@@ -127,7 +129,7 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         spans(rotations.len(), &gram)?;
-        // Errors of measured rotations add their squares to those of the rotations.
+        // Measurement errors add their variance to the squared rotations.
         let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
         let share = added / gram.least();
         if share > MOST_NOISE {

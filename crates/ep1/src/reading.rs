@@ -18,11 +18,11 @@ pub enum PadStart {
     /// Each roll starts at its own place, so the errors of different rolls are independent.
     #[default]
     PerRoll,
-    /// All rolls start at the same place, anywhere on a pad: they share the error of the start, and ends that lie alike on
-    /// their pads share that of the end.
+    /// All rolls start at the same random place on a pad, so they share the error of the start. Ends at similar places
+    /// relative to their pads also share the error of the end.
     PerTrial,
-    /// All rolls start at a pad's centre: ends that lie alike on their pads share their error, and opposite ones have
-    /// opposite errors.
+    /// All rolls start at the centre of a pad. Ends at similar places relative to their pads share their error, and
+    /// opposite ends have opposite errors.
     Centred,
 }
 

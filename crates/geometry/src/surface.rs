@@ -116,8 +116,8 @@ pub trait Surface {
         self.closest_point(point)
     }
 
-    /// Whether a ball of `radius` that touches from outside may reach into the solid elsewhere, though the solid is nowhere
-    /// as hollow at the contact as the ball is round.
+    /// Whether a ball of `radius` that touches from outside may reach into the solid elsewhere, although the solid is
+    /// less concave at the contact than the ball is convex.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }

@@ -124,7 +124,7 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     };
     let turns = sixths / 6.0;
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-    // A tiny negative number rounds up to a whole turn.
+    // A tiny negative number plus 1 rounds to a whole turn.
     if turns < 1.0 { turns } else { 0.0 }
 }
 

@@ -171,10 +171,11 @@ impl PressEstimate {
         }
     }
 
-    /// Nothing where the contact is narrow enough for an object of the interval.
+    /// Checks that the contact is narrow enough for at least one object of the curvature's interval.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] beyond [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of the radius of each of them.
+    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of the radius
+    /// of every object of the interval.
     pub fn within_object(&self) -> Result<(), PressError> {
         let least = self.object_curvature().interval.low;
         within_object(least.unwrap_or_default(), self.contact_radius.value)

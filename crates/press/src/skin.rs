@@ -132,10 +132,10 @@ impl Skin {
     }
 }
 
-/// Nothing where a contact of a radius (length) is narrow enough for an object of a curvature (1/length).
+/// Checks that a contact of this radius (length) is narrow enough for an object of this curvature (1/length).
 ///
 /// # Errors
-/// [`PressError::TooWide`] beyond [`MAX_CONTACT`] of the radius of an object that bulges.
+/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds [`MAX_CONTACT`] of its radius.
 pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
     let limit = MAX_CONTACT / object_curvature;
     if object_curvature > 0.0 && contact_radius > limit {

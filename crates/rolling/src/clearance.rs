@@ -19,8 +19,8 @@ const TILE: i64 = 32;
 const TOLERANCE: f64 = 5e-7;
 /// Distance from the contact within which a closest point is the contact itself, as a share of the radius.
 const CONTACT: f64 = 1e-4;
-/// Longest way of the probe's centre between two samples of a path, and the shortest way that is bisected, as shares of
-/// the radius.
+/// Longest distance that the probe's centre may travel between two samples of a path, and the shortest one that is
+/// still bisected, as shares of the radius.
 const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
 /// Slope between neighbouring samples above which the wall between them is searched for.
@@ -199,12 +199,13 @@ impl Roller {
         Ok(terrain)
     }
 
-    /// Smallest distance, length, between the probe and the parts of the object that it does not touch during a roll by
-    /// `motions`, as far as it is below `margin` or a quarter of the radius.
+    /// Smallest distance (length) between the probe and the parts of the object beside the contact during a roll by
+    /// `motions`. Parts farther away than `margin` plus a quarter of the probe's radius are not examined, so the result
+    /// is at most this sum.
     ///
     /// # Errors
-    /// [`RollError`] where the roll ends early, with [`RollFault::Overlapping`] where the object reaches into the probe by
-    /// more than a millionth of its radius.
+    /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object reaches into the
+    /// probe by more than a millionth of its radius.
     pub fn clearance(
         &self,
         motions: &[Motion],

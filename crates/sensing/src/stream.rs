@@ -103,7 +103,7 @@ impl Stream {
     /// Uniform in [−1, 1), in steps of 2^−51.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // A float in [2, 4) less its middle.
+        // A float in [2, 4) minus the middle of that range.
         f64::from_bits(self.next_word() >> 12 | 2_f64.to_bits()) - 3.0
     }
 

@@ -125,9 +125,9 @@ subjects! {
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";
         "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
-        "large-residuals": "Warning: the residuals are larger than the stated noise makes them.";
-        "common-shift": "Warning about rolls: all contacts moved by a part in common, which no rotation makes, as by probes that slip or drift.";
-        "twist": "Warning about rolls: the contacts moved askew to the rotations, as where the frames of the two are turned against each other.";
+        "large-residuals": "Warning: the residuals are larger than the stated noise explains.";
+        "common-shift": "Warning about rolls: all contacts share a displacement that the rotations do not explain, for example because the probes slip or drift.";
+        "twist": "Warning about rolls: the contacts moved at an angle to the direction of rolling, for example because the frames of the two readings are rotated against each other.";
         "varying-curvature": "Warning about rolls: they are too long for the object, whose curvature changes along them.";
         "slipped-probe": "Warning about rolls: one probe contradicts the others.";
         "contradicting-normals": "Warning about glides: normals and positions give different slopes, for example because their frames are rotated against each other.";
@@ -136,7 +136,7 @@ subjects! {
         "stray-contact": "Warning about glides: one contact contradicts the others.";
         "not-round": "Warning about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
         "other-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
-        "slipped-marker": "Warning about presses: one marker contradicts the others, by too little to be left out.";
+        "slipped-marker": "Warning about presses: one marker contradicts the others, but too weakly to be left out as an outlier.";
     }
     "Failures of rolls" {
         "too-few-probes": "Fewer than two rolls: a curvature has three components and one roll determines two. Roll in at least two directions.";
@@ -175,7 +175,7 @@ subjects! {
         "layer-too-thin": "The contact is so much wider than the layer is thick that its equations cannot be solved.";
         "too-few-markers": "Fewer readings of markers than unknowns.";
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. Where nothing touches, noise passes for a press in fewer than 5 of 100. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
-        "other-body": "The fitted body is wrong in its kind, its thickness or the depth of the markers. This is an error if no press fits, and a warning if the fit is bad.";
+        "other-body": "The kind of the fitted body, its thickness or the depth of the markers is wrong. This is an error if no press fits, and a warning if the fit is bad.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
         "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
         "contradicting-rest": "Markers at rest contradict the presses that calibrate a camera sensor, more than one in eight: the frame is of another sensor.";

@@ -26,7 +26,7 @@ pub(crate) struct Column {
     verdicts: Vec<(usize, [bool; 3])>,
     /// Number of observations of trials that have succeeded; those after them are of the running trial.
     kept: usize,
-    /// Sums of trials that made several observations, each with the number of observations before it.
+    /// Sums of each trial that made several observations, with the number of observations before that trial.
     several: Vec<(usize, Sums)>,
     /// Errors of these trials.
     histogram: Histogram,

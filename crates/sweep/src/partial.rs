@@ -173,7 +173,7 @@ impl Slice {
     }
 }
 
-/// Runs trials into a record without observations; gives those that failed.
+/// Runs trials, which add their observations to an empty `record`. Returns the failures.
 fn run_trials(
     trial: &dyn Trial,
     trials: Range<u64>,

@@ -56,10 +56,10 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over observations. Those of squares are of use unless they are near the ends of the floats.
+/// Sums over observations. Sums of squares cannot be used near the limits of the floating-point range.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
-    /// Smallest and largest truth.
+    /// Smallest and largest true value.
     pub(crate) truths: [f64; 2],
     /// Smallest and largest error.
     pub(crate) errors: [f64; 2],
@@ -201,7 +201,7 @@ impl<S: Simd> Parts<S> {
     }
 
     fn totals(&self) -> Totals {
-        // Zero has no sign.
+        // Adding 0.0 turns −0 into 0.
         let range = |place: usize| {
             let fold = |lanes: &[S::f64s; LANES], of: fn(f64, f64) -> f64| {
                 lanes_of::<S>(lanes).into_iter().reduce(of).unwrap_or(0.0) + 0.0
@@ -262,7 +262,7 @@ impl WithSimd for TotalsOf<'_> {
     }
 }
 
-/// Numbers of the vectors that [`LANES`] numbers take.
+/// Copies the [`LANES`] numbers out of the vectors that hold them. The rest of the array is unused.
 #[inline(always)]
 fn lanes_of<S: Simd>(vectors: &[S::f64s; LANES]) -> [f64; LANES] {
     let mut lanes = [0.0; LANES];

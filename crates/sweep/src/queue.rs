@@ -14,7 +14,7 @@ const MOST_BLOCKS: u64 = 64;
 /// Jobs by which the results of quick threads may be ahead of a slow one's.
 const AHEAD: u64 = 512;
 
-/// Number where a rule may end the trials.
+/// The same limit for cells whose trials a stopping rule may end.
 const AHEAD_OF_RULE: u64 = 128;
 
 /// Experiment of a cell, set up by the first thread that needs it and dropped by the last; or why there is none.

@@ -202,7 +202,7 @@ mod tests {
         result
     }
 
-    /// Number of observations of each quantity, which are summed up.
+    /// Sums up the observations, and returns their number for each quantity.
     fn counts(record: &mut Record) -> Vec<u64> {
         let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
         let counts = record.columns().iter_mut().map(sums);

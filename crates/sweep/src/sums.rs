@@ -4,11 +4,11 @@ use crate::moments::Moments;
 use crate::pass::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Sums over the observations of one quantity, from which its statistics but the quantiles follow. They are merged in the
-/// order of the trials.
+/// Sums over the observations of one quantity, from which all its statistics except the quantiles follow. They are
+/// merged in the order of the trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
-    /// Smallest and largest truth.
+    /// Smallest and largest true value.
     truths: [f64; 2],
     /// Smallest and largest error.
     range: [f64; 2],
@@ -73,7 +73,7 @@ impl Sums {
         }
     }
 
-    /// Counts an observation by what its trial says of its intervals, not by its standard deviation.
+    /// Counts an observation by whether its trial states that the intervals hold, not by its standard deviation.
     pub(crate) fn judge(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.judged += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -130,7 +130,7 @@ impl Sums {
         (self.reported > 0).then_some(self.std)
     }
 
-    /// Shares of the intervals of 50, 80 and 95 % that hold the truth; `None` without intervals.
+    /// Shares of the intervals of 50, 80 and 95 % that hold the true value; `None` without intervals.
     pub(crate) fn coverages(&self) -> [Option<f64>; 3] {
         let share = |covered: u64| (self.judged > 0).then(|| covered as f64 / self.judged as f64);
         self.covered.map(share)

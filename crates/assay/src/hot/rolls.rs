@@ -57,8 +57,8 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
 }
 
-/// Error of a roll from the top of the unit sphere or the paraboloid: how far the contact is from where the closed form
-/// has it, in any coordinate, on the object or on the probe.
+/// Error of a roll from the top of the unit sphere or the paraboloid: the largest difference between a coordinate of
+/// the contact and its closed form, on the object or on the probe.
 ///
 /// # Errors
 /// If the object has no closed form, or the roll fails.

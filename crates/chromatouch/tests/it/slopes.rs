@@ -269,7 +269,7 @@ fn slopes_on_skins_of_any_size_have_closed_forms() {
                     -1.0,
                 ),
             ] {
-                // Wider discs grow less, by the square of their angle.
+                // Wider discs grow less; the difference is proportional to the square of their angular size.
                 assert!((slope - due).abs() < 3e-4, "{radius:e}: {slope}, not {due}");
             }
         }

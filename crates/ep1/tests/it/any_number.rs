@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::readings;
 
-/// Any double at all, or one of everyday size.
+/// Any bit pattern of a double, or a number of everyday size.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),

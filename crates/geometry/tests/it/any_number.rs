@@ -97,7 +97,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     }
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
-    // Only promised to return.
+    // These calls must only return without a panic.
     let _ = (surface.parameters(&place), surface.meridian(&place));
     Ok([
         chart.is_ok(),
@@ -174,7 +174,7 @@ proptest! {
                 continue;
             }
             let foot = shape.closest_point(&place);
-            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two places may be as close.
+            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two places may be equally close.
             let may_have_none = ["ellipsoid", "paraboloid", "saddle"].contains(&shape.name());
             prop_assert!(foot.is_ok() || may_have_none, "{shape:?} at {place}: {foot:?}");
             if let Ok(foot) = foot {
@@ -252,7 +252,7 @@ proptest! {
 
 #[test]
 fn a_point_on_a_needle_is_its_own_foot() {
-    // Its height errs by more than the needle is wide.
+    // The rounding error of the height exceeds the width of the needle.
     let needle = Graph::paraboloid(1.1e8).unwrap();
     let place = needle.contact_at(1.24, -0.5).unwrap();
     assert_eq!(needle.closest_point(&place).unwrap(), place);

@@ -100,7 +100,7 @@ fn moved_spheres_lose_no_more_than_their_coordinates() {
     }
     for far in [1e17, 1e150] {
         let (sphere, centre) = moved(1.0, far);
-        // The place is rounded to the centre.
+        // Rounding moves the place to the centre, where all points of the sphere are equally close.
         let none = sphere.closest_point(&(centre + up * 2.0));
         assert!(matches!(none, Err(SurfaceError::NoClosestPoint { .. })));
         let found = sphere.chart_geometry(Parameters::new(0.4, 0.9)).unwrap();
@@ -161,7 +161,7 @@ fn meridians_keep_their_digits_from_flat_to_sharp() {
         let found = Meridian::Paraboloid { c }.arc_length(0.7).unwrap();
         assert_relative_eq!(found, arc, max_relative = 1e-15);
     }
-    // Flat after 0.2 turns, and sharp after 1000.2.
+    // A nearly flat paraboloid after 0.2 turns, and a sharp one after 1000.2 turns.
     for (c, t, [outward, along], slope) in [
         (
             1e-12,
@@ -303,7 +303,7 @@ proptest! {
         assert_relative_eq!(form.k_uu * size, across, max_relative = 1e-14);
         assert_abs_diff_eq!(form.k_vv * size, across / w / w, epsilon = 1e-14 * across);
         assert_relative_eq!(normal.z, 0.5 * across, max_relative = 1e-14);
-        // The distance is half of a radius of curvature on the inner side.
+        // The point is half a radius of curvature away from the surface, on the inner side.
         let inside = foot - normal * (0.25 * size * w);
         if r < 1.0 {
             let found = hill.closest_point(&inside).unwrap();

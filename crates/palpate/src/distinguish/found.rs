@@ -10,7 +10,7 @@ pub struct ToldApart {
     pub quantity: Quantity,
     /// Its unit, as in `cells.csv`.
     pub unit: &'static str,
-    /// Probability that the numbers of repeats are to reach.
+    /// Probability that the numbers of repeats must reach.
     pub confidence: f64,
     /// What is repeated, in words: presses, glides, or trials of some rolls.
     pub trials: String,

@@ -180,7 +180,7 @@ fn arguments_are_refused_by_name() {
     ] {
         desk.refuses(command, table);
     }
-    // What readings must have.
+    // Readings with only the required columns.
     let columns = |csv: &str, count: usize| -> String {
         let row = |line: &str| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n";
         csv.lines().map(row).collect()

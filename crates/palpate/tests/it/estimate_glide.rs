@@ -74,7 +74,8 @@ fn contacts_that_tell_no_patch() {
 
 #[test]
 fn a_wall_is_a_patch_like_any_other() {
-    // A cylinder of radius 5 around z, seen from +x: outward lies in its plane unless told.
+    // A cylinder of radius 5 around z, seen from +x. The default outward direction lies in the plane of this patch, so
+    // the command requires `--outward`.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")
@@ -110,7 +111,7 @@ fn duplicates_and_one_finger() {
     let bowl = bowl(1.0);
     let rows = || bowl.lines().skip(1);
     let doubled: String = rows().map(|row| format!("{row}\n{row}\n")).collect();
-    // One finger may go to and fro over the patch.
+    // One finger may move back and forth over the patch.
     let one: String = rows().map(|row| format!("9{}\n", &row[1..])).collect();
     for (rows, fingers) in [(doubled, 6), (one, 1)] {
         let json = estimate(&format!("{BARE}\n{rows}"), "");
@@ -147,7 +148,7 @@ fn two_pass_of_one_finger_needs_a_unit() {
     desk(&one)
         .palpate("estimate glide r.csv --method two-pass")
         .fails(1, "needs --inter-finger-distance");
-    // The fingers of the grid stand 0.4 apart, which is then the unit.
+    // The fingers of the grid are 0.4 apart. Stating this distance, which sets the unit of length, changes nothing.
     let given = estimate(&bowl, "--method two-pass --inter-finger-distance 0.4");
     let found = estimate(&bowl, "--method two-pass");
     assert_close(mean(&given), mean(&found), 1e-9);

@@ -44,7 +44,7 @@ fn markers_that_moved_alike_show_no_shape() {
 
 #[test]
 fn size_does_not_matter() {
-    // Hertz's surface under R = 12, δ = 1 within the contact is 1 − r²/24; outside its falling tail.
+    // Surface of a Hertz contact with R = 12 and δ = 1: it is 1 − r²/24 within the contact, and decays outside.
     let surface = |r: f64| {
         let ratio = r / 12.0_f64.sqrt();
         if ratio <= 1.0 {

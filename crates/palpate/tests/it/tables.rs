@@ -91,7 +91,7 @@ fn the_writing_of_a_table_does_not_matter() {
     assert!((mean_curvature(&rolls(in_degrees)) - mean_curvature(&expected)).abs() > 0.01);
 }
 
-/// A number with one comma is read as the others show it, or as is stated.
+/// A number with one comma is read like the other numbers of the table, or as the form states.
 #[test]
 fn what_decides_is_a_number_that_can_be_but_one_thing() {
     let table =
@@ -434,7 +434,7 @@ fn columns_that_no_estimate_needs() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // Nothing else depends on them.
+    // The additional columns change nothing else.
     assert_eq!(found, rolls(&rolled));
     // An outlier is reported with its own label.
     let rows = super::readings::PRESS.lines().enumerate();

@@ -66,7 +66,8 @@ fn places_on_the_skin_are_those_of_their_charts_at_any_size() {
     }
 }
 
-/// A dish whose curvature is nearly the sensor's, and a plane pressed from hardly at all to the sensor's centre.
+/// Contacts with a dish whose curvature is nearly the sensor's, and with a plane at indentations from nearly zero to
+/// the sensor's radius.
 #[test]
 fn contacts_on_skins_of_any_size_have_the_radius_of_hertz() {
     let body = Body::hertz(0.5).unwrap();

@@ -133,7 +133,7 @@ impl Check {
         self.says.split('|').next().unwrap_or_default()
     }
 
-    /// The sentence with the bound instead of values.
+    /// The sentence of the check with its bound in place of the measured values.
     fn rule(&self) -> String {
         let counts = self.says.contains("{count}");
         let says = filled(self.rule_part(), |_, show| match self.portion {

@@ -14,7 +14,7 @@ pub(super) struct Claim {
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Words for the rows.
+    /// Description of the rows in words.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -193,7 +193,7 @@ impl Claim {
         self.last(|check| check.name = Some(name))
     }
 
-    /// Makes one number of the values of one name.
+    /// Merges the values of each name into one number.
     pub(super) fn merged(self, merge: fn(&[f64]) -> f64) -> Self {
         self.last(|check| check.merge = Some(merge))
     }
@@ -223,10 +223,10 @@ impl Claim {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
 
-    /// The sentence of a check that decides, without its end. In the finding `{count}` stands for the number of judged
-    /// values that meet the bound, `{n}` for the number of all, `{range}` and `{max}` for judged values, `{list}` for all
-    /// values (in percent with a `%` before the brace). In the rule the place becomes the bound; what follows a `|` is in
-    /// the finding alone.
+    /// The sentence of a check that decides, without its end. In the finding `{count}` stands for the number of
+    /// compared values that meet the bound and `{n}` for the number of all. `{range}` and `{max}` stand for compared
+    /// values, `{list}` for all values. A `%` before the closing brace prints percent. In the rule the bound replaces
+    /// the placeholder. Text after a `|` appears only in the finding.
     pub(super) fn says(self, says: impl Into<String>) -> Self {
         self.last(|check| check.says = says.into())
     }

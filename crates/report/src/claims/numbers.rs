@@ -1,13 +1,13 @@
-//! Numbers in words, and one number of several.
+//! Numbers as text, and numbers that summarise several others.
 
 use palpate_study::number;
 
-/// A share as percent in three digits.
+/// A share in percent, with three significant digits.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", short(100.0 * share))
 }
 
-/// A number in three digits.
+/// A number with three significant digits.
 pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }

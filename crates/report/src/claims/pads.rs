@@ -31,7 +31,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error of a row is a statistic: that of random offsets, or of all where none is random.
+/// Whether the error of a row is a statistic. This is so for random offsets, and for all rows of a study that sweeps no
+/// random offset.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))

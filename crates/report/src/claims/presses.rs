@@ -54,7 +54,7 @@ fn in_millimetres(row: &Row<'_>, statistic: &str) -> Option<f64> {
 }
 
 fn has_radius(row: &Row<'_>, radius: f64) -> bool {
-    // The paper rounds.
+    // The paper gives rounded radii.
     in_millimetres(row, "truth").is_some_and(|truth| (truth - radius).abs() <= 0.01 * radius)
 }
 

@@ -256,7 +256,7 @@ fn crossing() -> f64 {
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials whose contact stays on its pad, which gives a bound on the radius and no radius.
+/// Share of the trials whose contact stays on its pad. Such a trial bounds the radius but does not estimate it.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }

@@ -128,7 +128,8 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// For each line of the hue, how far it and the best centroid of its sensor are off the published slopes.
+/// For each line of the hue, the larger of two relative deviations from the published slopes: its own, and that of the
+/// best centroid line of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);

@@ -1,4 +1,4 @@
-//! Sections of the page for the tables beside the studies: `tradeoff/` and `peers.csv`, as far as they exist.
+//! Sections of the page for tables that do not come from studies: `tradeoff/` and `peers.csv`, if they exist.
 
 use super::size::least;
 use crate::plot;

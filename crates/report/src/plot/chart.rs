@@ -92,7 +92,7 @@ impl Chart<'_> {
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
-        // Four in a square are larger than four in a row.
+        // Four panels in a square are larger than four in a row.
         let most = match count {
             0..=3 => count,
             4 => 2,

@@ -33,7 +33,7 @@ pub struct Figure {
     pub name: String,
     /// Title, which is also in the picture.
     pub title: String,
-    /// The picture as SVG. Its text is text: a viewer sets it in its own sans-serif font.
+    /// The picture as SVG. Its text is not outlined: a viewer shows it in its own sans-serif font.
     pub svg: String,
     drawing: Drawing,
 }

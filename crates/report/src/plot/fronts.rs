@@ -90,7 +90,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // One choice of each family has its name beside it.
+        // If each family has a single choice, the name beside its point replaces the key.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }

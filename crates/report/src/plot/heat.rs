@@ -44,7 +44,7 @@ pub struct HeatPanel {
 /// Most things of a panel, and most panels, that make a picture.
 const MOST: usize = 40;
 const MOST_PANELS: usize = 24;
-/// Sides of squares: with a number in them, and without.
+/// Side of a square that shows a number, and of one that shows none.
 const LARGE: i32 = 222;
 const SMALL: i32 = 66;
 /// Panel of more things than this has no numbers in its squares.
@@ -58,7 +58,8 @@ const BESIDE: i32 = 12;
 const SAMPLE: i32 = 78;
 /// Share from which on a square is so dark that its number is white.
 const DARK: f64 = 0.6;
-/// Ground of squares without a share, and of share 1: a blue that colour-blind readers and a grey print also show.
+/// Fill colour of squares without a share, and of squares with a share of 1. The blue also suits colour-blind readers
+/// and grey prints.
 const NONE: Colour = Colour(236, 236, 236);
 const ALL: Colour = Colour(8, 48, 107);
 

@@ -117,7 +117,7 @@ impl Scale {
         }
     }
 
-    /// The axis turned round.
+    /// The same axis in the opposite direction.
     pub(crate) fn reversed(self) -> Self {
         Self {
             min: self.max,

@@ -92,7 +92,7 @@ pub(crate) struct Line {
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// Labels of the solid and of the dashed lines, where two statistics are compared.
+    /// Labels of the solid and of the dashed lines, if two statistics are compared.
     pub(crate) compared: Option<(String, String)>,
     /// The open markers, by label.
     pub(crate) points: Vec<(String, Style)>,
@@ -277,7 +277,7 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // The ends of the line, and where its label may stand: to both sides of it.
+        // The ends of the line, and possible places of its label on both sides.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -316,7 +316,8 @@ impl Mark {
 }
 
 impl Content {
-    /// Number of places within a box: all points, weighted by 3, and twenty places along each segment of the lines.
+    /// Measure of how much is drawn within a box: the points in it, weighted by 3, plus the places in it when each
+    /// segment of a line is divided into twenty parts.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

@@ -68,7 +68,7 @@ pub(crate) struct Sheet {
     pub(crate) top: i32,
 }
 
-/// Sample before the words of a key: a ground, on it a line, on that a symbol; each may be absent.
+/// Sample before the text of a key: a filled rectangle, a line on it and a symbol on top. Each may be absent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -175,7 +175,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// A sample of a width, from the left end of its middle height, with its words.
+    /// Draws an entry of a key: a sample of width `wide` whose left edge is centred on the given point, and its text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];

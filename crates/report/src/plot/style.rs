@@ -126,7 +126,7 @@ impl Style {
     }
 }
 
-/// The colour mixed half with white.
+/// The colour mixed with an equal part of white.
 pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }

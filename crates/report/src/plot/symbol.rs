@@ -83,7 +83,7 @@ fn fill<B: DrawingBackend, S: BackendStyle>(
     style: &S,
 ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
     let r = size + rim;
-    // A rectangle of these half sides.
+    // A rectangle whose sides are twice these lengths.
     let bar = |a: f64, b: f64| [(-a, -b), (a, -b), (a, b), (-a, b)];
     let long = bar(1.15 * r, 0.35 * size + rim);
     let (corners, turns): (&[(f64, f64)], &[f64]) = match marker {

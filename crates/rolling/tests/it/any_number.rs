@@ -23,7 +23,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// The objects that these numbers make.
+/// The objects that can be made with these numbers as parameters.
 fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)].into();
     [

@@ -1,4 +1,4 @@
-//! Probes that meet the object beside their contact, against a search of all places.
+//! Probes that meet the object beside their contact, compared with a search of all places.
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::formula::Formula;

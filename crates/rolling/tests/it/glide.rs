@@ -1,4 +1,4 @@
-//! Gliding fingertips: closed forms, the offset surface, what comes first, errors.
+//! Gliding fingertips: closed forms, the offset surface, the contact that is met first, errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{Shape, Surface};

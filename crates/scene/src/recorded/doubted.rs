@@ -16,7 +16,8 @@ macro_rules! warns {
 
 warns!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);
 
-/// Warnings with the p-values of contradictions, and a warning of each contradiction that has none.
+/// Adds the p-value of each contradiction to the warnings with its code. A contradiction without such a warning is
+/// added as a new one.
 pub(super) fn with_p_values(
     mut warnings: Vec<Warning>,
     contradictions: impl Iterator<Item = Warning>,

@@ -63,8 +63,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that report the commanded rotations; `None` where a roll is not linear: on other objects, or where
-    /// its motion changes on the way or is measured with errors.
+    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls are not linear. This is so on
+    /// other objects, if the motion changes on the way, and if it is measured with errors.
     pub(super) fn new(roller: &Roller, rolls: &[Roll], noise: &MotionNoise) -> Option<Self> {
         let error = match noise {
             MotionNoise::None => None,

@@ -267,7 +267,7 @@ fn noiseless(
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
-            // A probe that overlaps the object from the start is refused for that.
+            // If the probe overlaps the object from the start, report the overlap instead.
             let start = Motion {
                 duration_s: 0.0,
                 ..command

@@ -45,7 +45,8 @@ pub struct RollScene {
     pub(super) sensor: RollSensor,
     pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
-    /// The fit for the commanded rotations, which may not determine the curvature; `trace` does not need it to.
+    /// The fit for the commanded rotations. It is an error if they do not determine the curvature, which `trace` does
+    /// not need.
     pub(super) fit: Result<LeastSquares, Ep1Error>,
     /// Set where all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,

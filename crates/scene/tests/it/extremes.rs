@@ -36,7 +36,7 @@ pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     scene("glide", &sphere(third), object, &motion, &lines)
 }
 
-/// A sensor of radius 20 units that is pressed by a share of its radius.
+/// A sensor of radius 20 units, with an indentation of `share` of its radius.
 pub(crate) fn press(unit: f64, object: &str, share: f64, lines: &str) -> String {
     let [radius, depth, indentation] = [20.0 * unit, 2.0 * unit, 20.0 * unit * share];
     let probe = format!(
@@ -80,8 +80,8 @@ fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
         of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
     };
     let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
-        // The curvature of an object that is pressed is what the sensor's own leaves of the relative one, and its radius
-        // counts as that curvature.
+        // In a press the object's curvature is the relative curvature minus the sensor's, so its error is compared with
+        // the relative curvature. The object's radius is compared as its inverse.
         let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
         let scale = largest(if is_of_object {
             "relative_curvature"
@@ -104,12 +104,12 @@ fn scenes_without_noise_are_exact() {
         (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
         (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
         (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
-        // Errors of the shift grow by 1 + 1/RCR, the object's radius over the probe's.
+        // Errors of the shift grow by 1 + 1/RCR. Here 1/RCR is the object's radius over the probe's.
         (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
         (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
-        // Rounding of the places is seen as bending.
+        // The fit takes the rounding of the places for curvature.
         (glide(1.0, &sphere(2e9), ""), 1e10),
         (roll(1.0, PLANE, 1e-12, ""), 1.0),
         (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),

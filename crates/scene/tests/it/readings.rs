@@ -52,7 +52,7 @@ fn mean_curvature(estimate: &impl serde::Serialize) -> f64 {
     json["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// Curvature of the object under 25 markers, one of which has this displacement.
+/// Estimated curvature of the object from 25 markers, one of which has this displacement.
 fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
     let mut text = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for index in 0..25_i32 {
@@ -193,7 +193,7 @@ fn frames_are_read_back_or_refused() {
     for kept in [0, 8, 33] {
         assert_eq!(kind(read(png(64, 64)[..kept].to_vec())), "file", "{kept}");
     }
-    // The width, in bytes 16 to 19, is not that of the checksum.
+    // The width in bytes 16 to 19 does not match the checksum.
     let mut bytes = png(64, 64);
     bytes[16..20].copy_from_slice(&u32::MAX.to_be_bytes());
     assert_eq!(kind(read(bytes)), "file");

@@ -325,7 +325,7 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // Eight rolls see the curvature along u, and an error of the rotation grows by 1 + R₂/R₁.
+        // Eight rolls measure the curvature along u, and an error of the rotation is amplified by 1 + R₂/R₁.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(

@@ -1,4 +1,4 @@
-//! Any bit patterns: sensors that read finite numbers, or named errors.
+//! Sensors with any bit patterns as arguments return finite readings or named errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{

@@ -1,4 +1,4 @@
-//! Tasks: slices of blocks, and cells that end when a statistic is known well enough.
+//! Tasks: slices of blocks, and cells that end when a statistic is precise enough.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;

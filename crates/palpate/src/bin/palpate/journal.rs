@@ -61,7 +61,7 @@ enum Record {
     Header(Box<Header>),
     /// Cells that are done, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
-    /// Rows of trials of the cell that follows.
+    /// Rows of trials of the next cell in the journal.
     Trials(TrialRows),
     End,
 }
@@ -503,7 +503,7 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
                 }
                 found.time += Duration::from_millis(ms);
             }
-            // Of a cell that may not have ended: they count with it.
+            // These rows belong to a cell that may not have ended. They are counted with that cell.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }
