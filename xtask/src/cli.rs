@@ -28,12 +28,12 @@ pub(crate) enum Task {
     Intervals(harness::Options),
     /// Hold the intervals of presses by a camera against the truth on random scenes, into results/camera-intervals.csv.
     CameraIntervals(harness::Options),
-    /// Hold the intervals and doubts of presses that are read directly against the truth on random scenes, into
+    /// Hold the intervals and warnings of presses that are read directly against the truth on random scenes, into
     /// results/press-intervals.csv.
     PressIntervals(harness::Options),
-    /// Hold the intervals and doubts of rolls against the truth on random scenes, into results/roll-intervals.csv.
+    /// Hold the intervals and warnings of rolls against the truth on random scenes, into results/roll-intervals.csv.
     RollIntervals(harness::Options),
-    /// Hold the doubts of glides against the truth on random surfaces, into results/glide-intervals.csv.
+    /// Hold the warnings of glides against the truth on random surfaces, into results/glide-intervals.csv.
     GlideIntervals(harness::Options),
     /// Compare instruction counts and accuracy with the committed baseline.
     BenchCheck(bench_check::Options),

@@ -1,6 +1,5 @@
 //! Study → figure: every config in `sim-configs/` to its results.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -31,26 +30,9 @@ pub(crate) struct Options {
     pub(crate) check: bool,
 }
 
-/// A study was asked for that has no config.
-#[derive(Debug)]
-pub(crate) struct UnknownStudy {
-    name: String,
-    known: Vec<String>,
-}
-
-impl fmt::Display for UnknownStudy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no study `{}` in sim-configs/; known:", self.name)?;
-        self.known
-            .iter()
-            .try_for_each(|known| write!(f, "\n  {known}"))
-    }
-}
-
-impl std::error::Error for UnknownStudy {}
-
 /// Builds the program alone, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    chosen(&known_studies(shell)?, &options.studies)?;
     run_with(shell, &palpate::build_alone(shell)?, options)
 }
 
@@ -139,7 +121,7 @@ fn check(shell: &Shell, palpate: &Path, studies: &[String], quick: bool) -> Resu
     }
     print!("{}", compare::render(&differences, SHOWN));
     bail!(
-        "{} differences from results/; if they are meant, run `cargo xtask reproduce` and commit",
+        "{} differences from results/; if they are meant, run `cargo xtask reproduce --all` and commit",
         differences.len()
     )
 }
@@ -177,12 +159,12 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
 }
 
 /// The studies that were asked for.
-fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>, UnknownStudy> {
+fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
-        return Err(UnknownStudy {
-            name: name.clone(),
-            known: known.to_vec(),
-        });
+        bail!(
+            "no study `{name}` in sim-configs/; known:\n  {}",
+            known.join("\n  ")
+        );
     }
     Ok(asked.to_vec())
 }

@@ -27,10 +27,10 @@ pub enum Ep1Error {
         /// Root-mean-square rotation across the main axis over that along it.
         spread: f64,
     },
-    /// Errors of the measured rotations make up much of the rotations themselves.
+    /// Errors of the measured rotations are most of the squared rotations in some direction.
     #[error(
-        "in some direction errors of the measured rotations are {} of the squares of the rotations, of at most 0.5: roll \
-         further, or measure rotations more exactly",
+        "errors of the measured rotations are {} of the squared rotations in some direction, more than 0.5: roll further, \
+         or measure the rotations more exactly",
         Number::rounded(*share)
     )]
     NoisyRotations {

@@ -28,7 +28,8 @@ use crate::{
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
 
-/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations.
+/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A scene is
+/// judged by its true rotations, which is stricter: measured ones are larger by the errors.
 const MOST_NOISE: f64 = 0.5;
 
 /// Standard deviation of the rounding in the entries of `K₁ B`: the last digits of readings and sums are wrong.

@@ -105,7 +105,7 @@ impl ReadingNoise {
             }
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
-            // Opposite shifts have opposite errors.
+            // From a pad's centre, opposite shifts have opposite errors.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

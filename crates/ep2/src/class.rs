@@ -186,6 +186,18 @@ mod tests {
     }
 
     #[test]
+    fn a_flat_place_is_a_saddle_by_signs_and_no_mean_is_concave() {
+        for (gaussian, mean, class) in [
+            (5e-324, 1.0, SignClass::Convex),
+            (5e-324, -0.0, SignClass::Concave),
+            (-0.0, 1.0, SignClass::Saddle),
+            (f64::NAN, 1.0, SignClass::Saddle),
+        ] {
+            assert_eq!(curvature(gaussian, mean, [0.0; 2], 0.0).sign_class(), class);
+        }
+    }
+
+    #[test]
     fn certain_curvatures_have_one_class() {
         for (gaussian, mean, class) in [
             (0.04, 0.2, ShapeClass::Peak),

@@ -123,13 +123,6 @@ impl CurvatureForm {
             + self.k_vv * unit.y * unit.y
     }
 
-    /// The relative curvature ratio RCR: this (the object's) normal curvature over the probe's, in
-    /// the direction at `angle_rad`. `None` where the probe is flat.
-    pub fn relative_curvature_ratio(&self, probe: &Self, angle_rad: f64) -> Option<f64> {
-        let ratio = self.normal_curvature(angle_rad) / probe.normal_curvature(angle_rad);
-        ratio.is_finite().then_some(ratio)
-    }
-
     /// The form seen in the basis turned by `angle_rad` from `u` towards `v`.
     pub fn rotated(&self, angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(angle_rad);
@@ -390,14 +383,6 @@ mod tests {
         assert_relative_eq!(index(-0.2, -0.2).unwrap(), -1.0);
         assert_eq!(index(0.0, 0.0), None);
         assert_relative_eq!(CurvatureForm::isotropic(-0.2).curvedness(), 0.2);
-    }
-
-    #[test]
-    fn relative_curvature_ratio_needs_a_curved_probe() {
-        let object = CurvatureForm::isotropic(0.2);
-        let ratio = |probe| object.relative_curvature_ratio(&CurvatureForm::isotropic(probe), 0.3);
-        assert_relative_eq!(ratio(1.0).unwrap(), 0.2);
-        assert_eq!(ratio(0.0), None);
     }
 
     #[test]

@@ -91,7 +91,7 @@ def test_tables_are_mappings_of_arrays():
     cells = EXAMPLE.run(trials=10).cells
     assert isinstance(cells, dict) and "scene.sensor.pitch" in cells
     assert cells["mean"].shape == (cells.height,) and cells["mean"].dtype == float
-    assert cells["quantity"].dtype.kind == "U"
+    assert cells["quantity"].dtype.kind == "U" and cells == cells and not cells != cells
     assert cells.units["scene.sensor.pitch"] == "mm" and cells.units["mean"] is None
     with pytest.raises(KeyError, match="no column .nothing"):
         cells["nothing"]

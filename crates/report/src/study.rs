@@ -185,8 +185,8 @@ impl Study {
         }
     }
 
-    /// Text at a dotted `path` of the config in the cell of `row`, from the same places as [`Self::number`]. `None` if
-    /// there is no text.
+    /// Text at a dotted `path` of the config, for the cell of `row`: that of a swept field, else that of the config.
+    /// `None` if it is no text.
     pub fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
@@ -196,11 +196,16 @@ impl Study {
 
     /// Value at a dotted path that is no axis of the table.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
-        let (parent, key) = path.rsplit_once('.')?;
-        match self.cells.axis(parent) {
-            Some(axis) => self.labelled(parent, axis.text(row))?.get(key),
-            None => self.setting(path),
-        }
+        let mut dots = path.match_indices('.').rev();
+        let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
+        let Some((dot, axis)) = swept else {
+            return self.setting(path);
+        };
+        let mut keys = path[dot + 1..].split('.');
+        let first = self
+            .labelled(&path[..dot], axis.text(row))?
+            .get(keys.next()?)?;
+        keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
     /// Table with a label (or, without one, of a kind) among those that the sweeps put at `path`.

@@ -90,7 +90,7 @@ pub enum TargetError {
     },
     /// A share as the limit of a statistic that is none.
     #[error(
-        "{statistic} is no share; write its limit without %, or relative_rms_error or relative_mean_abs_error"
+        "{statistic} is no share; write its limit without %, or name a quantity that is a share, or relative_rms_error"
     )]
     NoShare {
         /// Name of the statistic, with its quantity.
@@ -165,7 +165,7 @@ impl FromStr for Target {
             let statistic = what.to_owned();
             return Err(TargetError::PlainShare { statistic, limit });
         }
-        if unit != 1.0 && quantity.is_some() && !is_share {
+        if unit != 1.0 && !is_share {
             let statistic = what.to_owned();
             return Err(TargetError::NoShare { statistic });
         }
@@ -306,6 +306,10 @@ mod tests {
             (
                 "rms_error(mean_curvature) <= 5 %",
                 "is no share; write its limit without %",
+            ),
+            (
+                "rms_error <= 5 %",
+                "rms_error is no share; write its limit without %",
             ),
             ("coverage95 >= 200 %", "at most 1, and the limit is 2"),
         ] {

@@ -15,7 +15,7 @@ const CHUNK: usize = 64;
 
 /// Bin of a number: its exponent, the first bits of its significand and, last, its sign.
 type Bin = u64;
-/// Counts of an octave by the last bits of its bins.
+/// Counts of the bins of one octave, at the last bits of their numbers.
 type Page = [u64; PLACES];
 
 /// Counts of finite numbers in 128 bins per octave and sign.

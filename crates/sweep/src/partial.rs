@@ -64,7 +64,7 @@ pub(crate) struct Partial {
     pub(crate) quantities: Vec<Accumulator>,
 }
 
-/// Listener to trials: told of what each observed, or of the kind of its failure.
+/// Called with what each trial observed, or with the kind of its failure.
 pub(crate) type Note<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {

@@ -22,20 +22,45 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(any_number()).prop_map(Vector3::from)
 }
 
+/// Contacts of a rough patch, with normals or without; often one of them is anything.
 fn contacts() -> impl Strategy<Value = Vec<Contact>> {
+    let part = || -2.0..2.0;
     let contact = (
         0..4_usize,
+        [part(), part(), part()],
+        [part(), part()],
+        1e-3..10.0,
+    );
+    let wild = (
+        any::<prop::sample::Index>(),
         vector(),
-        prop::option::weighted(0.9, vector()),
+        prop::option::of(vector()),
         any_number(),
     );
-    let contact = contact.prop_map(|(finger, place, normal, weight)| Contact {
-        finger,
-        position: Point3::from(place),
-        normal,
-        weight,
-    });
-    prop::collection::vec(contact, 0..20)
+    let all = (
+        prop::collection::vec(contact, 0..30),
+        any::<bool>(),
+        prop::option::weighted(0.4, wild),
+    );
+    all.prop_map(|(contacts, has_normals, spoilt)| {
+        let contact = |(finger, place, [x, y], weight): (usize, [f64; 3], [f64; 2], f64)| Contact {
+            finger,
+            position: Point3::from(place),
+            normal: has_normals.then(|| Vector3::new(0.2 * x, 0.2 * y, 1.0)),
+            weight,
+        };
+        let mut contacts: Vec<Contact> = contacts.into_iter().map(contact).collect();
+        if let Some((index, place, normal, weight)) = spoilt.filter(|_| !contacts.is_empty()) {
+            let at = index.index(contacts.len());
+            contacts[at] = Contact {
+                position: Point3::from(place),
+                normal,
+                weight,
+                ..contacts[at]
+            };
+        }
+        contacts
+    })
 }
 
 fn config(cases: u32) -> ProptestConfig {
@@ -225,7 +250,7 @@ proptest! {
     #[test]
     fn any_contacts_give_numbers_or_the_error_that_is_due(
         contacts in contacts(),
-        outward in vector(),
+        outward in prop_oneof![3 => Just(Vector3::z()), 1 => vector()],
         place in vector(),
         number in any_number(),
     ) {

@@ -69,8 +69,13 @@ fn points_and_lines() {
     assert_eq!(outcomes(&point), ["coincident"; 3]);
     let line = plain((0..40).map(|step| [0.1 * f64::from(step), 0.2 * f64::from(step), 1.0]));
     assert_eq!(outcomes(&line), ["collinear"; 3]);
-    let nearly = (0..20).map(|step| [f64::from(step), 1e-13 * f64::from(step % 2), 0.0]);
-    assert_eq!(outcomes(&plain(nearly)), ["collinear"; 3]);
+    // Across a millionth of its length a patch has no shape, across ten millionths it has.
+    for (share, is_line) in [(1e-13, true), (1e-7, true), (1e-5, false)] {
+        let wide = 19.0 * share;
+        let nearly = (0..20).map(|step| [f64::from(step), wide * f64::from(step % 3), 0.0]);
+        let is_refused = outcomes(&plain(nearly)).map(|outcome| outcome == "collinear");
+        assert_eq!(is_refused, [is_line; 3], "{share:e}");
+    }
     // One finger: a curve in a plane leaves the shape across it open.
     let curve = (0..40).map(|step| {
         let x = 0.1 * f64::from(step);

@@ -1,4 +1,4 @@
-//! Sizes, ratios and distances from 1e-12 to 1e300, at which results are as accurate as at ordinary ones.
+//! Sizes, ratios and distances from the smallest double to 1e300. Where digits are lost, the bound says how many.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};

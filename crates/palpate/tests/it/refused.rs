@@ -19,6 +19,9 @@ const ROLLS: &str = r#"
 1.0 }\n => 1.0, directions_deg = [0] }\n | 9:69 scene.motion.directions_deg | 1 probe(s)
 1.0 }\n => 1.0, directions_deg = [30, 210] }\n | 9:69 scene.motion.directions_deg | do not span
 1.0 }\n => 1.0, directions_deg = [30, 30, 30] }\n | 9:69 scene.motion.directions_deg | do not span
+"sphere", radius = 50.0 => "height-field", formula = "8*exp(-((x-6)^2+y^2)/2)" | 9:10 scene.motion | overlaps the object by 3.83
+1.0 }\n => 1.0 }\nnoise = { encoder = { step_deg = 60 }, rotation = { std_deg = 1 } }\n | 10:21 scene.noise.encoder | more than 0.5
+1.0 }\n => 1.0 }\nnoise = { encoder = { step_deg = 1 }, rotation = { std_deg = 60 } }\n | 10:50 scene.noise.rotation | more than 0.5
 "sphere", radius = 50.0 } => "saddle", a = 0.001 }\nmodel = { kind = "closed-form" } | 9:18 scene.model.kind | saddle
 length_unit => outputs = ["map"]\nlength_unit | 2:11 outputs | no map
 length_unit => claims = [2, 999]\nlength_unit | 2:14 claims.1 | no claim 999
@@ -85,7 +88,12 @@ fn plots() {
         let (edit, words) = (row.split(" | ").next(), row.rsplit(" | ").next());
         let sections = edit.unwrap().replace("\\n", "\n");
         let (sweep, plot) = sections.split_at(sections.find("[[plot]]").unwrap());
-        let desk = Desk::with(&format!("{STUDY}{sweep}"));
+        let desk = Desk::with(&format!("{STUDY}{sections}"));
+        for command in ["check c.toml", "run c.toml --out o"] {
+            desk.palpate(command).fails(2, words.unwrap());
+        }
+        assert_untouched(&desk.path(""));
+        desk.write("c.toml", format!("{STUDY}{sweep}"));
         desk.palpate("run c.toml --out o").printed();
         desk.write("o/run.toml", format!("{}\n{plot}", desk.read("o/run.toml")));
         desk.palpate("plot o").fails(1, words.unwrap());

@@ -54,7 +54,7 @@ fn the_writing_of_a_table_does_not_matter() {
         ROLLS.replace("shift_u_mm", " Shift U [mm] "),
         ROLLS.replace("shift_v_mm", "shift_v(mm)"),
         named_probes,
-        // Lines before the header, and units in a separate row.
+        // Comments before the header, and a row of units behind it.
         format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
         format!("# rig 3\n# {ROLLS}"),
         format!("sep=;\n{}", ROLLS.replace(',', ";")),

@@ -115,6 +115,11 @@ fn shifts_know_any_azimuth() {
     }
 }
 
+/// A number within the range, or one time in eight any other.
+fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![7 => range, 1 => any_number()]
+}
+
 /// A power of ten, of any exponent within.
 fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|exponent| libm::pow(10f64, exponent))
@@ -296,10 +301,14 @@ proptest! {
 
     #[test]
     fn fits_give_numbers_or_the_error_that_is_due(
-        readings in prop::collection::vec(any_number(), 25),
-        known in prop::option::of([any_number(), any_number()]),
-        stds in prop::array::uniform3(prop::option::of(any_number())),
+        mut readings in prop::collection::vec(-1.0..3.0, 25),
+        wrong in prop::option::weighted(0.3, (0..25_usize, any_number())),
+        known in prop::option::of([mostly(0.1..2.0), mostly(1e-3..0.1)]),
+        stds in prop::array::uniform3(prop::option::of(mostly(1e-3..10.0))),
     ) {
+        if let Some((marker, reading)) = wrong {
+            readings[marker] = reading;
+        }
         let markers = square_of_markers();
         let fit = ForwardFit {
             normal_std: stds[0],

@@ -13,7 +13,7 @@ if typing.TYPE_CHECKING:
 class Table(dict[str, "NDArray[Any]"]):
     """Arrays of one value per row by the names of their columns, numbers as float64 with NaN for an empty field.
 
-    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take it as it is. Names do not tell the unit of length:
+    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take it as it is. Names do not contain the unit of length:
     ``units`` has the unit of each column, None where it has none, or each row its own.
     """
 
@@ -36,6 +36,9 @@ class Table(dict[str, "NDArray[Any]"]):
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self._text == other._text
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
 
     __hash__ = None
 

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::question::{set as set_of, varied};
-use super::shown::{figure, table, title};
+use super::shown::{figure, table};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};
@@ -44,7 +44,7 @@ impl Made for Found<Box<Answer>> {
         match name {
             "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
             "table" => table(py, &found.table(), study),
-            _ => figure(py, found.figure("design", title(study))),
+            _ => figure(py, found.figure("design", study.heading())),
         }
     }
 }
@@ -64,7 +64,7 @@ impl Made for Found<Region> {
             "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
             "table" => table(py, &found.table(), study),
             "runs" => table(py, &found.runs(), study),
-            _ => figure(py, found.figure("design", title(study))),
+            _ => figure(py, found.figure("design", study.heading())),
         }
     }
 }

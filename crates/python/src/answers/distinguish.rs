@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::question::{listed, set as set_of, wrong};
-use super::shown::{figure, table, title};
+use super::shown::{figure, table};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};
@@ -36,7 +36,7 @@ impl Made for Told {
         let Self { told, study } = self;
         match name {
             "table" => table(py, &told.table(), study),
-            _ => figure(py, told.figure("distinguish", title(study))),
+            _ => figure(py, told.figure("distinguish", study.heading())),
         }
     }
 }

@@ -22,11 +22,3 @@ pub(super) fn figure<'py>(
     let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
     Ok(Bound::new(py, Figure::from(figure))?.into_any())
 }
-
-/// Title of the figures of a study's answer.
-pub(super) fn title(study: &Study) -> &str {
-    match study.config.title.as_str() {
-        "" => &study.config.name,
-        title => title,
-    }
-}

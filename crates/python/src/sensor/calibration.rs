@@ -25,7 +25,7 @@ pub(crate) struct Calibration {
     /// The calibration in words, a line each: slopes, standard errors, R² and residuals.
     #[pyo3(get)]
     summary: Vec<String>,
-    /// Doubts, in words.
+    /// Warnings, in words.
     #[pyo3(get)]
     warnings: Vec<String>,
 }

@@ -31,7 +31,7 @@ impl CameraCalibration {
         self.camera.summary()
     }
 
-    /// Doubts, in words.
+    /// Warnings, in words.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.camera.warnings.clone()

@@ -28,7 +28,7 @@ pub(crate) struct Tracked {
     /// How many markers had which fate: `at_rest`, `tracked`, `lost`, `merged`, `split`, `new`, `cut_at_rest`.
     #[pyo3(get)]
     fates: Py<PyAny>,
-    /// Doubts, in words.
+    /// Warnings, in words.
     #[pyo3(get)]
     warnings: Vec<String>,
     /// Pressed frame with each marker's fate drawn on it, (h, w, 3) of uint8.

@@ -133,7 +133,7 @@ impl Check {
         self.says.split('|').next().unwrap_or_default()
     }
 
-    /// The sentence of the check with its bound in place of the measured values.
+    /// The sentence of the check as a rule: each measured value is replaced by the bound that it must meet.
     fn rule(&self) -> String {
         let counts = self.says.contains("{count}");
         let says = filled(self.rule_part(), |_, show| match self.portion {

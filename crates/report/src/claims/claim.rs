@@ -198,7 +198,7 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// Compares only the values of these rows; the others are shown.
+    /// Only the values of these rows are compared with the bound. The values of other rows are only printed.
     pub(super) fn judging(self, judged: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.judged = Some(judged))
     }

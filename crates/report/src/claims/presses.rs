@@ -116,7 +116,7 @@ fn effective_radius() -> Claim {
         "The estimated effective radius converges to the true 26.7, 20 and 16 mm by an indentation of 1.4 mm; below \
          1 mm noise dominates.",
     ];
-    let what = "effective_radius of 26.7, 20 or 16 mm in a unit known in millimetres";
+    let what = "effective_radius of 26.7, 20 or 16 mm, in a unit of length that is not `unit`";
     let mut claim = Claim::new(16, says, what, |row| {
         row.quantity() == "effective_radius" && RADII.iter().any(|radius| has_radius(row, *radius))
     })
@@ -177,7 +177,7 @@ fn effective_radius() -> Claim {
         .reports("they are off by {list%}")
         .remark(
             "The paper's own estimates are 18, 10 and 4 % off. Scatter is half the width from the 5 % to the 95 % \
-             quantile. A cell without any estimate counts as scattered.",
+             quantile. A cell without any estimate is left out.",
         )
 }
 

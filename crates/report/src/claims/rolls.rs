@@ -93,7 +93,7 @@ fn relative_curvature() -> Claim {
 /// Whether the noise is uniform and drawn once per probe, and two probes roll in each of ±u and ±v as in the paper.
 fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
     const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
-    let word = |path: &str| row.study.setting(path).and_then(toml::Value::as_str);
+    let word = |path: &str| row.text(path);
     let is_paper = |directions: &toml::Value| {
         let directions = directions.as_array().into_iter().flatten();
         directions.map(study::number).eq(DIRECTIONS.map(Some))

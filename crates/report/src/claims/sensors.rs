@@ -114,12 +114,12 @@ fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
 
-/// Slope of a hue over the published one.
+/// Slope of the hue, divided by the published slope.
 fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / HUE_SLOPE)
 }
 
-/// Slope of a centroid over the published one.
+/// Slope of the centroid, divided by the published slope.
 fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / CENTROID_SLOPE)
 }

@@ -156,7 +156,7 @@ struct View {
     toward: Vector,
     /// Sides of the box.
     sides: Vector,
-    /// Height of its picture.
+    /// Height of the picture of the box, px.
     high: i32,
 }
 

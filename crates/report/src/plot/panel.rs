@@ -64,8 +64,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws an interval of y at a value of x, unless it is no longer than the marker that hides it. Ends beyond the panel
-/// have no caps.
+/// Draws the interval `ends` of y at a value of x, if it is longer than `hidden` px, the height of the marker on it. Ends
+/// beyond the panel have no caps.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -238,7 +238,7 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // Beside a dashed line the solid one is pale, so that both are visible where they coincide.
+        // The solid line is pale where a dashed one is drawn too: both are visible where they coincide.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {

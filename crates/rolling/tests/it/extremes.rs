@@ -247,24 +247,6 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
 }
 
 #[test]
-fn rk4_errs_by_the_fourth_power_of_its_steps() {
-    let (object, motion) = (ellipsoid(3.0, 2.0, 1.0), Motion::rolling(0.4, 1.0, 1.0));
-    let truth = roll(1.0, &object, (0.3, 0.2), DOP853, motion);
-    for steps in [1, 64, 100_000] {
-        let chart = Chart::Free;
-        let end = roll(
-            1.0,
-            &object,
-            (0.3, 0.2),
-            Model::Rk4 { steps, chart },
-            motion,
-        );
-        let off = difference(&end, &truth, 1.0);
-        assert!(off <= 1e-11 + (steps as f64).powi(-4), "{steps}: {off:e}");
-    }
-}
-
-#[test]
 fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     // From `short`, the contact reaches the pole at +x when the probe has turned by 0.8 rad.
     let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);

@@ -102,8 +102,11 @@ impl<'a> Header<'a> {
     /// Name of a column of times, if there is one.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
-            let mut words = heading.base.split('_');
-            words.any(|word| matches!(word, "t" | "time" | "timestamp" | "stamp" | "secs"))
+            let mut words = heading.base.split('_').enumerate();
+            words.any(|(place, word)| match word {
+                "t" => place == 0,
+                _ => matches!(word, "time" | "timestamp" | "stamp" | "secs"),
+            })
         };
         self.headings
             .iter()
@@ -290,7 +293,7 @@ impl<'a> Header<'a> {
         let is_number = |heading: &Heading<'_>| heading.name.parse::<f64>().is_ok();
         if !self.headings.is_empty() && self.headings.iter().all(is_number) {
             return format!(
-                "no column `{}`: the first line holds numbers; put the columns' names before it: (echo {wanted}; cat FILE) > named.csv",
+                "no column `{}`: the first line holds numbers; put the columns' names before it: {wanted}",
                 missing[0].name
             );
         }

@@ -13,9 +13,9 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     };
     match parsed {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(number) if number.is_nan() => Err(format!(
-            "must be finite, is {text}; leave such rows out, as by grep -vi nan"
-        )),
+        Ok(number) if number.is_nan() => {
+            Err(format!("must be finite, is {text}; leave such rows out"))
+        }
         Ok(_) => Err(format!("must be finite, is {text}")),
         Err(_) if text.is_empty() => Err("is empty".to_owned()),
         Err(_) => Err(format!("`{text}` is not a number")),
@@ -44,8 +44,8 @@ impl Shown {
         }
     }
 
-    /// The sign, as far as it is certain; `odd` is a number with a comma, and `remedy` what takes its separators away.
-    pub(super) fn decimal(&self, odd: &str, remedy: &str) -> Result<Decimal, String> {
+    /// The sign, as far as it is certain; `odd` is a number with a comma.
+    pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),
             (Some(comma), Some(point)) => Err(format!(
@@ -53,7 +53,7 @@ impl Shown {
                  separators of thousands"
             )),
             (None, Some(_)) => Err(format!(
-                "`{odd}` has a separator of thousands; write it without{remedy}"
+                "`{odd}` has a separator of thousands; write it without"
             )),
             (None, None) => {
                 let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
@@ -85,7 +85,7 @@ mod tests {
         let mut shown = Shown::default();
         fields.iter().for_each(|field| shown.look(field));
         let odd = fields.iter().find(|field| field.contains(','));
-        shown.decimal(odd.unwrap(), "")
+        shown.decimal(odd.unwrap())
     }
 
     #[test]

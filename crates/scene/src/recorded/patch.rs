@@ -237,7 +237,7 @@ impl<'r> FittedGlide<'r> {
         };
         let words = words(&doubts, &of_noise, directions.is_some(), &recorded.origin);
         let distant = alone(self.contacts(), unit, &recorded.origin);
-        let lengths = of_normals(self.contacts());
+        let normals = of_normals(self.contacts());
         let warnings = Warning::of("finger-distance", self.spacing())
             .into_iter()
             .chain(words)
@@ -246,10 +246,10 @@ impl<'r> FittedGlide<'r> {
             .chain(Warning::of("unknown-noise", self.few()))
             .chain(Warning::of("distant-contact", distant))
             .chain(of_noise.iter().cloned())
-            .chain(lengths.filter_map(|text| Warning::of("normals", Some(text))))
+            .chain(normals)
             .chain(Warning::of("contradicting-normals", directions))
             .chain(Warning::of("repeated-rows", copies(recorded)))
-            .chain(Warning::of("finger-numbers", recorded.note.clone()))
+            .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
             .collect();
         let warnings = with_p_values(warnings, doubts.iter().copied().map(Warning::from));
         GlideEstimate {

@@ -55,7 +55,7 @@ impl Pictured {
 }
 
 /// Warning of doubts about pictures that light and blur change.
-const BLEMISHED: &str = "what `light_at_rim` and `blur_px` of the study make of pictures is known of markers at rest: it changes as they move, and doubts may come of that";
+const BLEMISHED: &str = "what `light_at_rim` and `blur_px` of the study make of pictures is known of markers at rest: it changes as they move, and warnings may come of that";
 
 /// Estimates the curvature of an object from a frame at rest and a pressed one: the markers of the first are matched with
 /// the layout, those of the second tracked, and a press is fitted to centroid, hue and size of each, by the errors that the

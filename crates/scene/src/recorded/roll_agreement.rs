@@ -136,10 +136,10 @@ impl Estimated {
             .chain(poor_fit(p_value, !doubts.is_empty()))
             .chain(Warning::of("small-residuals", small))
             .chain(Warning::of("flat-object", flat))
-            .chain(Warning::of("pitch", pitch))
+            .chain(Warning::of("stated-pitch", pitch))
             .chain(Warning::of("rotation-noise", rotations))
             .chain(Warning::of("repeated-rows", self.copies.clone()))
-            .chain(Warning::of("probe-numbers", self.note.clone()))
+            .chain(Warning::of("unnamed-probes", self.note.clone()))
             .collect();
         Told { p_value, warnings }
     }

@@ -299,11 +299,7 @@ fn decimal_of(
     let Some((line, index, field)) = odd else {
         return Ok(Decimal::Point);
     };
-    let remedy = match table.has_commas() {
-        true => String::new(),
-        false => format!(": tr -d , < {} > plain.csv", table.file.name),
-    };
-    shown.decimal(&field, &remedy).map_err(|what| {
+    shown.decimal(&field).map_err(|what| {
         let name = header.name(index);
         table.file.fail(line, format!("column `{name}`: {what}"))
     })

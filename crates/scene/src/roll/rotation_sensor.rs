@@ -40,6 +40,14 @@ impl RotationSensor {
         self.error.is_random() || self.encoder.is_some()
     }
 
+    /// Path of the larger error in the config.
+    pub(super) fn path(&self) -> &'static str {
+        match self.encoder {
+            Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
+            _ => "scene.noise.rotation",
+        }
+    }
+
     /// Standard deviation of each component, rad.
     pub(super) fn std_rad(&self) -> f64 {
         libm::hypot(

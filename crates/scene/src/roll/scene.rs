@@ -334,6 +334,9 @@ impl Trials for RollScene {
     fn estimable(&self) -> Result<(), PlanError> {
         match &self.fit {
             Ok(_) => Ok(()),
+            Err(error @ Ep1Error::NoisyRotations { .. }) => {
+                Err(PlanError::at(self.rotation_sensor.path(), error))
+            }
             Err(error) => Err(PlanError::at("scene.motion.directions_deg", error)),
         }
     }

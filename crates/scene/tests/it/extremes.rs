@@ -109,7 +109,7 @@ fn scenes_without_noise_are_exact() {
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
         (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
-        // The fit takes the rounding of the places for curvature.
+        // Rounding of the places is most of the estimated curvature.
         (glide(1.0, &sphere(2e9), ""), 1e10),
         (roll(1.0, PLANE, 1e-12, ""), 1.0),
         (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),
@@ -156,13 +156,18 @@ fn impossible_scenes_have_named_errors() {
     }
 }
 
-/// A power of two as a unit of length changes no digit.
+/// A power of two as a unit of length changes no error by more than a billionth of the quantity.
 #[test]
 fn errors_are_the_same_in_any_unit() {
     let noisy_press = |unit: f64, noise: f64| {
         let kind = format!("{{ kind = \"gaussian\", std = {:e} }}", noise * unit);
         let lines = format!("noise = {{ normal_displacement = {kind} }}\n{KNOWN}");
-        press(unit, PLANE, 0.05, &lines)
+        press(
+            unit,
+            PLANE,
+            0.05,
+            &(lines + "\nsensor = { tangential = false }"),
+        )
     };
     let noisy_glide = |unit: f64, noise: f64| {
         let kind = format!("{{ kind = \"gaussian\", fraction_of_ifd = {noise:e} }}");
@@ -177,20 +182,17 @@ fn errors_are_the_same_in_any_unit() {
         roll(unit, &sphere(2.0 * unit), 0.5, &lines)
     };
     let same = |text: &dyn Fn(f64) -> String| {
-        let [here, there] = [1.0, (1 << 20) as f64].map(|unit| relative(&text(unit)));
-        let (Ok(here), Ok(there)) = (&here, &there) else {
-            assert_eq!(here, there);
-            return;
-        };
+        let [here, there] = [1.0, (1 << 20) as f64].map(|unit| relative(&text(unit)).unwrap());
+        assert!(here.len() == there.len() && here.iter().any(|[found, truth]| found != truth));
         for (here, there) in here.iter().zip(there) {
-            assert!((here[0] - there[0]).abs() <= 1e-6, "{here:?} {there:?}");
+            assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
     for noise in [1e-9, 0.1, 10.0] {
         same(&|unit| noisy_press(unit, noise));
         same(&|unit| noisy_glide(unit, noise));
     }
-    for pitch in [1e-6, 0.1, 1.0] {
+    for pitch in [1e-6, 0.1] {
         same(&|unit| on_pads(unit, pitch));
     }
 }

@@ -71,7 +71,7 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
         judged += 1;
 
         let mut named = study.clone();
-        named.override_model(&rung.model).unwrap();
+        named.config.scene = named.config.scene.with_model(&rung.model).unwrap();
         let again = config::parse("run.toml", &to_toml(&named.config)).unwrap();
         assert_eq!(again.config, named.config);
         let again = again.ladder(0).unwrap().unwrap();
@@ -79,21 +79,6 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
         assert_eq!(again.tolerance, None);
     }
     assert!(judged > 8, "{ladder:#?}");
-}
-
-#[test]
-fn a_model_that_is_swept_cannot_be_replaced() {
-    let text = roll(
-        r#"{ kind = "saddle", a = 0.3 }"#,
-        "",
-        r#"{ kind = "auto", tolerance = 1e-6 }"#,
-    ) + "[[sweep]]\npath = \"scene.model.tolerance\"\nvalues = [1e-3, 1e-6]\n";
-    let mut study = config::parse("study.toml", &text).unwrap();
-    let error = study
-        .override_model(&ModelConfig::Roll(RollModelConfig::ClosedForm {}))
-        .unwrap_err();
-    assert_eq!(error.path(), "scene.model");
-    assert!(error.message().contains("swept"), "{error}");
 }
 
 fn glide(object: &str, probe: &str, model: &str) -> String {
@@ -224,7 +209,11 @@ fn an_estimator_has_from_auto_what_it_has_from_a_layer() {
     let auto = outcomes(&study.scene(0).unwrap());
     // Made explicit, the estimator keeps its thickness.
     let mut explicit = study.clone();
-    explicit.override_model(&ladder.taken().model).unwrap();
+    explicit.config.scene = explicit
+        .config
+        .scene
+        .with_model(&ladder.taken().model)
+        .unwrap();
     let again = config::parse("run.toml", &to_toml(&explicit.config)).unwrap();
     assert_eq!(outcomes(&again.scene(0).unwrap()), auto);
     let layer = ladder.rungs.last().unwrap();

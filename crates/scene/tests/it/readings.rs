@@ -73,7 +73,7 @@ fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
     Ok(json["object_curvature"]["value"].as_f64().unwrap())
 }
 
-/// Slope of the line through three points, the first of which has this displacement.
+/// Slope of a calibration from three points; the first has this displacement.
 fn calibrated(displacement: &str) -> Result<f64, RecordedError> {
     let rows = "0,0\n1,0.1,0\n2,0.2,0\n";
     let text = format!("normal_displacement_mm,hue_turns,growth\n{displacement},{rows}");

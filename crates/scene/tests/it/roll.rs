@@ -144,7 +144,7 @@ sensor = { kind = "wrist", std = 0.001 }"#;
         std::fs::write(&path, trace.readings.to_csv()).unwrap();
         let options = RollOptions {
             length_unit: Some(LengthUnit::Cm),
-            // Steps of 0.001 rad, whose squares the fit takes off those of the rotations.
+            // The standard deviation of steps of 0.001 rad, which the trial's estimator knows too.
             noise: ReadingNoise {
                 rotation_std_rad: 0.001 / 12.0_f64.sqrt(),
                 ..ReadingNoise::default()

@@ -3,7 +3,6 @@
 use super::error::{ConfigError, Fault, Source};
 use super::flat::{is_flat, trusted};
 use super::grid::Grid;
-use super::model::ModelConfig;
 use super::plot::PlotConfig;
 use super::schema::SCHEMA;
 use super::study::StudyConfig;
@@ -29,8 +28,6 @@ pub struct Study {
     pub paths: Vec<String>,
     /// The columns of the swept fields: their paths with the unit appended where they have one.
     pub columns: Vec<String>,
-    /// Model of all cells, where it has been replaced.
-    pub(super) model: Option<ModelConfig>,
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
@@ -178,7 +175,6 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
         config,
         paths,
         columns,
-        model: None,
         flat: is_flat(&grid).then(|| grid.base.to_toml()),
         source,
         grid,
@@ -374,6 +370,14 @@ fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> 
 }
 
 impl Study {
+    /// The study's title, or its name where it has none.
+    pub fn heading(&self) -> &str {
+        match self.config.title.as_str() {
+            "" => &self.config.name,
+            title => title,
+        }
+    }
+
     /// File that it was read from, as errors name it.
     pub fn file(&self) -> &str {
         &self.source.file
@@ -410,13 +414,6 @@ impl Study {
         }
         if !is_swept("trials") {
             config.trials = self.config.trials;
-        }
-        if let Some(scene) = self
-            .model
-            .as_ref()
-            .and_then(|model| config.scene.with_model(model))
-        {
-            config.scene = scene;
         }
         Ok(Cell {
             coordinates: self.grid.coordinates(number),

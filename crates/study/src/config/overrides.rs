@@ -2,8 +2,6 @@
 
 use super::error::{ConfigError, Fault};
 use super::load::Study;
-use super::model::ModelConfig;
-use super::study::SceneConfig;
 
 impl Study {
     /// Replaces the seed of all cells.
@@ -24,35 +22,6 @@ impl Study {
         self.check_override("trials", trials, 1)?;
         self.config.trials = trials;
         Ok(())
-    }
-
-    /// Replaces the model of all cells.
-    ///
-    /// # Errors
-    /// When the config sweeps the model or a part of it, or the model is of another kind of scene.
-    pub fn override_model(&mut self, model: &ModelConfig) -> Result<(), ConfigError> {
-        const PATH: &str = "scene.model";
-        let is_of_model = |path: &str| path == PATH || path.starts_with("scene.model.");
-        let fault = |span, message: &str| {
-            Err(self.source.error(Fault {
-                span,
-                path: PATH.into(),
-                message: message.into(),
-            }))
-        };
-        if let Some(target) = self.grid.targets().find(|target| is_of_model(&target.path)) {
-            return fault(Some(target.span.clone()), "is swept, and so cannot be set");
-        }
-        let fits = |scene: &SceneConfig| scene.with_model(model);
-        let is_of_all = self.cells().all(|cell| fits(&cell.config.scene).is_some());
-        match fits(&self.config.scene) {
-            Some(scene) if is_of_all => {
-                self.config.scene = scene;
-                self.model = Some(model.clone());
-                Ok(())
-            }
-            _ => fault(None, "is of another kind of scene"),
-        }
     }
 
     fn check_override(&self, key: &str, value: u64, least: u64) -> Result<(), ConfigError> {

@@ -344,11 +344,11 @@ pub struct RotationNoise {
     pub kind: GaussianKind,
     /// Its standard deviation. Give either this or `std_rad`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_rad"]))]
+    #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
     /// Its standard deviation. Give either this or `std_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minimum" = 0, "x-instead-of" = ["std_deg"]))]
+    #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
 }
 
@@ -374,11 +374,11 @@ pub enum GaussianKind {
 pub struct EncoderConfig {
     /// Its step. Give either this or `step_rad`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_rad"]))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 360, "x-instead-of" = ["step_rad"]))]
     pub step_deg: Option<f64>,
     /// Its step. Give either this or `step_deg`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["step_deg"]))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = std::f64::consts::TAU, "x-instead-of" = ["step_deg"]))]
     pub step_rad: Option<f64>,
 }
 

@@ -34,14 +34,6 @@ pub(crate) fn tell_swept<'a>(study: &Study, paths: impl Iterator<Item = &'a str>
     }
 }
 
-/// Title of an answer's figure.
-pub(crate) fn title(study: &Study) -> &str {
-    match study.config.title.as_str() {
-        "" => &study.config.name,
-        title => title,
-    }
-}
-
 /// Replaces what an earlier answer has written by these texts and a figure.
 pub(crate) fn write(
     folder: &mut Folder,

@@ -196,7 +196,7 @@ pub(crate) struct RunArgs {
     /// Run only every N-th cell, from the first; the rows keep their cell numbers.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
-    /// Run only shard K of N: every N-th task, from the K-th on. A task is a cell, or 1,048,576 trials of one.
+    /// Run only shard K of N: every N-th cell, from the K-th on.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
     /// Format of the tables; with --shard, `palpate merge` has it.
@@ -207,7 +207,7 @@ pub(crate) struct RunArgs {
     /// are in the journal, and `palpate merge` writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
-    /// Do not show warnings; warnings.txt has them.
+    /// Do not show the warnings of cells; warnings.txt, or the journal of a shard, has them.
     #[arg(long)]
     pub(crate) quiet: bool,
     /// Begin anew where a run that has not ended left its journal.
@@ -253,7 +253,7 @@ pub(crate) enum Scheduler {
   palpate submit slurm my.toml --shards 200 --cpus-per-task 8 --time 2:00:00 --partition short
 
 The scripts, the config with all defaults and the shards are in the output directory. An element whose node
-fails, that a signal kills, or whose time is up, is queued again and goes on where it was; one that fails
+fails, that a signal kills, or whose time is up, is queued again and goes on behind its last finished cell; one that fails
 otherwise is not. The merge runs when all elements have ended, and fails where a shard is missing.")]
     Slurm(SlurmArgs),
 }

@@ -51,7 +51,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     };
     let lines: Vec<String> = [sentence].into_iter().chain(lines).collect();
     if let Some(folder) = &mut folder {
-        let title = answers::title(&study);
+        let title = study.heading();
         let mut texts = vec![
             (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
             (DESIGN_CONFIG, palpate::resolved(&study)),

@@ -38,7 +38,7 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
             (TOLD, found.table().to_csv()),
             (TOLD_WORDS, format!("{}\n", found.sentences().join("\n"))),
         ];
-        let figure = found.figure(TOLD_FIGURE, answers::title(&study));
+        let figure = found.figure(TOLD_FIGURE, study.heading());
         answers::write(folder, &study, texts, figure)?;
     }
     answers::print(&args.answer, found.sentences(), || found.to_json(&study))

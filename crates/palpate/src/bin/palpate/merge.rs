@@ -224,7 +224,7 @@ fn refuse_damaged(dir: &Path, found: &Found) -> Result<(), Failure> {
     let (number, of) = found.header.asked.shard.unwrap_or((1, 1));
     let all = found.header.tasks;
     let shard = format!("shard {number} of {of} in {}", dir.display());
-    let done = format!("{} of {all} tasks", found.tasks);
+    let done = format!("{} of {all} cells", found.tasks);
     match (found.is_ended, found.is_torn) {
         (true, false) if found.tasks == all => Ok(()),
         (false, false) => Err(Failure::work(anyhow!(

@@ -44,9 +44,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             eprintln!("{line}");
         }
     };
-    if !args.quiet {
-        tell_swept(&study, std::iter::empty());
-    }
+    tell_swept(&study, std::iter::empty());
     let shard = args.shard.unwrap_or_default();
     let is_whole = args.shard.is_none();
     let out = args.out.clone().unwrap_or_else(|| {
@@ -141,7 +139,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     told.lines(cells).iter().for_each(|line| warn(line));
     if let Some((lines, warnings)) = said {
         for warning in warnings {
-            warn(&format!("warning: {warning}"));
+            eprintln!("warning: {warning}");
         }
         print(&lines.join("\n"))?;
     }

@@ -45,7 +45,7 @@ pub struct RestCamera {
     pub residuals_px: Vec<Residual>,
     /// Chi-squared of the frame per degree of freedom: about 1 where all is as it should be.
     pub reduced_chi_squared: f64,
-    /// Doubts, in words.
+    /// Warnings, in words.
     pub warnings: Vec<String>,
 }
 

@@ -4,11 +4,13 @@ use nalgebra::{DMatrix, DVector, Matrix3, Point3, RowDVector, Vector3};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_number::Number;
 
+use crate::need::Warning;
+
 /// Length by which a normal may differ from 1, of rounding or of a sensor's noise in its components.
 const LENGTH_OFF: f64 = 0.1;
 
 /// Mistakes that the normals of contacts look like.
-pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = String> {
+pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let normals = || contacts.iter().filter_map(|contact| contact.normal);
     let mut lengths: Vec<f64> = normals().map(|normal| normal.norm()).collect();
     lengths.sort_by(f64::total_cmp);
@@ -27,7 +29,10 @@ pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Ite
     let inward = is_down.then(|| {
         "the normals point to -z, out of an object that is touched from below: do they point inward? then convex and concave are swapped".to_owned()
     });
-    length.into_iter().chain(inward)
+    let length = Warning::of("normal-lengths", length);
+    length
+        .into_iter()
+        .chain(Warning::of("inward-normals", inward))
 }
 
 /// Fewest contacts whose normals are held against the shape that their places tell.

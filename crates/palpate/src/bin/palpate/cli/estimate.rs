@@ -40,17 +40,18 @@ probe each row is one; of time series, each that a blank line or a time that doe
 
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null where none is
 stated or too few probes leave any. Errors of pads are no independent noise: theirs is rather too large. `warnings` have a
-`code`, a `text` and `numbers`. With a `p_value` among the numbers they are ways in which the readings contradict the model: large-residuals, common-shift (a slip or a
+`code`, a `text` and `numbers`; `palpate explain CODE` explains one. With a `p_value` among the numbers they are ways in
+which the readings contradict the model: poor-fit (where it is below 1e-6), large-residuals, common-shift (a slip or a
 first contact that is off), twist (frames that are turned against each other), varying-curvature (rolls too long for
-the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that
+the object), slipped-probe; 1 set of rolls in 200 has each of the others by chance, and 1 in 50 one of the middle three by all that
 they tell together. Where probes roll as far to as fro, a curvature that changes along them cancels: it makes
-`p_value` small, but is a doubt only where the rolls are so long that it is likely to change the estimate.
+`p_value` small, but makes a warning only where the rolls are so long that it is likely to change the estimate.
 
 `interval95` is 1.96 standard deviations to either side where noise is stated. Where none is, they follow from the residuals,
 of 2n - 3 degrees of freedom with n probes, and it is as many as Student's t says: 2.57 with 4 probes, 2.16 with 8.
 
 The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell these contradictions, and where the readings contradict what is stated: noise (or a pitch)
+standard error repeats, name these contradictions, and where the readings contradict what is stated: noise (or a pitch)
 that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
 do not tell noise that is too large, nor a gain of all shifts or rotations, nor a radius that is wrong in the right
 unit: it errs the curvature by the error of 1/R.
@@ -79,12 +80,13 @@ writes the curvature all over the patch, with standard deviations and the probab
 
 `p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
 where noise is found and not stated, and of two-pass. `warnings` have a `code`, a `text` and `numbers`. With a
-`p_value` among the numbers they are ways in which the contacts contradict the model: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
-displaced-finger, stray-contact, and of the method quadric not-a-quadric; 1 glide in 200 has each by chance, 1 in 2,000 the last. A wrong radius of tips makes
+`p_value` among the numbers they are ways in which the contacts contradict the model: poor-fit (where it is below 1e-6),
+large-residuals, contradicting-normals (of a turned frame or a wrong sign), displaced-finger, stray-contact, and of the
+method quadric not-a-quadric; 1 glide in 200 has each of the others by chance, 1 in 2,000 the last. A wrong radius of tips makes
 none of them.
 
 The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell these contradictions, and where the readings contradict what is stated: the noise of positions and
+standard error repeats, name these contradictions, and where the readings contradict what is stated: the noise of positions and
 of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
 length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
@@ -132,8 +134,8 @@ is what the interval leaves open: convex, concave, flat-within-noise or not-reso
 only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
 leave; where one marker alone shows it, a warning names that marker. `warnings` have a `code`,
 a `text` and `numbers`. With a `p_value` among the numbers they are ways in which the readings contradict the model:
-large-residuals, other-body, not-round, other-indentation, slipped-marker (of which the interval then holds what the others
-tell too); 1 press in 200 has each by chance, and 1 in 50 one of the middle three by all that they tell together.
+poor-fit (where it is below 1e-6), large-residuals, other-body, not-round, other-indentation, slipped-marker (of which the
+interval then holds what the others tell too); 1 press in 200 has each of the others by chance, and 1 in 50 one of the middle three by all that they tell together.
 
 The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: the indentation, by

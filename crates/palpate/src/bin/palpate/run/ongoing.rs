@@ -138,10 +138,9 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                     .map_err(Failure::work)?;
                 Err(Failure::Stopped(
                     anyhow!(
-                        "stopped: {} of {} {} are in {path}; {again}",
+                        "stopped: {} of {} cells are in {path}; {again}",
                         self.tasks,
                         simulation.tasks(),
-                        "parts of the run"
                     ),
                     signals.status(),
                 ))
