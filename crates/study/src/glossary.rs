@@ -158,7 +158,6 @@ subjects! {
         "assumed-indentation-std": "The indentation is stated without a standard deviation, and 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";
-        "wrong-markers": "Markers contradict the others and were left out.";
         "lone-marker": "One marker alone shows the contact.";
         "unseen-contact": "Only the stated indentation indicates a contact; the displacements do not show one.";
         "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so that strains are not small.";

@@ -256,16 +256,8 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
 #[test]
 fn frames_and_arguments_that_do_not_fit_are_named() {
     let desk = desk();
-    desk.write(
-        "other.toml",
-        edited(PRESS, "radius = 20.0", "radius = 30.0"),
-    );
     desk.write("size.toml", edited(PRESS, "size_px = 400", "size_px = 500"));
     for (arguments, words) in [
-        (
-            "--like other.toml --method image",
-            "rest.png: contradicts the layout",
-        ),
         (
             "--like size.toml --method image",
             "rest.png: has 400 x 400 px; the layout's camera takes 500 x 500",

@@ -27,7 +27,7 @@ const ROLLS: &str = "
 --pitch 0.5 | []
 --shift-std 1e-6 | the noise that is given explains
 --rotation-std-rad 0.01 | []
---rotation-std-rad 0.5 | roll further, or measure rotations more exactly
+--rotation-std-rad 0.5 | roll further, or measure the rotations more exactly
 ";
 const GLIDES: &str = "
 --method two-pass --inter-finger-distance 1000 | those of the readings are

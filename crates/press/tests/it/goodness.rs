@@ -40,7 +40,7 @@ fn p_values_are_uniform_where_the_model_holds() {
 
 #[test]
 fn a_layer_is_contradicted_by_presses_of_a_half_space() {
-    const FEW: u64 = 40;
+    const FEW: u64 = 20;
     let p_values = p_values(Body::bonded_layer(8.0, 2.0).unwrap(), FEW);
     let small = p_values.iter().filter(|&&p_value| p_value < 0.01).count();
     let count = p_values.len();

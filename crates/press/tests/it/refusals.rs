@@ -202,10 +202,10 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // Of 40 presses, how many only this marker shows, and in how many of these the interval holds the curvature.
+    // Of 15 presses, how many only this marker shows, and in how many of these the interval holds the curvature.
     let told = |readings: &Readings, marker: usize, curvature: f64| {
         let (mut told, mut held) = (0, 0);
-        for trial in 0..40 {
+        for trial in 0..15 {
             let found = fit.estimate(&readings.noisy(std, trial).reading(&markers, None));
             if let Ok(found) = found
                 && found.only_marker == Some(marker)
@@ -218,12 +218,12 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     };
     let under = pressed.normal.iter().position(|normal| *normal > std);
     let (of_press, held) = told(&pressed, under.unwrap(), 0.15 + 1.0 / RADIUS);
-    assert!(of_press >= 36 && held >= 33, "{held} of {of_press}");
+    assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
     let (of_slip, _) = told(&slipped, 7, 0.0);
-    assert!(of_slip >= 36, "{of_slip}");
+    assert!(of_slip >= 13, "{of_slip}");
     // Where an indentation is told, the others leave less of the curvatures; the marker is not said to be wrong.
     let indentation = exactly(0.6);
-    let estimates = (0..40).filter_map(|trial| {
+    let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);
         fit.estimate(&readings.reading(&markers, indentation)).ok()
     });
@@ -233,7 +233,7 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
         .iter()
         .filter(|found| !found.wrong_markers.is_empty());
     let counts = (unseen.len(), told.count(), wrong.count());
-    assert!(counts.1 >= 20 && counts.2 <= 4, "{counts:?}");
+    assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
 /// Five markers, and their readings of a press of 1 mm without error.
@@ -303,7 +303,7 @@ fn markers_that_moved_are_no_missing_contact_where_noise_is_found() {
         std: 0.02,
     });
     let fit = ForwardFit::new(half_space());
-    for trial in 0..40 {
+    for trial in 0..15 {
         let readings = moved.noisy(0.015, trial);
         let refused = refusal(fit.estimate(&readings.reading(&markers, known)));
         assert_ne!(refused, "no-contact", "trial {trial}");

@@ -166,7 +166,7 @@ fn errors_are_the_same_in_any_unit() {
             unit,
             PLANE,
             0.05,
-            &(lines + "\nsensor = { tangential = false }"),
+            &(lines + "\nsensor = { kind = \"direct\", tangential = false }"),
         )
     };
     let noisy_glide = |unit: f64, noise: f64| {

@@ -92,7 +92,7 @@ fn studies_are_not_doubted() {
             ) {
                 continue;
             }
-            let (estimated, told) = doubted(&study, 12, 4);
+            let (estimated, told) = doubted(&study, 6, 3);
             assert!(
                 told.is_empty(),
                 "{}: {} of {estimated}: {:#?}",
@@ -104,7 +104,7 @@ fn studies_are_not_doubted() {
         }
     }
     println!("{all} trials of studies and examples, none doubted");
-    assert!(all > 300, "{all}");
+    assert!(all > 150, "{all}");
 }
 
 fn study(scene: &str) -> Study {
@@ -164,7 +164,7 @@ fn other_scenes_are_not_doubted() {
         glide(plane, noisy),
         glide(saddle, uniform),
     ] {
-        let (estimated, told) = doubted(&study(&scene), 1, 200);
+        let (estimated, told) = doubted(&study(&scene), 1, 60);
         assert!(
             told.is_empty(),
             "{scene}: {} of {estimated}: {told:#?}",
@@ -174,7 +174,7 @@ fn other_scenes_are_not_doubted() {
         all += estimated;
     }
     println!("{all} trials of other scenes, none doubted");
-    assert!(all > 1000, "{all}");
+    assert!(all > 400, "{all}");
 }
 
 /// Rolls of a probe of 8 mm on a ball of 30 mm, eight of 0.5 rad, with Gaussian noise of the shifts.
@@ -208,12 +208,12 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
     }
 }
 
-/// Sets whose noise is what is stated are never doubted, of 5,000; of 250 with a noise that is stated eight times too large, or
+/// Sets whose noise is what is stated are never doubted, of 2,000; of 250 with a noise that is stated eight times too large, or
 /// with shifts in cm, every one.
 #[test]
 fn a_noise_that_is_stated_far_too_large_is_told() {
     let (mut honest, mut large, mut in_cm) = (0, 0, 0);
-    for set in 0..5000 {
+    for set in 0..2000 {
         let (rotations, shifts) = rolls(0.1, set);
         honest += of_rolls(&rotations, &shifts, shift_noise(0.1)).len();
         if set < 250 {
@@ -234,7 +234,7 @@ fn a_noise_that_is_stated_far_too_large_is_told() {
         }
     }
     println!(
-        "{honest} of 5,000 honest sets doubted; {large} and {in_cm} of 250 mistaken ones told"
+        "{honest} of 2,000 honest sets doubted; {large} and {in_cm} of 250 mistaken ones told"
     );
     assert_eq!((honest, large, in_cm), (0, 250, 250));
 }
@@ -359,7 +359,7 @@ fn normals_that_are_mirrored_or_swapped_are_told() {
         (|[x, y, z]| [z, y, x], "normal_x and normal_z swapped"),
         (|[x, y, z]| [x, z, y], "normal_y and normal_z swapped"),
     ];
-    for set in 0..50 {
+    for set in 0..20 {
         let (points, normals, fingers) = contacts(set, 0.02);
         assert_eq!(of_contacts(&points, &normals, &fingers).0, "", "set {set}");
         for (change, words) in changes {

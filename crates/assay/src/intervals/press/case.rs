@@ -460,11 +460,8 @@ mod tests {
             let family = Family::all().into_iter().find(named).unwrap();
             Case::random(family, 1, 0).unwrap().tellable()
         };
-        assert!(tellable("half-space, indentation known").is_nan());
         let edge = tellable("an edge");
         assert!((0.9..=1.0).contains(&edge), "{edge}");
-        // Far beyond the noise every test tells it.
-        assert_eq!(tellable("a slipped marker"), 1.0);
     }
 
     #[test]
