@@ -24,16 +24,16 @@ pub(crate) enum Task {
     Tradeoff(tradeoff::Options),
     /// Ask for answers on fixed scenes, and hold them against references, into results/answers.csv.
     Answers(harness::Options),
-    /// Hold the intervals of EP2 against the truth on random surfaces, into results/intervals.csv.
+    /// Compare the intervals of EP2 with the truth on random surfaces, into results/intervals.csv.
     Intervals(harness::Options),
-    /// Hold the intervals of presses by a camera against the truth on random scenes, into results/camera-intervals.csv.
+    /// Compare the intervals of camera presses with the truth on random scenes, into results/camera-intervals.csv.
     CameraIntervals(harness::Options),
-    /// Hold the intervals and warnings of presses that are read directly against the truth on random scenes, into
+    /// Compare the intervals and warnings of presses without a camera with the truth on random scenes, into
     /// results/press-intervals.csv.
     PressIntervals(harness::Options),
-    /// Hold the intervals and warnings of rolls against the truth on random scenes, into results/roll-intervals.csv.
+    /// Compare the intervals and warnings of rolls with the truth on random scenes, into results/roll-intervals.csv.
     RollIntervals(harness::Options),
-    /// Hold the warnings of glides against the truth on random surfaces, into results/glide-intervals.csv.
+    /// Compare the warnings of glides with the truth on random surfaces, into results/glide-intervals.csv.
     GlideIntervals(harness::Options),
     /// Compare instruction counts and accuracy with the committed baseline.
     BenchCheck(bench_check::Options),

@@ -14,11 +14,11 @@ const SCORED: &str = "claims.csv";
 pub(crate) const MANIFEST: &str = ".palpate.toml";
 /// Column by which a partial run's rows are found among the committed ones.
 const CELL: &str = "cell";
-/// Relative difference of numbers that another C library or processor makes.
+/// Relative tolerance for differences due to another C library or processor.
 const TOLERANCE: f64 = 1e-9;
 /// Numbers smaller than this are held to the tolerance of this one.
 const SMALL: f64 = 1e-3;
-/// Statistics that are read from a histogram, and the width of its bins as a share of their distance to the truth.
+/// Statistics from a histogram, and the width of its bins as a share of the distance to the truth.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
 const BIN: f64 = 0.008;
 /// Text of a file that is not there.
@@ -43,7 +43,7 @@ impl Difference {
     }
 }
 
-/// Whether a field of a row is as committed, but for what another C library or processor changes.
+/// Whether a field of a row equals the committed one, except for differences due to another C library or processor.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();
     let (Some(then), Some(now)) = (number(&old[place]), number(&new[place])) else {
@@ -184,7 +184,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Number of the differences and the largest, then at most `shown` of them.
+/// Number of the differences, the largest of them, and a list of at most `shown`.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()

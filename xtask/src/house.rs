@@ -1,4 +1,4 @@
-//! Crates of the workspace, and which of the others each may import.
+//! Allowed imports between the crates of the workspace.
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use xshell::Shell;
 
 use crate::palpate;
 
-/// Crates that each crate may import beside those of [`EVERYBODYS`]: the table of ARCHITECTURE.md, "The crates".
+/// Crates that each crate may import in addition to [`EVERYBODYS`]: the table of ARCHITECTURE.md, "The crates".
 const ALLOWED: &[(&str, &[&str])] = &[
     ("geometry", &[]),
     ("study", &[]),
@@ -61,7 +61,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Sentences about the imports that the table forbids.
+/// Messages about imports that the table forbids.
 fn faults(packages: &[Value]) -> Result<Vec<String>> {
     let short = |value: &Value| -> Result<String> {
         let name = value["name"].as_str().context("a name is missing")?;

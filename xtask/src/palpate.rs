@@ -41,7 +41,7 @@ pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
     Ok(released(shell, program))
 }
 
-/// Builds the released program palpate alone, in half the time, and says where it lies.
+/// Builds only the release binary `palpate`, in half the time, and returns its path.
 pub(crate) fn build_alone(shell: &Shell) -> Result<PathBuf> {
     let build = cmd!(
         shell,
@@ -56,7 +56,7 @@ fn released(shell: &Shell, program: &str) -> PathBuf {
     target_dir(shell).join("release").join(binary)
 }
 
-/// Packages of the workspace, as cargo reads them.
+/// Packages of the workspace, as `cargo metadata` lists them.
 pub(crate) fn packages(shell: &Shell) -> Result<Vec<Value>> {
     let command = cmd!(
         shell,

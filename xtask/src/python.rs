@@ -82,7 +82,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     let program = timed("program", || palpate::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
-    // What IPython, Jupyter and Matplotlib write for a user.
+    // IPython, Jupyter and Matplotlib write user files into HOME.
     let _home = shell.push_env("HOME", shell.create_dir(place(shell).join("home"))?);
     timed("tests", || tests(shell, &python, &program))?;
     timed("types", || types(shell, &python))?;
@@ -162,7 +162,7 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Interpreter of a virtual environment with the packages of a list. Makes the environment if it is missing or has others.
+/// Interpreter of a virtual environment with the packages of a list. Creates it if it is missing or differs.
 pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
     let wanted = shell.current_dir().join(list);

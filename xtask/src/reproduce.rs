@@ -19,7 +19,7 @@ pub(crate) struct Options {
     /// Names of configs in sim-configs/, without `.toml`; by default those that score a claim of the papers.
     #[arg(value_name = "STUDY")]
     pub(crate) studies: Vec<String>,
-    /// Run all studies, those too that score no claim.
+    /// Run all studies, also those that score no claim.
     #[arg(long, conflicts_with = "studies")]
     pub(crate) all: bool,
     /// Run only every thirteenth cell; never written to results/.
@@ -30,13 +30,13 @@ pub(crate) struct Options {
     pub(crate) check: bool,
 }
 
-/// Builds the program alone, and runs the studies with it.
+/// Builds only the program `palpate`, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     chosen(&known_studies(shell)?, &options.studies)?;
     run_with(shell, &palpate::build_alone(shell)?, options)
 }
 
-/// Runs studies with a program that was built.
+/// Runs studies with a program that is already built.
 pub(crate) fn run_with(shell: &Shell, palpate: &Path, options: &Options) -> Result<()> {
     let start = Instant::now();
     let known = known_studies(shell)?;
@@ -158,7 +158,7 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The studies that were asked for.
+/// The requested studies; an unknown name is an error.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

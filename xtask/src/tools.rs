@@ -6,8 +6,8 @@ use xshell::{Shell, cmd};
 /// Target without threads, vectors or a C library, for which the libraries must compile.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
-/// Commands that show a tool, what they print where it is there, and the command that installs it. A program that runs for a
-/// moment is not optimised: optimising would take longer than it ever runs.
+/// For each tool: the command that shows it, the text printed if it is installed, and the command that installs it.
+/// cargo-deny is built without optimisation, which would take longer than all its runs.
 const INSTALLED: [[&str; 3]; 4] = [
     [
         "cargo fmt --version",

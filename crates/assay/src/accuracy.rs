@@ -1,5 +1,5 @@
-//! Errors of palpate on fixed scenes and seeds: of every rung against closed forms, of the estimators against the truth
-//! of the scenes, and of the tracker against the true places of the discs in its frames.
+//! Errors of palpate on fixed scenes and seeds: fidelity levels against closed forms, estimators against the true
+//! values of the scenes, and the tracker against the true places of the discs in its frames.
 //!
 //! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse
 //! unnoticed. An error is relative, or in the unit that its name ends with.
@@ -18,7 +18,7 @@ use crate::pressed::{self, Pressed, largest_error};
 
 type Figures = Vec<(String, f64)>;
 
-/// All errors by their names, in the order of the chain from contact to answer.
+/// All errors with their names: rolls, EP1 trials, EP2 fits, presses, frames.
 ///
 /// # Errors
 /// If a scene cannot be run, or an error is not finite.
@@ -37,7 +37,7 @@ pub fn figures() -> Result<Vec<(String, f64)>> {
     Ok(figures)
 }
 
-/// Root of the mean square.
+/// Root mean square.
 pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     let square = |(sum, count): (f64, u32), error: f64| (sum + error * error, count + 1);
     let (sum, count) = errors.into_iter().fold((0.0, 0), square);
@@ -88,7 +88,7 @@ fn of_trials() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Curvatures that EP2 estimates from contacts.
+/// Errors of the curvatures that EP2 estimates from contacts.
 fn of_fits() -> Result<Figures> {
     const MANY: usize = 10_000;
     let methods: [(&str, &dyn Method); 3] = [
@@ -120,7 +120,7 @@ fn of_fits() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Markers that the tracker finds in a dark frame and in one that is rendered.
+/// Errors of the markers that the tracker finds in a frame with a dark background and in a rendered frame.
 fn of_frames() -> Result<Figures> {
     let (frame, discs) = camera::frame(640);
     let dark = camera::errors(&camera::finder(640)?.find(&frame)?.markers, &discs);
@@ -142,10 +142,10 @@ fn of_frames() -> Result<Figures> {
     Ok([named("dark", dark), named("rendered", rendered)].concat())
 }
 
-/// The layer that is pressed: its thickness and the depth of the markers, mm.
+/// Thickness of the pressed layer and depth of its markers, mm.
 const LAYER: (f64, f64) = (5.0, 2.0);
 
-/// The field of a press, and what the estimators make of it.
+/// Errors of the displacement field of a press, and of the curvatures that the fits estimate from it.
 fn of_presses() -> Result<Figures> {
     let (thickness, depth) = LAYER;
     let half_space = Body::half_space(0.5, 2.0)?;
@@ -166,7 +166,7 @@ fn of_presses() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Hertz's profile δ − r²/(2R) in the contact.
+/// Largest relative error of the normal displacement in the contact, against Hertz's profile δ − r²/(2R).
 fn at_the_surface() -> Result<f64> {
     let body = Body::hertz(0.3)?;
     let contact = body.press(1.0 / SKIN, INDENTATION)?;
@@ -180,14 +180,14 @@ fn at_the_surface() -> Result<f64> {
         .fold(0.0, f64::max))
 }
 
-/// Under the middle of the contact at depth z, by integrating Boussinesq's solution for a force over Hertz's pressure.
+/// Relative error of the displacement on the axis, against Boussinesq's solution integrated over Hertz's pressure.
 fn on_the_axis() -> Result<f64> {
     let (poisson, depth) = (0.5, 2.0);
     let body = Body::half_space(poisson, depth)?;
     let contact = body.press(1.0 / SKIN, INDENTATION)?;
     let peak = contact.peak_pressure(1.0).unwrap_or(f64::NAN);
     let a = contact.radius;
-    // r = a sin t makes the integrand smooth: Simpson's rule.
+    // The substitution r = a sin t makes the integrand smooth, so that Simpson's rule is accurate.
     let integrand = |t: f64| {
         let (r, pressure) = (a * libm::sin(t), peak * libm::cos(t));
         let rho = libm::hypot(r, depth);
@@ -209,7 +209,7 @@ fn on_the_axis() -> Result<f64> {
     Ok((contact.displacement(0.0).normal / expected - 1.0).abs())
 }
 
-/// Against a quadrature over wavenumbers, of the largest displacement; from tables, and solved for itself.
+/// Largest error of a layer's displacements, relative to the largest, against a quadrature over wavenumbers.
 fn of_a_layer(body: Body) -> Result<f64> {
     let (thickness, depth) = LAYER;
     let layer = pressed::Body::Layer { thickness };

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Name of a column, and the field of a row in it.
+/// Name of a column, and the value of one row in this column.
 pub(crate) type Column = (&'static str, String);
 
-/// Writes a table, whose header has the names of the first row's columns.
+/// Writes a table. The header has the column names of the first row.
 pub(crate) fn write(
     path: &Path,
     rows: impl IntoIterator<Item = impl AsRef<[Column]>>,
@@ -25,7 +25,7 @@ pub(crate) fn write(
     fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Text of a value, empty where there is none.
+/// Text of a value; empty for `None`.
 pub(crate) fn or_empty<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(String::new, text)
 }

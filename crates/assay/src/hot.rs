@@ -1,5 +1,5 @@
-//! The hot paths and their inputs: the same where instructions are counted ([`counts`]), where errors are found
-//! ([`crate::accuracy`]) and where palpate is timed beside its peers ([`crate::ours`]).
+//! The hot paths and their inputs. Instruction counts ([`counts`]), errors ([`crate::accuracy`]) and the comparison
+//! with peers ([`crate::ours`]) use the same inputs.
 
 pub mod camera;
 pub mod patches;
@@ -18,10 +18,10 @@ use crate::measured::{self, Evaluation};
 use pictures::{Step, half_spaces, layers};
 use rolls::{Chart, Ep1, Model};
 
-/// Trials of a block of the runner, four times.
+/// Number of trials: four blocks of the runner.
 const TRIALS: u64 = 4096;
 
-/// Name of a path, and what makes it of the name.
+/// Name of a path, and the function that builds its evaluation from the name.
 type Path = (&'static str, Box<dyn Fn(&str) -> Result<Evaluation>>);
 
 fn path(name: &'static str, make: impl Fn(&str) -> Result<Evaluation> + 'static) -> Path {
@@ -140,8 +140,8 @@ fn paths() -> Vec<Path> {
     ]
 }
 
-/// Instructions of each path by its name. Each path has a process of its own, because what other paths leave on the heap
-/// changes the cost of allocations.
+/// Name and number of instructions of each path. Each path runs in its own process, because memory that other paths
+/// left on the heap changes the cost of allocations.
 ///
 /// # Errors
 /// If valgrind is missing, a path cannot be set up, or it runs no instruction.

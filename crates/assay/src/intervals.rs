@@ -66,6 +66,6 @@ pub fn table<S: Serialize>(scores: &[S]) -> Result<String> {
     for score in scores {
         writer.serialize(score)?;
     }
-    // No name begins with this.
+    // A NaN becomes an empty field. No name starts with `NaN`.
     Ok(String::from_utf8(writer.into_inner()?)?.replace(",NaN", ","))
 }

@@ -69,7 +69,7 @@ enum Harness {
     Accuracy,
     /// Prints the instructions of the hot paths, as CSV.
     Instructions {
-        /// Run the path of this name; the program calls itself so under valgrind.
+        /// Run only the path of this name. The program starts itself with this option under valgrind.
         #[arg(long, hide = true)]
         counted: Option<String>,
     },
@@ -139,7 +139,7 @@ struct Scenes {
 }
 
 impl Scenes {
-    /// Scores the chosen cases, prints each score and writes the table of all; an empty choice is an error.
+    /// Scores the chosen cases, prints each score and writes the table of scores. Fails if no case is chosen.
     fn score<S: Serialize + Display>(
         &self,
         trials: u64,
@@ -173,7 +173,7 @@ fn limit(text: &str) -> Result<(String, f64), String> {
     Ok((task.to_owned(), error))
 }
 
-/// Prints named figures as CSV.
+/// Prints names and values as CSV. `figure` is the column name of the values.
 fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
     let mut writer = csv::Writer::from_writer(std::io::stdout());
     writer.write_record(["name", figure])?;

@@ -132,8 +132,8 @@ fn evaluate_once(run: &mut dyn FnMut()) {
     black_box(());
 }
 
-/// Instructions of each evaluation in the order of the harness's list, or nothing where valgrind is absent. Runs this
-/// program again with the arguments it has and [`COUNTED`]. `scales` are those of the evaluations.
+/// Instructions of each evaluation, in the order of the harness's list; `None` without valgrind. Runs this program
+/// again under valgrind, with its own arguments and [`COUNTED`]. `scales` are the [`Evaluation::scale`]s.
 ///
 /// # Errors
 /// If that run fails, or counts another number of evaluations than `scales` has.
@@ -142,7 +142,7 @@ pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
     instructions_by(arguments.chain([COUNTED.into()]), scales)
 }
 
-/// Like [`instructions`], but for a run with these arguments, for which this program must call [`count`].
+/// Like [`instructions`], but with these arguments. When called with them, this program must call [`count`].
 ///
 /// # Errors
 /// If that run fails, or counts another number of evaluations than `scales` has.

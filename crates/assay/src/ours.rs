@@ -18,11 +18,11 @@ use serde_json::json;
 use crate::hot;
 use crate::measured::Evaluation;
 
-/// Patches of few contacts.
+/// Number of patches with few contacts.
 const PATCHES: u64 = 200;
-/// Many contacts.
+/// Number of contacts of the large patch.
 const MANY: usize = 100_000;
-/// Sides of frames, px.
+/// Side lengths of the frames, px.
 const FRAMES: [usize; 2] = [640, 1024];
 /// How long an evaluation is timed.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -38,7 +38,7 @@ struct Figure {
 }
 
 impl Figure {
-    /// Times `run`, which does the task `times` times.
+    /// Times `run`, which repeats the task `times` times.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -125,7 +125,7 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
     Ok(figures.into_iter().map(line).collect())
 }
 
-/// The markers of dark frames; their error is infinite unless each is found once.
+/// Finds the markers of frames with a dark background. The error is infinite if the number of markers found is wrong.
 fn frames() -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for size in FRAMES {

@@ -329,7 +329,7 @@ mod tests {
             let found = chi_squared_tail(sum, freedom);
             is_near(found, due, 1e-12 * due, "chi-squared");
         }
-        // Degrees of freedom on both sides of the limit up to which terms are summed, and the largest `usize`.
+        // Degrees of freedom around the limit for summing terms (`MOST_TERMS`), and the largest `usize`.
         for (freedom, due) in [
             (999_999, 0.499_811_936_709_362_8),
             (1_000_001, 0.499_811_936_897_426_03),
@@ -355,7 +355,7 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // Quantiles for one and two degrees of freedom, whose closed forms are a tangent and a root.
+        // Quantiles have closed forms: a tangent for one degree of freedom, a square root for two.
         for (probability, of_one, of_two) in [
             (
                 1e-300,

@@ -27,14 +27,14 @@ pub enum Ep1Error {
         /// Root-mean-square rotation across the main axis over that along it.
         spread: f64,
     },
-    /// Errors of the measured rotations are most of the squared rotations in some direction.
+    /// In some direction, measurement errors are more than half of the mean squared rotation.
     #[error(
         "errors of the measured rotations are {} of the squared rotations in some direction, more than 0.5: roll further, \
          or measure the rotations more exactly",
         Number::rounded(*share)
     )]
     NoisyRotations {
-        /// Share of the errors in the mean square of the rotations.
+        /// Share of measurement errors in the mean squared rotation.
         share: f64,
     },
     /// The contact did not move in some direction: the object is too sharp to resolve.

@@ -28,11 +28,11 @@ use crate::{
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
 
-/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A scene is
-/// judged by its true rotations, which is stricter: measured ones are larger by the errors.
+/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A
+/// scene is checked with its true rotations. This is stricter, because errors make measured rotations larger.
 const MOST_NOISE: f64 = 0.5;
 
-/// Standard deviation of the rounding in the entries of `K₁ B`: the last digits of readings and sums are wrong.
+/// Standard deviation of the rounding errors in the entries of `K₁ B`, from the last digits of readings and sums.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The least squares for a set of rotations: all of it that does not depend on the shifts.
@@ -69,18 +69,18 @@ pub(crate) struct Law {
     per_probe: f64,
     /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
     inverse: Symmetric3,
-    /// Sum over the probes of what errors of measured rotations take of each `g d` with `d = Δp − R₁ g`, length.
+    /// Mean amount by which errors of measured rotations reduce the sum of `g d`, `d = Δp − R₁ g`, length.
     added: f64,
-    /// Variance of a shift, relative to the radius.
+    /// Variance of a shift, divided by the squared radius.
     shift_variance: f64,
-    /// Covariance of these entries from the shifts' noise and from rounding.
+    /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
     from_shifts: Symmetric3,
-    /// Covariance of these entries from the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
+    /// Their covariance due to the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
     from_rotations: [Symmetric3; 3],
 }
 
-/// Standard deviation, 1/length, that rounding of the readings alone gives a normal curvature (1/length) that probes of
-/// `radius` find.
+/// Standard deviation (1/length) of a normal curvature (1/length) that is estimated with probes of `radius`, due to
+/// rounding of the readings alone.
 ///
 /// ```
 /// // Nothing is left of the curvature of an object 10¹⁷ times as flat as the probe.
@@ -389,7 +389,7 @@ impl Law {
         }
     }
 
-    /// This law of other rotations with this inverse of the normal equations; it lacks the noise of rotations.
+    /// This law for other rotations, from the inverse of their normal equations. Only for rotations without noise.
     #[inline(always)]
     pub(crate) fn with_rotations(self, inverse: &Symmetric3) -> Self {
         Self {
@@ -482,13 +482,13 @@ impl Law {
             .plus(&self.from_rotations, &travel.square())
     }
 
-    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit`, `K₁ / det²` for the determinant
-    /// of `travel`, `K₁ B`.
+    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit` = `K₁ / det²`, where `det`
+    /// is the determinant of `travel` = `K₁ B`.
     ///
-    /// A probe's residual is `e − B δg` for shift error `e` and rotation error `δg`. The covariance
-    /// of B that follows is linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient
-    /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`. The Gaussian curvature has the variance of second order
-    /// too, which is all that there is on a flat object.
+    /// A probe's residual is `e − B δg` for shift error `e` and rotation error `δg`. Therefore the covariance of B is
+    /// linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient `G` in K₂ changes by `−tr(S δB)` with
+    /// `S = K_rel G K_rel`. The variance of the Gaussian curvature includes the term of second order, the only one
+    /// that is not zero on a flat object.
     #[inline(always)]
     fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
         let covariance = self.of_mobility(travel);

@@ -12,17 +12,17 @@ pub struct ProbeReading {
     pub shift: Vector2<f64>,
 }
 
-/// Where on the pads of a fingertip rolls start: it decides which errors they share.
+/// Start of the rolls on a fingertip's pads. It determines which errors the rolls share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PadStart {
     /// Each roll starts at its own place, so the errors of different rolls are independent.
     #[default]
     PerRoll,
-    /// All rolls start at the same random place on a pad, so they share the error of the start. Ends at similar places
-    /// relative to their pads also share the error of the end.
+    /// All rolls start at the same random place on a pad, so they share the error of the start. Rolls that end at
+    /// similar places relative to their pads also share the error of the end.
     PerTrial,
-    /// All rolls start at the centre of a pad. Ends at similar places relative to their pads share their error, and
-    /// opposite ends have opposite errors.
+    /// All rolls start at the centre of a pad. Rolls that end at similar places relative to their pads share the
+    /// error of the end. Opposite rolls have opposite errors.
     Centred,
 }
 
@@ -40,13 +40,13 @@ pub struct ReadingNoise {
     pub shift_std: f64,
     /// Resolution of shifts, length: a shorter one may read as zero; 0 if the sensor resolves any.
     pub shift_resolution: f64,
-    /// Where on the pads the rolls start; of no effect without pads.
+    /// Start of the rolls on the pads. It has no effect without pads.
     pub pad_start: PadStart,
 }
 
 impl ReadingNoise {
-    /// Noise of pads of a pitch, length. A shift's error is uniform over a pad at the last contact and, unless that is
-    /// centred, at the first.
+    /// Noise of pads with this pitch (length). The position error is uniform over a pad at the last contact. It is
+    /// also uniform at the first contact, unless rolls start at a pad's centre.
     ///
     /// ```
     /// use palpate_ep1::{PadStart, ReadingNoise};
@@ -80,11 +80,11 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// `Σ AᵀCA` over rolls by `rotations`, with `A` the equations of a roll and `C` the correlations of the errors of their
-    /// shifts, which rolls from one place on the pads share; `None` where each roll has its own.
+    /// `Σ AᵀCA` over rolls by `rotations`: `A` are the equations of a roll, and `C` the correlations between the
+    /// shift errors of rolls that start at the same place on the pads. `None` if each roll starts at its own place.
     ///
-    /// With the error of rounding uniform over a pad, those of two ends that are a share f of a pad apart have the
-    /// correlation 1 − 6 f (1 − f). It counts where f is small: further apart, the object decides on f.
+    /// Rounding errors are uniform over a pad. Those of two ends that are a fraction f of a pad apart have the
+    /// correlation 1 − 6 f (1 − f). It is used only for small f: larger f depend on the object.
     pub(crate) fn shared_errors(
         &self,
         radius: f64,
@@ -105,7 +105,7 @@ impl ReadingNoise {
             }
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
-            // From a pad's centre, opposite shifts have opposite errors.
+            // For rolls that start at a pad's centre, opposite shifts have opposite errors.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

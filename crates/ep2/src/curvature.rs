@@ -197,10 +197,10 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
     } = *jet;
     let d = 1.0 + p * p + q * q;
     let e = 1.0 + p * p;
-    // Gram–Schmidt: along = ∂u/√E, across = (∂v − (F/E) ∂u) √E/√D with F = pq.
+    // Gram–Schmidt: along = ∂u/√E, across = (∂v − (F/E) ∂u) √E/√D with F = pq and q − (F/E) p = q/E.
     let share = p * q / e;
     let along = nalgebra::Vector3::new(1.0, 0.0, p) / e.sqrt();
-    let across = nalgebra::Vector3::new(-share, 1.0, q - share * p) * (e / d).sqrt();
+    let across = nalgebra::Vector3::new(-share, 1.0, q / e) * (e / d).sqrt();
     let bend = -1.0 / d.sqrt();
     let form = CurvatureForm {
         k_uu: bend * r / e,

@@ -116,7 +116,7 @@ pub trait Surface {
         self.closest_point(point)
     }
 
-    /// Whether a ball of `radius` that touches from outside may reach into the solid elsewhere, although the solid is
+    /// Whether a ball of `radius` that touches from outside may penetrate the solid elsewhere, although the solid is
     /// less concave at the contact than the ball is convex.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false

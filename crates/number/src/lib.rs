@@ -101,7 +101,7 @@ impl<Words> BadSetting<Words> {
 #[doc = include_str!("../README.md")]
 struct ReadMe;
 
-/// The hue of a colour, turns from 0 up to 1, as HSV has it: hexagonal, not an angle. 0 for a grey.
+/// Hue of a colour in turns, from 0 to below 1, by the hexagonal formula of HSV. A grey has the hue 0.
 ///
 /// ```
 /// use palpate_number::hue_turns;

@@ -55,7 +55,7 @@ pub struct Check {
 pub struct CellGroup {
     /// Number of the cells.
     pub cells: usize,
-    /// Models that each cell needs, with the reason, and warnings; one line each.
+    /// One line per model that each cell needs, with the reason, and one line per warning.
     pub needs: Vec<String>,
     /// Means that scenes of this kind may need and these do not: "integrator".
     pub needless: Vec<&'static str>,

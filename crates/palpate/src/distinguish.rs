@@ -152,7 +152,7 @@ pub fn distinguish(
     })
 }
 
-/// What is repeated, in words. A trial of a roll has several rolls.
+/// Name of the repeated experiment. A trial of a roll scene consists of several rolls.
 fn trials(scene: &SceneConfig) -> String {
     match scene {
         SceneConfig::Press(_) => "presses".to_owned(),

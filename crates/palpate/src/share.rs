@@ -1,9 +1,9 @@
-//! Share of the cells of a study that one run does.
+//! Cells of a study that one run computes.
 
 use palpate_study::config::Study;
 use palpate_sweep::Task;
 
-/// One of several runs that share a study: each runs every `of`-th cell, so that all have about as much to do.
+/// One of several runs that share a study. Each runs every `of`-th cell, so that the work is about equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// Its number, from 1 on.
@@ -19,7 +19,7 @@ impl Default for Shard {
     }
 }
 
-/// Tasks of a run: its cells.
+/// Cells of a study, and the shard of them that a run computes. Each cell is a task.
 #[derive(Debug)]
 pub(crate) struct Share {
     /// Numbers of the cells of all shards together.
@@ -65,7 +65,7 @@ impl Share {
     }
 }
 
-/// Trials of a cell, or the most that it may have.
+/// Number of trials of a cell, or its maximum if a stop rule may end the cell earlier.
 fn trials(study: &Study, cell: usize) -> u64 {
     let stop = study.config.stop.as_ref();
     stop.map_or_else(|| study.trials_of(cell), |stop| stop.max_trials)

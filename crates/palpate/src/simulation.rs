@@ -254,15 +254,15 @@ impl<'a> Simulation<'a> {
         self.maps.as_ref().map_or("cells", |maps| maps.lacks)
     }
 
-    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` breaks. Any thread calls `make`.
-    /// `take` receives the results in task order. With per-trial output, each result follows the rows of its trials.
-    /// Any thread calls `progress` with the number of trials that it has done since its last call.
+    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` returns `Break`. Any thread
+    /// calls `make`. `take` receives the results in task order. With per-trial output, each result follows the rows
+    /// of its trials. Any thread calls `progress` with the number of trials that it has done since its last call.
     ///
     /// # Errors
-    /// [`SweepError::Cancelled`], also where `take` broke; [`SweepError::SetUp`] of a cell that has not been checked.
+    /// [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be set up.
     ///
     /// # Panics
-    /// Where `progress`, `make` or `take` does.
+    /// If `progress`, `make` or `take` panics.
     pub fn stream<R: Send>(
         &self,
         first: u64,
@@ -424,7 +424,7 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
 }
 
 impl Simulation<'_> {
-    /// Rows of the tables of a cell.
+    /// Table rows of a finished cell.
     pub fn rows(&self, finished: &Finished) -> CellRows {
         let rows = [finished.row()];
         let map = finished.map.as_ref();
@@ -440,7 +440,7 @@ impl Simulation<'_> {
     }
 }
 
-/// Warnings of a scene as lines.
+/// Warnings of a scene, one line each.
 fn warnings_of(scene: &Scene) -> Vec<String> {
     let needs = scene.needs().into_iter();
     let warnings = needs.filter(|need| need.warning().is_some());

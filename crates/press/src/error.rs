@@ -70,7 +70,7 @@ pub enum PressError {
         /// Name of that limit, such as "the layer's thickness".
         what: &'static str,
     },
-    /// The contact would be wider than the sensor, or than an object that it presses on leaves room for.
+    /// The contact would be too wide for the sensor or for the convex object.
     #[error(
         "the contact would have a radius of {radius:.4}; it must stay below {limit:.4}, {what}",
         radius = Number(*radius), limit = Number(*limit)

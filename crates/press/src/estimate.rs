@@ -171,11 +171,11 @@ impl PressEstimate {
         }
     }
 
-    /// Checks that the contact is narrow enough for at least one object of the curvature's interval.
+    /// Checks that the contact is narrow enough for at least one curvature in the object's interval.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) of the radius
-    /// of every object of the interval.
+    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) times the
+    /// object's radius for every curvature in the interval.
     pub fn within_object(&self) -> Result<(), PressError> {
         let least = self.object_curvature().interval.low;
         within_object(least.unwrap_or_default(), self.contact_radius.value)

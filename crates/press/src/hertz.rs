@@ -2,11 +2,11 @@
 
 use crate::PressError;
 
-/// Ratio of the contact's radius to the sensor's or the object's radius above which small-strain theory errs
-/// noticeably.
+/// Limit of small-strain theory: its errors are noticeable if the contact's radius is a larger share of the
+/// sensor's or the object's radius.
 pub const LARGE_CONTACT: f64 = 0.3;
 
-/// Largest ratio of the contact's radius to a bulging object's for which a press is computed at all.
+/// Largest allowed ratio of the contact's radius to the radius of a convex object.
 pub const MAX_CONTACT: f64 = 0.9;
 
 /// Sneddon's relation for a rigid sphere of radius R and any contact radius a < R: δ = (a/2) ln((R + a)/(R − a)).

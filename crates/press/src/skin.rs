@@ -135,7 +135,7 @@ impl Skin {
 /// Checks that a contact of this radius (length) is narrow enough for an object of this curvature (1/length).
 ///
 /// # Errors
-/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds [`MAX_CONTACT`] of its radius.
+/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds [`MAX_CONTACT`] times its radius.
 pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
     let limit = MAX_CONTACT / object_curvature;
     if object_curvature > 0.0 && contact_radius > limit {

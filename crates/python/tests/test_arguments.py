@@ -220,7 +220,7 @@ def test_settings_of_glides(glides, settings, says):
         ({"baseline": "free"}, "must be known or fitted"),
         ({"poisson": 0.6}, "must be from 0 to 0.5, is 0.6"),
         ({"method": "gaussian"}, 'method="gaussian" needs c, or indentation'),
-        ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian knows no stress"),
+        ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian has no stress"),
     ],
 )
 def test_settings_of_presses(presses, settings, says):

@@ -71,7 +71,7 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// Kind of a part of a row's scene, or the label of a sweep that replaces this part.
+/// `kind` of a part of a row's scene, or the part's label if a sweep replaces it.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

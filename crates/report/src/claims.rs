@@ -45,7 +45,7 @@ pub struct Score {
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// Claim in at most six words; empty, as the next two, if no claim has this number.
+    /// Claim in at most six words. This and the next two fields are empty if no claim has this number.
     pub title: String,
     /// Published value, in short.
     pub published: String,

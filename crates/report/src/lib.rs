@@ -1,19 +1,19 @@
-//! Tables to plots, scored claims and a self-contained page.
+//! Makes plots, scored claims and a self-contained page from tables.
 //!
-//! A study is `cells.csv`, `failures.csv` and `run.toml`, and for some plots `map.csv`, or `trace.csv` and
-//! `readings.csv`, in a folder or in memory ([`Files`]). Everything here is made from those and nothing else: no
-//! simulation, no clock, no network. Texts and pictures are handed out; nothing is written.
+//! A study consists of `cells.csv`, `failures.csv` and `run.toml`, in a folder or in memory ([`Files`]). Some plots
+//! also need `map.csv`, or `trace.csv` and `readings.csv`. The crate uses no simulation, no clock and no network. It
+//! returns texts and pictures, and writes no files.
 //!
 //! | from | to | by |
 //! |---|---|---|
 //! | [`Files`] | [`Study`] | [`Study::load`], [`Study::read`] |
-//! | its `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
+//! | a study's `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
-//! | how surely objects are told apart | a [`Figure`] of squares | [`heat_figure`] |
-//! | the answer of a design | its [`Figure`] | [`answer_figure`] |
+//! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
+//! | the answer of `palpate design` | a [`Figure`] | [`answer_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
-//! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
+//! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
 //! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]

@@ -13,9 +13,9 @@ use palpate_study::number::grouped;
 use size::least;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The page has the scorecard, and per study its source, sample size, figures, failures and config. Then follow the
-/// share of intervals of each estimator that contain the true value, the measurements in `tradeoff/` and `peers.csv` if
-/// all studies lie in one folder, and the glossary of `palpate explain`. It has no scripts and loads nothing.
+/// The page shows the scorecard, and each study's source, sample size, figures, failures and config. Below are the
+/// share of each estimator's intervals that contain the true value, the measurements in `tradeoff/` and `peers.csv`
+/// if all studies lie in one folder, and the glossary of `palpate explain`. It has no scripts and loads nothing.
 ///
 /// ```
 /// use palpate_report::{Study, page};

@@ -3,7 +3,7 @@
 use crate::{Score, Verdict};
 
 /// One line per score, under a header: number, claim, published value, measured value, verdict and study; then a line
-/// of totals. Empty without scores.
+/// of totals. Returns an empty text if there are no scores.
 ///
 /// ```
 /// use palpate_report::{Score, Verdict, scorecard_lines};

@@ -175,9 +175,8 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
-    /// swept, that of the labelled table if a sweep replaces a part of the scene, else the config's. `None` if there is
-    /// no finite number.
+    /// Number at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or
+    /// a part of the scene that contains it, else the value of the config. `None` if the value is no finite number.
     pub fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -185,8 +184,8 @@ impl Study {
         }
     }
 
-    /// Text at a dotted `path` of the config, for the cell of `row`: that of a swept field, else that of the config.
-    /// `None` if it is no text.
+    /// Text at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or a
+    /// part of the scene that contains it, else the value of the config. `None` if the value is no text.
     pub fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
@@ -194,7 +193,7 @@ impl Study {
         }
     }
 
-    /// Value at a dotted path that is no axis of the table.
+    /// Value of a field without a column of its own: from a swept table that contains it, else from the config.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
         let mut dots = path.match_indices('.').rev();
         let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
@@ -208,7 +207,7 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// Table with a label (or, without one, of a kind) among those that the sweeps put at `path`.
+    /// Finds the table that a sweep sets at `path` by its `label`, or by its `kind` if it has no label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -232,7 +231,7 @@ impl Study {
     }
 }
 
-/// Values that a sweep gives to a field, alone or together with other fields.
+/// Values that a sweep sets for the field at `path`, alone or together with other fields.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

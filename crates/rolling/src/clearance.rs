@@ -1,7 +1,7 @@
 //! Distance between a rolling probe and the parts of the object that it does not touch.
 //!
-//! A hill beside the path may reach into the probe although nothing at the contact shows it. The heights of the object
-//! are sampled once along a path. From the samples nearest to the probe's centre, descent finds the closest points.
+//! A hill beside the path may reach into the probe; the curvatures at the contact do not show it. The heights of the
+//! object are sampled once along a path. Searches from the samples nearest to the probe find the closest points.
 
 use std::collections::HashMap;
 
@@ -10,20 +10,20 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Samples per radius of the probe. Parts of the object that are narrower than the distance between samples may be
-/// missed.
+/// Height samples per radius of the probe. Parts of the object that are narrower than the distance between samples
+/// may be missed.
 const PER_RADIUS: f64 = 48.0;
-/// Places along a side of a tile of the relief.
+/// Number of height samples along a side of a tile.
 const TILE: i64 = 32;
-/// Overlap that still counts as none, as a share of the probe's radius.
+/// Largest overlap that is tolerated, relative to the probe's radius.
 const TOLERANCE: f64 = 5e-7;
-/// Distance from the contact within which a closest point is the contact itself, as a share of the radius.
+/// A closest point within this distance of the contact counts as the contact itself; relative to the radius.
 const CONTACT: f64 = 1e-4;
-/// Longest distance that the probe's centre may travel between two samples of a path, and the shortest one that is
-/// still bisected, as shares of the radius.
+/// Longest distance that the probe's centre may travel between two samples of a path, and the shortest distance
+/// that is still bisected, relative to the radius.
 const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
-/// Slope between neighbouring samples above which the wall between them is searched for.
+/// Slope between neighbouring samples above which there is a wall between them.
 const STEEP: f64 = 2.0;
 /// Number of bisections that locate a wall between neighbouring samples.
 const HALVINGS: usize = 40;
@@ -35,8 +35,8 @@ pub struct Terrain {
     spacing: f64,
 }
 
-/// A sample of the path: the time, the way of the probe's centre so far (radii), and the clearance. The clearance is
-/// the distance from the probe to the nearest part of the object that it does not touch, at most the reach.
+/// A sample of the path: the time, the distance that the probe's centre has travelled (radii), and the clearance. The
+/// clearance is the distance from the probe to the nearest examined part of the object that it does not touch.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
@@ -44,11 +44,11 @@ struct Sample {
     clearance: f64,
 }
 
-/// A place from which a closest point is looked for.
+/// A place where a search for a closest point starts.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     place: Vector2<f64>,
-    /// Whether it lies on a steep wall, from which descent may lead away.
+    /// Whether the place lies on a steep wall. The search may then move away from the wall.
     is_on_wall: bool,
 }
 
@@ -77,7 +77,7 @@ impl Terrain {
         Vector2::new(column as f64, row as f64) * self.spacing
     }
 
-    /// The height at a place of the lattice; NaN where it is not sampled or the object is not there.
+    /// The height at a lattice point; NaN outside the sampled tiles and outside the object.
     fn height(&self, column: i64, row: i64) -> f64 {
         let index = row.rem_euclid(TILE) * TILE + column.rem_euclid(TILE);
         let tile = self
@@ -86,8 +86,8 @@ impl Terrain {
         tile.map_or(f64::NAN, |heights| heights[index as usize])
     }
 
-    /// Points within `reach` of `centre` from which descent may lead to a closest point: samples that are nearer than
-    /// all their neighbours, and points on walls between neighbours.
+    /// Points within `reach` of `centre` where searches for closest points start: samples that are nearer to the
+    /// centre than all their neighbours, and points on walls between neighbours.
     fn starts(&self, object: &Shape, centre: &Point3<f64>, reach: f64) -> Vec<Start> {
         let range = |axis: usize| {
             let end = |end: f64| ((centre[axis] + end) / self.spacing) as i64;
@@ -109,12 +109,12 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // Places at the edge of the window are beyond the reach.
+            // At the edge of the window the index is of another row, but places there are beyond the reach.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // What is missing is not nearer.
+                // A neighbour without a sample does not count as nearer.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -147,7 +147,7 @@ impl Terrain {
     }
 }
 
-/// The place between two others at which an object that rises, or falls, reaches a level.
+/// The place between `low` and `high` at which the object's height crosses `level`, upwards if it `rises`.
 fn crossing(
     object: &Shape,
     [mut low, mut high]: [Vector2<f64>; 2],
@@ -179,7 +179,7 @@ impl Roller {
     /// The relief around a roll by `motions`, wide enough for rolls that deviate from it by up to `margin` (length).
     ///
     /// # Errors
-    /// [`RollError`] where the roll ends early.
+    /// [`RollError`] if the roll ends early.
     pub fn terrain(&self, motions: &[Motion], margin: f64) -> Result<Terrain, RollError> {
         let radius = self.probe().radius();
         let mut terrain = Terrain {
@@ -200,8 +200,8 @@ impl Roller {
     }
 
     /// Smallest distance (length) between the probe and the parts of the object beside the contact during a roll by
-    /// `motions`. Parts farther away than `margin` plus a quarter of the probe's radius are not examined, so the result
-    /// is at most this sum.
+    /// `motions`. Only parts within `margin` plus a quarter of the probe's radius are examined, so the result is at
+    /// most this sum.
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object reaches into the
@@ -216,7 +216,7 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // The samples ahead, the next one last.
+        // Samples still to be visited; the next sample is the last element.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
@@ -250,7 +250,7 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // On a ridge between two closest points the place itself will do.
+            // On a wall, and where the search fails (on a ridge between two closest points), use the place itself.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {
@@ -275,7 +275,7 @@ impl Roller {
         })
     }
 
-    /// The contact after some of the motions, and the probe's centre. The contact is moved onto the object, because
+    /// The contact at `time_s`, and the probe's centre. The contact is moved back onto the object, because
     /// integration errors may have moved it off.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
         let mut contact = self.roll(&until(motions, time_s))?;
@@ -305,7 +305,7 @@ fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     cut.collect()
 }
 
-/// Way of the probe's centre until a time, in radii: it turns about the contact, and a spin does not move it.
+/// Distance that the probe's centre travels until a time, in radii. A spin does not move the centre.
 fn way(motions: &[Motion], time_s: f64) -> f64 {
     until(motions, time_s)
         .iter()

@@ -20,8 +20,8 @@ pub enum RollFault {
         /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
     },
-    /// A part of the object beside the contact reaches into the probe. [`RollError::on_object`] is then its deepest
-    /// point instead of the last contact.
+    /// A part of the object beside the contact reaches into the probe. [`RollError::on_object`] is then the deepest
+    /// point of the overlap instead of the last contact.
     #[error("the probe overlaps the object by {depth}", depth = Number::rounded(*depth))]
     Overlapping {
         /// Depth of the overlap, length.

@@ -1,14 +1,13 @@
-//! Values that are made once and kept.
+//! Cache of values that are computed once.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Values by what they are made of. Each is made by the first thread that asks for it, and others that ask meanwhile wait
-/// for it. Where all together are larger than `room`, those that were not asked for the longest are let go, and made again
-/// when they are.
+/// Cache of values by key. The first thread that needs a value computes it; other threads that need it wait. If the
+/// total size exceeds `room`, the least recently used values are dropped. They are computed again if needed.
 #[derive(Debug)]
 pub(crate) struct Kept<K, V> {
     room: usize,
-    /// In the order in which they were last asked for.
+    /// Least recently used first.
     values: Mutex<Vec<Entry<K, V>>>,
 }
 
@@ -27,7 +26,7 @@ impl<K: PartialEq, V: Clone> Kept<K, V> {
         }
     }
 
-    /// Value of a key, of this size, which `make` makes of the same, always the same.
+    /// Returns the value of `key`, which has this size. If it is not cached, `make` computes it from the key alone.
     pub(crate) fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -96,12 +95,12 @@ mod tests {
         let made = |key| of_size(key, 2);
         assert!([1, 2, 3].into_iter().all(&made));
         assert!(!made(1));
-        // 2 was not asked for the longest.
+        // 2 is the least recently used.
         assert!(made(4));
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));
         assert!(made(1));
-        // Too large for any room.
+        // Larger than the room: never cached.
         assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

@@ -1,8 +1,8 @@
-//! The ladder of a scene: the models by which its truth can be computed, and which of them is taken.
+//! The ladder of a scene: the models that can compute its true values, and the model used.
 
 use palpate_study::config::ModelConfig;
 
-/// The rungs on which the truth of a cell's scene can be computed, cheapest first.
+/// The models (rungs) that can compute the true values of a cell's scene, cheapest first.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -23,33 +23,33 @@ use palpate_study::config::ModelConfig;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
-    /// The rungs, cheapest first; those that cannot do the scene are among them.
+    /// The rungs, cheapest first, including those that cannot simulate the scene.
     pub rungs: Vec<Rung>,
-    /// The index of the rung that is taken: the one that the config names, or the choice of `auto`.
+    /// Index of the rung used: the config names it, or `auto` chose it.
     pub taken: usize,
-    /// The index of the rung that the errors of the others are held against; `None` where each is held against another.
+    /// Index of the rung that all others are compared with; `None` if they have different references.
     pub reference: Option<usize>,
-    /// Reason why that rung is taken.
+    /// Reason for using that rung.
     pub reason: String,
-    /// The largest error that `auto` allows; `None` where the config names a rung.
+    /// The largest error that `auto` allows; `None` if the config names a rung.
     pub tolerance: Option<f64>,
 }
 
-/// A model by which the truth of a scene can be computed.
+/// A model that can compute the true values of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rung {
-    /// The model with its setting, in words.
+    /// Name of the model, with its setting.
     pub name: String,
-    /// The model as it stands in a config: never `auto`.
+    /// The model in the form of a config; never `auto`.
     pub model: ModelConfig,
-    /// How far the noiseless truth is off, against the ladder's best; or why this rung cannot do the scene. Of a roll,
-    /// contacts at the end, relative to the first contact's length scale; of a glide, contacts, relative to the tip's
-    /// radius; of a press, displacements of markers, relative to the largest.
+    /// Error of the noiseless truth, compared with the ladder's best rung, or why this rung cannot simulate the
+    /// scene. Roll: error of the last contacts, relative to the first contact's length scale. Glide: error of
+    /// contacts, relative to the tip's radius. Press: error of marker displacements, relative to the largest.
     pub outcome: Result<f64, String>,
 }
 
 impl Ladder {
-    /// Ladder of these rungs, of which the one with the model `taken` is taken. Each is held against another.
+    /// Builds a ladder that uses the rung with the model `taken`. Its rungs have no common reference.
     pub(crate) fn new(
         rungs: Vec<Rung>,
         taken: &ModelConfig,
@@ -66,7 +66,7 @@ impl Ladder {
         }
     }
 
-    /// The rung that is taken.
+    /// The rung used.
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]
     }

@@ -1,8 +1,8 @@
-//! Trials: the models that a scene needs, and the way from its truth over a reading to an estimate.
+//! Simulated trials: from a true scene to sensor readings to an estimate, and the models that a scene needs.
 //!
-//! This is the only place where the truth of a trial and its estimate meet. [`Scenes`] builds the [`Scene`] of a cell of a
-//! study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading; [`Trials`]
-//! says what all kinds of scenes have. [`recorded`] estimates from readings that somebody measured.
+//! Only this crate compares the true values of a trial with its estimate. [`Scenes`] builds the [`Scene`] of a cell
+//! of a study. [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading.
+//! [`Trials`] is the interface of all kinds of scenes. [`recorded`] estimates from recorded sensor readings.
 
 mod glide;
 mod kept;

@@ -4,19 +4,19 @@ use std::fmt::Display;
 
 use palpate_study::{Table, number};
 
-/// Map, field by field.
+/// Table of maps, filled field by field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
     /// Rows so far.
     pub table: Table,
-    /// Name of what is missing where a trial fails: "cells" or "estimates of cells".
+    /// What the map lacks if a trial fails: "cells" or "estimates of cells".
     pub lacks: &'static str,
-    /// Fields of the row that has not ended.
+    /// Fields of the unfinished row.
     row: Vec<String>,
 }
 
 impl MapTable {
-    /// Table without rows, from the names of its columns with commas between them.
+    /// Empty table; `header` lists the column names, separated by commas.
     pub(crate) fn new(header: &str, lacks: &'static str) -> Self {
         Self {
             table: Table::new(header.split(',').map(str::to_owned)),

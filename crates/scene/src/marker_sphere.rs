@@ -1,4 +1,4 @@
-//! Plan of a sensor with markers, pressed or not: its skin, its layout and its discs.
+//! Builds the parts of a marker sensor from its config: its skin, layout and discs.
 
 use palpate_chromatouch::{
     DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError, Seams,
@@ -17,7 +17,7 @@ pub(crate) const LAYOUT: &str = "scene.probe.layout";
 #[derive(Clone, Debug)]
 pub(crate) struct MarkerSphere<'a> {
     pub(crate) radius: f64,
-    /// Depth of the markers under the skin; of discs, the mean.
+    /// Depth of the markers under the skin; for markers of two discs, the mean depth.
     pub(crate) marker_depth: f64,
     pub(crate) layout: Layout,
     /// Number of steps in which a gore's outline is drawn.
@@ -55,7 +55,7 @@ impl<'a> MarkerSphere<'a> {
         self.discs.ok_or_else(|| {
             PlanError::at(
                 "scene.probe",
-                "`discs` is missing: the markers that a camera sees are made of two discs",
+                "`discs` is missing: a camera needs markers that have two discs",
             )
         })
     }
@@ -69,12 +69,12 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// How deep each disc lies.
+    /// Depths of the two discs.
     pub(crate) fn disc_depths(&self) -> Result<DiscDepths, PlanError> {
         let half = 0.5 * self.discs()?.separation;
         if half > self.marker_depth {
             let message = format!(
-                "the yellow discs would lie {} above the skin: must be at most twice `scene.probe.marker_depth`, {}",
+                "the yellow discs would lie {} above the skin; the separation must be at most twice `scene.probe.marker_depth`, {}",
                 half - self.marker_depth,
                 2.0 * self.marker_depth
             );
@@ -86,31 +86,31 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Largest misalignment of a marker's discs, a share of the yellow diameter.
+    /// Largest misalignment of a marker's discs, as a fraction of the yellow diameter.
     pub(crate) fn misalignment(&self) -> f64 {
         self.discs.map_or(0.0, |discs| discs.misalignment)
     }
 
-    /// Standard deviation of either coordinate of a marker's misalignment, rad at the sensor's centre.
+    /// Standard deviation of each coordinate of a marker's misalignment: an angle at the sensor's centre, rad.
     pub(crate) fn misalignment_std(&self) -> Result<f64, PlanError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
-        // Of a point that is uniform over a disc, either coordinate has half the radius.
+        // A coordinate of a point that is uniform in a disc has a standard deviation of half the radius.
         let most = self.misalignment() * diameters.yellow;
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Share of the skin's strain that the discs take part in.
+    /// Fraction of the skin's strain that the discs follow.
     pub(crate) fn strain(&self) -> f64 {
         self.discs.map_or(0.0, |discs| discs.strain)
     }
 
-    /// Markers at these places, as they are meant to be.
+    /// Markers at these places, as designed.
     pub(crate) fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, PlanError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         MarkerArray::new(self.radius, places, diameters, depths).map_err(|error| of_optics(&error))
     }
 
-    /// Markers at these places, as they were made.
+    /// Markers at these places, with the random misalignments of manufacture.
     pub(crate) fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, PlanError> {
         let array = self.array(places)?;
         match self.discs()?.misalignment {
@@ -121,7 +121,7 @@ impl<'a> MarkerSphere<'a> {
         }
     }
 
-    /// Seams of this width between the gores, if there are any.
+    /// Seams of this width between the gores; `None` without gores or width.
     pub(crate) fn seams(&self, width: f64) -> Option<Seams> {
         match self.layout {
             Layout::Gores { gores, .. } if width > 0.0 => Some(Seams { gores, width }),
@@ -164,7 +164,7 @@ fn of_layout(error: &LayoutError) -> PlanError {
     }
 }
 
-/// Error at the setting of markers or of a camera that is out of its range.
+/// Converts an error of the markers or the camera to one at its config field.
 pub(crate) fn of_optics(error: &OpticsError) -> PlanError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

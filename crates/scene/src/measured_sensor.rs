@@ -1,4 +1,4 @@
-//! A sensor by itself: how its skin folds, and how large a camera sees its markers.
+//! A sensor without contact: folding strains of its skin, and the image area of its markers.
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_study::Quantity;
@@ -10,18 +10,17 @@ use crate::need::Need;
 use crate::plan::PlanError;
 use crate::trials::{Outcome, Trials};
 
-/// A sensor that touches nothing, and what is measured of it: nothing is estimated, and nothing is random.
+/// A sensor that touches nothing, and its computed quantities. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSensor {
     quantities: &'static [Quantity],
-    /// Values of the quantities, in their order; `None` where the camera does not see the place.
+    /// Values of the quantities, in their order; `None` if the marker is not wholly in the camera's field.
     values: Vec<Option<f64>>,
     needs: Vec<Need>,
 }
 
 impl MeasuredSensor {
-    /// Quantities that the sensor of a config shows: strains of folding where it is cut in gores, and areas where it has
-    /// discs.
+    /// Quantities of a config's sensor: folding strains if the skin is cut in gores, marker area if it has discs.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
         let sphere = MarkerSphere::of(probe);
         let all: &'static [Quantity] = &[
@@ -38,10 +37,10 @@ impl MeasuredSensor {
         }
     }
 
-    /// The sensor that a config describes.
+    /// Builds the sensor of a config.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no sensor.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn new(config: &BareFingertipConfig) -> Result<Self, PlanError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
@@ -110,7 +109,7 @@ impl Trials for MeasuredSensor {
     }
 }
 
-/// Image area of the larger disc of a marker, px²; `None` where it is not wholly seen.
+/// Image area of the larger disc of a marker, px²; `None` if it is not wholly in the camera's field.
 fn area(sphere: &MarkerSphere<'_>, config: &BareFingertipConfig) -> Result<Option<f64>, PlanError> {
     let (diameters, depths) = (sphere.diameters()?, sphere.disc_depths()?);
     let lens = match config.sensor.lens {

@@ -1,4 +1,4 @@
-//! Lines about a scene: the models that it needs, and warnings.
+//! Messages about a scene: the models that it needs, and warnings.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,11 +8,11 @@ use serde::Serialize;
 /// Message that a result may be wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Warning {
-    /// Kebab-case name of its kind, as `large-contact`.
+    /// Name of the kind of warning in kebab case, for example `large-contact`.
     pub code: &'static str,
     /// The message, one sentence.
     pub text: String,
-    /// Numbers behind it, by their names; lengths are in the unit of the study or the readings.
+    /// Numbers of the warning by name; lengths are in the unit of the study or the readings.
     pub numbers: BTreeMap<&'static str, f64>,
 }
 
@@ -29,13 +29,13 @@ impl Warning {
         }
     }
 
-    /// The warning with this text, where there is one.
+    /// Returns a warning with this text, or `None` without a text.
     pub(crate) fn of(code: &'static str, text: Option<impl Into<String>>) -> Option<Self> {
         text.map(|text| Self::new(code, text, []))
     }
 }
 
-/// Line about a scene; written as `palpate check` shows it.
+/// Message about a scene; `palpate check` prints its `Display` text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Need {
     /// A model that the scene needs, and why.

@@ -36,15 +36,15 @@ pub struct CutPattern {
     pub svg: String,
     /// The drawing as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
     pub dxf: String,
-    /// How many gores make the turn.
+    /// Number of gores around the sphere.
     pub gores: u32,
-    /// How many markers are printed on them.
+    /// Number of markers printed on the gores.
     pub markers: usize,
-    /// The greatest strain of folding, and the root of its mean square.
+    /// The greatest and the rms strain of folding.
     pub fold_strain: FoldStrain,
-    /// Strain of folding: `longitude_deg,latitude_deg,strain` over the half of a gore, from its middle meridian.
+    /// CSV of the folding strain over half a gore from its middle meridian: `longitude_deg,latitude_deg,strain`.
     pub strain: String,
-    /// Strain of folding by the number of gores: `gores,greatest_fold_strain,rms_fold_strain`, from 3 to 12.
+    /// CSV table of the folding strain for 3 to 12 gores: `gores,greatest_fold_strain,rms_fold_strain`.
     pub strain_by_gores: String,
 }
 
@@ -52,8 +52,8 @@ impl CutPattern {
     /// The pattern of the sensor of a study's first cell.
     ///
     /// # Errors
-    /// [`ConfigError`] at the field that makes no pattern: a scene without a marker sensor, a layout without gores, no
-    /// discs, no unit, discs that overlap or would be cut.
+    /// [`ConfigError`] at the field that prevents a pattern: a scene without a marker sensor, a layout without gores,
+    /// no discs, no unit, discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
         let refuse = |error: PlanError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
@@ -77,8 +77,8 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     }
 }
 
-/// Places of the markers along the skin of the sensor of a study's first cell: (x, y) lies √(x² + y²) along the skin from
-/// the apex, in the direction (x, y).
+/// Chart coordinates of the markers of a study's first cell: (x, y) lies √(x² + y²) along the skin from the apex, in
+/// the direction (x, y).
 ///
 /// ```
 /// use palpate_scene::marker_places;
@@ -95,7 +95,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
 /// ```
 ///
 /// # Errors
-/// [`ConfigError`] of a scene without such a sensor, and of a layout that is none.
+/// [`ConfigError`] for a scene without a marker sensor, and for an invalid layout.
 pub fn marker_places(study: &Study) -> Result<Vec<[f64; 2]>, ConfigError> {
     let places = MarkerSphere::of(probe(study)?).places();
     places.map_err(|error| study.error_at(0, &error.path, error.message))
@@ -153,7 +153,7 @@ fn of_pattern(error: &PatternError) -> PlanError {
     PlanError::at(path, error)
 }
 
-/// Steps of the strain's table, from the middle meridian to the edge and from the equator to the apex.
+/// Steps of the strain table: as many from the middle meridian to the edge as from the equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<String, PatternError> {

@@ -1,4 +1,4 @@
-//! Plans that all kinds of scenes share: from parts of a config to parts of a scene.
+//! Builds the parts that all kinds of scenes share from their configs.
 
 use std::ops::Range;
 
@@ -10,14 +10,14 @@ use palpate_sensing::{InvalidSensor, PadLayout};
 
 use palpate_study::config::{self, ObjectConfig};
 
-/// A config that makes no scene: which field, and what is wrong with it.
+/// Error of a config: the invalid field, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanError {
-    /// Path of the field, `scene.object.radius`.
+    /// Path of the field, such as `scene.object.radius`.
     pub path: String,
-    /// Problem in words.
+    /// What is wrong.
     pub message: String,
-    /// The part of the field's text, in bytes, that is wrong.
+    /// Byte range of the wrong part of the field's text.
     pub part: Option<Range<usize>>,
 }
 

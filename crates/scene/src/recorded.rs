@@ -1,6 +1,7 @@
 //! Recorded readings: tables in and out, and the estimators on them.
 //!
-//! A table is CSV, with any of the usual delimiters, or a JSON object per line; its [`Form`] says what it does not show itself.
+//! A table is CSV with any of the usual delimiters, or one JSON object per line. Its [`Form`] states what the table
+//! itself does not show.
 
 mod calibration;
 mod calibration_file;
@@ -89,7 +90,7 @@ use palpate_study::config::LengthUnit;
 pub struct Value {
     value: f64,
     std: Option<f64>,
-    /// Interval of 95 %, where a standard deviation is told.
+    /// 95 % interval; `None` without a standard deviation.
     interval95: Option<[f64; 2]>,
     unit: Cow<'static, str>,
 }
@@ -99,7 +100,7 @@ impl Value {
         Self::within(value, std, NORMAL_95, power, length)
     }
 
-    /// A value whose interval of 95 % reaches so many standard deviations to either side.
+    /// A value whose 95 % interval reaches `half_width` standard deviations to either side.
     fn within(
         value: f64,
         std: Option<f64>,

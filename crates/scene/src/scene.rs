@@ -1,4 +1,4 @@
-//! Scenes of any kind, and those of a study's cells.
+//! Scenes of any kind, and the scenes of a study's cells.
 
 use std::ops::Deref;
 
@@ -43,7 +43,7 @@ pub enum Scene {
     Glide(GlideScene),
     /// A soft sphere is pressed onto an object.
     Press(PressScene),
-    /// A sensor by itself, of which quantities are measured.
+    /// A sensor without contact, whose properties are computed.
     Sensor(MeasuredSensor),
 }
 
@@ -60,7 +60,7 @@ impl Deref for Scene {
     }
 }
 
-/// Quantities that the scene of a config observes, as [`Trials::quantities`], without the scene.
+/// Quantities of a config's scene, as [`Trials::quantities`] returns them, without building the scene.
 pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     match config {
         SceneConfig::Roll(_) => &RollScene::QUANTITIES,
@@ -71,15 +71,15 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
 }
 
 impl Scene {
-    /// The scene that a config describes, with the random numbers of `seed`.
+    /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no scene.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, PlanError> {
         Self::of(config, seed, &Parts::default())
     }
 
-    /// The scene that a config describes, with the random numbers of `seed` and parts that other scenes may share.
+    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `parts`.
     ///
     /// # Errors
     /// Errors of [`Scene::new`].
@@ -95,7 +95,7 @@ impl Scene {
     /// Runs a trial as [`Trials::trial`] does.
     ///
     /// # Errors
-    /// The stable name of what went wrong; nothing of a failed trial counts.
+    /// The stable name of the failure; outcomes of a failed trial do not count.
     pub fn trial(
         &self,
         trial: u64,
@@ -110,18 +110,17 @@ pub trait Scenes {
     /// Builds the scene of a cell.
     ///
     /// # Errors
-    /// A [`ConfigError`] at the field that makes no scene: a pitch larger than the probe, a formula
-    /// with a syntax error, a first contact off the object; for a number that no cell has.
+    /// A [`ConfigError`] at the field that prevents the scene: a pitch larger than the probe, a formula with a syntax
+    /// error, a first contact off the object. Also if no cell has this number.
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell, if it can be estimated from. A trace needs no such scene.
+    /// Builds the scene of a cell, and checks that its readings determine an estimate. Traces do not need this check.
     ///
     /// # Errors
     /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell that has been read, as [`Scenes::estimable_scene`] does, with parts that other cells may
-    /// share.
+    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed; other cells may share `parts`.
     ///
     /// # Errors
     /// Errors of [`Scenes::estimable_scene`].
@@ -132,13 +131,13 @@ pub trait Scenes {
         parts: &Parts,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell on another rung of its ladder.
+    /// Builds the scene of a cell with the model of another rung.
     ///
     /// # Errors
-    /// Errors of [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
+    /// Errors of [`Scenes::scene`], at `scene.model` if the rung cannot simulate the scene.
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
 
-    /// Measures the ladder of a cell's scene, where it has one.
+    /// Measures the error of each rung of a cell's scene; `None` if it has no ladder.
     ///
     /// # Errors
     /// Errors of [`Scenes::estimable_scene`].
@@ -146,10 +145,10 @@ pub trait Scenes {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
 
-    /// Measures the ladder of a cell whose scene has been made.
+    /// Does the same as [`Scenes::ladder`] for a scene that is already built.
     ///
     /// # Errors
-    /// Errors of [`Trials::ladder`], in the text of the cell.
+    /// Errors of [`Trials::ladder`], with their place in the config.
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
 }
 
@@ -195,7 +194,7 @@ impl Scenes for Study {
     }
 }
 
-/// Error of a plan with its place in the config's text.
+/// Adds the place in the config's text to an error of a plan.
 fn located(study: &Study, cell: usize, error: PlanError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),

@@ -1,4 +1,4 @@
-//! One pass of a scene, written down.
+//! Tables of one pass of a scene.
 
 use image::RgbImage;
 use palpate_rolling::RollError;
@@ -8,26 +8,26 @@ use thiserror::Error;
 
 use crate::press::PressFailure;
 
-/// Truth of one pass, and what the sensor says of it.
+/// True values and sensor readings of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Truth: contacts, or markers. Of a roll `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`; of a glide
-    /// `finger,x,y,z,normal_x,normal_y,normal_z,tip_x,tip_y,tip_z`, the tip being its centre; of a press
-    /// `marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y`, the radial position counted from the
-    /// contact.
+    /// True contacts or markers. For a roll `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`; for a glide
+    /// `finger,x,y,z,normal_x,normal_y,normal_z,tip_x,tip_y,tip_z`, where `tip` is the tip's centre; for a press
+    /// `marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y`, where `radial_position` is the
+    /// distance from the contact.
     pub contacts: Table,
     /// Readings, in the form that `estimate` accepts.
     pub readings: Table,
-    /// Pictures of a camera; `None` without one.
+    /// Camera readings of a press; `None` without a camera.
     pub seen: Option<SeenPress>,
-    /// Words for what was followed: "404 contacts of 4 probes".
+    /// Summary of the pass, such as "404 contacts of 4 probes".
     pub what: String,
 }
 
-/// Pictures of a press that a camera took.
+/// Camera readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPress {
-    /// The sight of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
+    /// The reading of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
     pub markers: Table,
     /// The frames at rest and pressed, if they were rendered.
     pub frames: Option<[RgbImage; 2]>,
@@ -52,15 +52,15 @@ pub enum TraceError {
         /// Reason in words.
         error: BeyondPads,
     },
-    /// There is no press, or none to be seen.
+    /// The press is impossible, or the camera cannot image it.
     #[error(transparent)]
     Press(#[from] PressFailure),
-    /// Nothing is touched.
+    /// The scene has no contact.
     #[error("a fingertip touches nothing: there is no pass to follow")]
     Untouched,
 }
 
-/// Number of things in words, `what` being one of them.
+/// A count with its noun, such as "2 probes"; `what` is the singular.
 pub(crate) fn counted(count: usize, what: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {what}{plural}")

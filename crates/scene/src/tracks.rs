@@ -3,8 +3,8 @@
 use palpate_study::{Table, number};
 use palpate_tracking::{Found, MarkerErrors, Track};
 
-/// Table with one row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they
-/// did. What is not seen is empty.
+/// Table with one row per marker: its place and hue at rest (or pressed, if it is new), and their changes if it was
+/// tracked. Values that were not measured stay empty.
 pub(crate) fn of_tracks<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
     let mut table = Table::new(header.split(',').map(str::to_owned));
@@ -28,7 +28,7 @@ pub(crate) fn of_tracks<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> 
     table
 }
 
-/// The errors of a marker that was found in a pressed frame, and is a single one there.
+/// Errors of a marker that was found as a single marker in the pressed frame.
 pub(crate) fn errors_of(track: &Track, found: &Found) -> Option<MarkerErrors> {
     let pressed = track.pressed?;
     let place = found.markers.iter().position(|one| *one == pressed)?;

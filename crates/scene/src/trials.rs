@@ -1,4 +1,4 @@
-//! Trials that can be repeated, whatever kind of scene they are of.
+//! Trials of all kinds of scenes.
 
 use palpate_study::Quantity;
 use palpate_study::config::LengthUnit;
@@ -12,14 +12,14 @@ use crate::trace::{Trace, TraceError};
 /// One trial's estimate of a quantity, and its truth, in the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// The estimate; of a quantity that is measured, its value.
+    /// The estimate, or the value of a quantity that is measured directly.
     pub estimate: f64,
     /// The truth.
     pub truth: f64,
     /// The standard deviation that the estimator states; `None` if it states none.
     pub std: Option<f64>,
-    /// Whether the intervals of 50, 80 and 95 % that the estimator states hold the truth; `None` where they are the
-    /// estimate ± 0.67, 1.28 and 1.96 std.
+    /// Whether the stated 50, 80 and 95 % intervals contain the truth; `None` if they are the estimate ± 0.67, 1.28
+    /// and 1.96 std.
     pub interval_holds: Option<[bool; 3]>,
 }
 
@@ -34,13 +34,13 @@ impl Outcome {
         }
     }
 
-    /// A value that is exact: nothing is estimated, and nothing errs.
+    /// An exact value: it is not estimated and has no error.
     pub(crate) const fn exact(value: f64) -> Self {
         Self::plain(value, value)
     }
 }
 
-/// Trials of a scene: from a truth over a reading to estimates.
+/// Trials of a scene: from true values to readings to estimates.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -62,7 +62,7 @@ impl Outcome {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Trials {
-    /// Quantities that a trial tells, in the order of the indices that [`Trials::trial`] reports.
+    /// Quantities that a trial reports, in the order of the indices of [`Trials::trial`].
     fn quantities(&self) -> &'static [Quantity];
 
     /// Whether trials differ.
@@ -73,56 +73,56 @@ pub trait Trials {
         if self.is_random() { wanted } else { 1 }
     }
 
-    /// Whether the readings can tell the quantities at all, without noise.
+    /// Checks that readings without noise determine the quantities.
     ///
     /// # Errors
-    /// [`PlanError`] at what keeps them from it: fewer than two probes, or all parallel; too few contacts, or all on a
-    /// line; too few markers.
+    /// [`PlanError`] at the field that prevents it: fewer than two probes, or all parallel; too few contacts, or all
+    /// on a line; too few markers.
     fn estimable(&self) -> Result<(), PlanError> {
         Ok(())
     }
 
-    /// Runs trial number `trial` and reports outcomes with their quantity's index: one of each
-    /// quantity, or one at each place of a patch.
+    /// Runs trial number `trial` and reports outcomes, each with the index of its quantity: one of each quantity, or
+    /// one at each point of a patch.
     ///
     /// # Errors
-    /// The stable name of what went wrong; nothing of a failed trial counts.
+    /// The stable name of the failure; outcomes of a failed trial do not count.
     fn trial(
         &self,
         trial: u64,
         observe: &mut dyn FnMut(usize, Outcome),
     ) -> Result<(), &'static str>;
 
-    /// The true value of the quantity with this index, where it is the same everywhere.
+    /// The true value of the quantity with this index, if it is the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
-    /// Name of the true class of the shape at more than half of the places of a patch; `None` where no class is, and of other
-    /// scenes.
+    /// Name of the true shape class at more than half of the points of a patch; `None` if there is no such class, and
+    /// for other scenes.
     fn true_class(&self) -> Option<&'static str> {
         None
     }
 
-    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this
-    /// index, where it is known: of presses with noise.
+    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this index. It is available
+    /// for presses with noise.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {
         None
     }
 
-    /// The models that the scene needs and why, and warnings.
+    /// The models that the scene needs with the reasons, and warnings.
     fn needs(&self) -> Vec<Need>;
 
-    /// Measures the models by which the truth can be computed; `None` where there is nothing to choose.
+    /// Measures the errors of the models that can compute the true values; `None` if there is no choice.
     ///
     /// # Errors
-    /// [`PlanError`] where a model cannot do what the scene asks for.
+    /// [`PlanError`] if the model cannot simulate the scene.
     fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
         Ok(None)
     }
 
-    /// Follows one pass: noiseless, or as in trial number `trial`.
+    /// Records one pass: in trial number `trial`, or without noise if it is `None`.
     ///
     /// # Errors
-    /// [`TraceError`] where there is no pass to follow, or it ends early.
+    /// [`TraceError`] if there is no pass, or if it ends early.
     fn trace(&self, _trial: Option<u64>, _unit: LengthUnit) -> Result<Trace, TraceError> {
         Err(TraceError::Untouched)
     }
@@ -137,7 +137,7 @@ pub trait Trials {
     /// of their cell.
     ///
     /// # Errors
-    /// The stable name of what went wrong; the map then lacks what [`MapTable::lacks`] says.
+    /// The stable name of the failure; the map then lacks the items that [`MapTable::lacks`] names.
     fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
         Ok(())
     }

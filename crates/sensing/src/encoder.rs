@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{InvalidSensor, Stream};
 
-/// Joint encoders that report the end of a roll to the nearest step. The start is known, and the steps lie anywhere
-/// relative to it, elsewhere in every roll.
+/// Joint encoders that round the end of a roll to the nearest step. The start of the roll is known. Its position
+/// within a step is random, and different in every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -33,8 +33,8 @@ impl Encoder {
         Ok(Self { step_rad })
     }
 
-    /// The rotation that the encoders report of a roll by `rotation`, rad. Each component errs by half a step at most,
-    /// uniformly, whatever the rotation.
+    /// The rotation (rad) that the encoders report for a roll by `rotation`. The error of each component is uniform,
+    /// at most half a step, and does not depend on the rotation.
     pub fn read(&self, stream: &mut Stream, rotation: &Vector2<f64>) -> Vector2<f64> {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();

@@ -1,9 +1,9 @@
-//! Normal numbers side by side, by the transform of Box and Muller (*A Note on the Generation of Random Normal
+//! Normal random numbers in groups, by the transform of Box and Muller (*A Note on the Generation of Random Normal
 //! Deviates*, 1958).
 //!
 //! A pair is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniform number and θ a uniform angle. Logarithm, sine
-//! and cosine are series of additions, multiplications, divisions and roots, which round alike for any vector width.
-//! `rand_distr` draws one number at a time, which takes nearly twice as long, and longer where vectors are wide.
+//! and cosine are series of additions, multiplications, divisions and roots, which have the same results for any
+//! vector width. `rand_distr` draws one number at a time and takes nearly twice as long, or longer with wide vectors.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 

@@ -27,9 +27,9 @@ pub enum PadLayout {
 pub enum PadOffset {
     /// A pad's centre.
     Centred,
-    /// Any place, drawn for each roll.
+    /// A random place, drawn for each roll.
     Random,
-    /// Any place, drawn once for all rolls of a trial.
+    /// A random place, drawn once for all rolls of a trial.
     RandomPerTrial,
 }
 
@@ -139,7 +139,7 @@ impl Pads {
         }
     }
 
-    /// Places the pads under a first contact; draws only if the offset is random.
+    /// Places the pads under a first contact; draws random numbers only if the offset is random.
     pub fn place(&self, stream: &mut Stream) -> PadPlacement {
         PadPlacement(match (&self.tiling, self.offset) {
             (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),

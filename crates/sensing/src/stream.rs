@@ -269,7 +269,7 @@ mod tests {
             let expected = 0.5 * libm::erfc(-draw * std::f64::consts::FRAC_1_SQRT_2);
             (expected - f64::from(rank) / f64::from(DRAWS)).abs()
         });
-        // Kolmogorov and Smirnov: 1.95/√n is exceeded once in a thousand times.
+        // Kolmogorov–Smirnov test: the distance exceeds 1.95/√n with a probability of 0.001.
         assert!(distance.fold(0.0, f64::max) < 1.95e-3);
     }
 

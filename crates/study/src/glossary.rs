@@ -139,19 +139,19 @@ subjects! {
         "slipped-marker": "Warning about presses: one marker contradicts the others, but too weakly to be left out as an outlier.";
     }
     "Warnings about readings" {
-        "poor-fit": "The p-value is below 1e-6: the readings contradict the model or the stated noise, in a way that no other warning names.";
-        "small-residuals": "The residuals are smaller than the stated noise explains, so that intervals are too wide.";
-        "unknown-noise": "The noise is estimated from few readings, so that it is known only roughly.";
-        "unknown-fit": "How well the surface fits the readings could not be computed.";
+        "poor-fit": "The p-value is below 1e-6: the readings contradict the model or the stated noise. No other warning names the cause.";
+        "small-residuals": "The residuals are smaller than the stated noise predicts, so the intervals are too wide.";
+        "unknown-noise": "The noise is estimated from few readings, so its estimate is rough.";
+        "unknown-fit": "The goodness of fit of the surface could not be computed.";
         "unexplained-readings": "The fit explains little of the variance of the readings.";
-        "repeated-rows": "Rows repeat others to the last digit. Copies are no new readings, and make the stated uncertainty too small.";
-        "unit-or-sign": "The readings look like those in another unit, or of the opposite sign.";
+        "repeated-rows": "Some rows equal others to the last digit. Copied rows are not new readings, and make the stated uncertainty too small.";
+        "unit-or-sign": "The readings seem to be in another unit, or to have the opposite sign.";
         "unnamed-probes": "No column names the probes; they are counted by rows, blank lines or times.";
         "unnamed-fingers": "No column names the fingers; they are separated by blank lines or long steps.";
-        "stated-pitch": "A contact moved by less than the stated pitch, though pads report whole pitches.";
+        "stated-pitch": "A contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
         "rotation-noise": "The stated error of rotations is larger than the rotations: it may be in degrees.";
-        "flat-object": "The object is so flat that rounding of the readings is a large share of its curvature.";
-        "finger-distance": "The stated distance between fingers differs from that of the readings.";
+        "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
+        "finger-distance": "The stated distance between fingers differs from the distance in the readings.";
         "distant-contact": "One contact is far from all others.";
         "normal-lengths": "The normals are not of length 1.";
         "inward-normals": "The normals point into the object, so that convex and concave may be swapped.";
@@ -162,13 +162,13 @@ subjects! {
         "unseen-contact": "Only the stated indentation indicates a contact; the displacements do not show one.";
         "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so that strains are not small.";
         "gaussian-body": "A Gaussian is no elastic body: its intervals cover only the noise.";
-        "scatter-at-rest": "The markers of the frame at rest scatter more than the tracker states, and intervals are wider by that.";
+        "scatter-at-rest": "The markers in the frame at rest scatter more than the tracker states. The intervals are widened accordingly.";
         "missing-markers": "Markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
         "camera-scale": "The stated radial scale contradicts the frames.";
-        "uncertain-gain": "The gain of the calibration is uncertain, and the curvature with it.";
-        "ignored-layer": "The study's body is a layer, and a half-space is fitted.";
-        "uneven-pictures": "Light and blur are known of markers at rest, and change as the markers move.";
+        "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
+        "ignored-layer": "The study's model is a layer, but a half-space is fitted.";
+        "uneven-pictures": "The effect of light and blur is computed for markers at rest, and changes as the markers move.";
     }
     "Failures of rolls" {
         "too-few-probes": "Fewer than two rolls: a curvature has three components and one roll determines two. Roll in at least two directions.";

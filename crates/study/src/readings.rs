@@ -178,7 +178,7 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_v", Measure::Length),
 ];
 
-/// Columns of a rotation as a unit quaternion, whose scalar part is `qw`; they replace those of a rotation vector.
+/// Columns of a rotation given as a unit quaternion with scalar part `qw`, instead of as a rotation vector.
 pub const QUATERNION: [Column; 4] = [
     Column::of("qx", Measure::Plain),
     Column::of("qy", Measure::Plain),
@@ -186,7 +186,7 @@ pub const QUATERNION: [Column; 4] = [
     Column::of("qw", Measure::Plain),
 ];
 
-/// The column of a quaternion that a name stands for, [`spelt`]: `qx`, `quat_x`, `pose_orientation_x`.
+/// Quaternion column with this name as [`spelt`] returns it: `qx`, `quat_x`, `pose_orientation_x`.
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();

@@ -170,7 +170,7 @@ impl Statistic {
         matches!(self, Self::Coverage50 | Self::Coverage80 | Self::Coverage95)
     }
 
-    /// Whether it is divided by the true value.
+    /// Whether the statistic is divided by the true value.
     pub const fn is_relative(self) -> bool {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }

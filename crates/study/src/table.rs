@@ -1,4 +1,4 @@
-//! Tables that results are written as, and read back from.
+//! Writing and reading of result tables.
 
 use std::io::Read;
 
@@ -67,14 +67,14 @@ pub fn push_row(text: &mut String, row: &[String]) {
     text.push('\n');
 }
 
-/// Rows of a table that palpate wrote as CSV, each of as many fields as the first line.
+/// Rows of a CSV table that palpate wrote. All lines have the same number of fields.
 pub struct Rows<R> {
     reader: Reader<R>,
     record: StringRecord,
 }
 
 impl<R: Read> Rows<R> {
-    /// Rows behind a header.
+    /// Rows after a header line.
     pub fn new(csv: R) -> Self {
         Self::of(csv, true)
     }
@@ -100,10 +100,10 @@ impl<R: Read> Rows<R> {
         Ok(self.reader.headers()?.iter().map(str::to_owned).collect())
     }
 
-    /// The next row, with its line in the text from 1; `None` behind the last.
+    /// The next row and its line number, counted from 1; `None` after the last row.
     ///
     /// # Errors
-    /// [`csv::Error`] for a row of more or fewer fields, or where the text cannot be read.
+    /// [`csv::Error`] if a row has more or fewer fields, or if the text cannot be read.
     pub fn next_row(&mut self) -> Result<Option<(u64, &StringRecord)>, csv::Error> {
         if !self.reader.read_record(&mut self.record)? {
             return Ok(None);

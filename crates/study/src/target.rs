@@ -9,10 +9,10 @@ use crate::number;
 use crate::quantity::{Quantity, QuantityKind};
 use crate::statistic::Statistic;
 
-/// Statistic of a quantity over trials that is to keep a limit: `relative_rms_error(mean_curvature) <= 0.05`.
+/// Limit for a statistic of a quantity over trials: `relative_rms_error(mean_curvature) <= 0.05`.
 ///
-/// Names are those of the columns and quantities of `cells.csv`. Without a quantity the first of the scene is meant. The
-/// limit of a share may be in percent; above 1 it must be, since a plain 5 may mean 5 % or 500 %.
+/// Names are those of the columns and quantities of `cells.csv`. The default quantity is the first of the scene. The
+/// limit of a share may be in percent. A limit above 1 must be in percent, because a plain 5 may mean 5 % or 500 %.
 ///
 /// ```
 /// use palpate_study::{Bound, Quantity, Statistic, Target};
@@ -88,7 +88,7 @@ pub enum TargetError {
         /// The limit.
         limit: f64,
     },
-    /// A share as the limit of a statistic that is none.
+    /// A limit in percent for a statistic that is not a share.
     #[error(
         "{statistic} is no share; write its limit without %, or name a quantity that is a share, or relative_rms_error"
     )]

@@ -14,7 +14,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// Those of a trial that made several are summed up as soon as it has succeeded, so that memory does not grow with them.
+/// If a trial makes several observations, they are summed up as soon as it has succeeded. This limits the memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -22,15 +22,15 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations, or [`UNREPORTED`].
     stds: Vec<f64>,
-    /// Places of observations whose trial states whether its intervals of 50, 80 and 95 % hold the truth.
+    /// Observations (by place) whose trial states whether its 50, 80 and 95 % intervals hold the truth.
     verdicts: Vec<(usize, [bool; 3])>,
-    /// Number of observations of trials that have succeeded; those after them are of the running trial.
+    /// Number of observations of successful trials. Observations after these belong to the running trial.
     kept: usize,
     /// Sums of each trial that made several observations, with the number of observations before that trial.
     several: Vec<(usize, Sums)>,
-    /// Errors of these trials.
+    /// Errors of the trials in `several`.
     histogram: Histogram,
-    /// Memory for errors, used again.
+    /// Reused buffer for errors.
     errors: Vec<f64>,
 }
 
@@ -97,7 +97,7 @@ impl Column {
         {}
     }
 
-    /// Adds the observations of trials that follow.
+    /// Appends the observations of the next trials.
     pub(crate) fn append(&mut self, next: Self) {
         let before = self.estimates.len();
         self.estimates.extend(next.estimates);
@@ -131,7 +131,7 @@ impl Column {
         sums
     }
 
-    /// Sums of observations, each of a trial of its own; their errors stay.
+    /// Sums of observations, each from a different trial. Their errors stay in `self.errors`.
     fn sums(&mut self, places: Range<usize>) -> Sums {
         let observed = Observed {
             estimates: &self.estimates[places.clone()],

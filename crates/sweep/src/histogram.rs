@@ -6,29 +6,29 @@ use pulp::{Arch, Simd, WithSimd};
 const BIN_BITS: u32 = 7;
 /// Explicit bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Bins of an octave, of both signs.
+/// Bins per octave, for both signs together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
-/// Numbers up to which bins are listed one by one, which takes less time and memory than pages.
+/// Up to this many numbers, bins are listed one by one, which takes less time and memory than pages.
 const FEW: usize = 512;
-/// Numbers whose bins are found side by side.
+/// Numbers whose bins are computed together in vectors.
 const CHUNK: usize = 64;
 
 /// Bin of a number: its exponent, the first bits of its significand and, last, its sign.
 type Bin = u64;
-/// Counts of the bins of one octave, at the last bits of their numbers.
+/// Counts of the bins of one octave. The index is the last bits of the [`Bin`].
 type Page = [u64; PLACES];
 
 /// Counts of finite numbers in 128 bins per octave and sign.
 ///
-/// The representative of a bin is its middle, at most 0.4 % from any number in the bin; that of zero and of subnormal
-/// numbers (below 2.3e-308) is 0.
+/// The representative of a bin is its middle, at most 0.4 % from every number in the bin. Zero and subnormal numbers
+/// (below 2.3e-308) have the representative 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
-    /// Bin of each number, as long as there are few of them: then there are no pages.
+    /// Bin of each number, while there are at most [`FEW`] numbers and no pages.
     few: Vec<Bin>,
     /// Exponent bits of the first octave that has a page.
     first: usize,
-    /// Octaves from the first on; those without numbers have no page.
+    /// Pages of the octaves from `first` on; `None` for an octave without numbers.
     pages: Vec<Option<Box<Page>>>,
 }
 
@@ -83,7 +83,7 @@ impl Histogram {
         page[bin as usize % PLACES] += 1;
     }
 
-    /// Page of an octave, which it gets if it has none.
+    /// Page of an octave, created if it is missing.
     #[cold]
     fn page(&mut self, octave: usize) -> &mut Page {
         if self.is_listed() {
@@ -251,7 +251,7 @@ mod tests {
         histogram
     }
 
-    /// Every bin that holds something, with its count.
+    /// Every bin that is not empty, with its count.
     fn counts(histogram: &Histogram) -> BTreeMap<Bin, u64> {
         let mut counts = BTreeMap::new();
         for &bin in &histogram.few {

@@ -4,10 +4,10 @@ use crate::scale::{exponent, is_ordinary, largest, power_of_two, sum};
 
 /// Count, mean and squared deviations of some finite numbers.
 ///
-/// Deviations are counted from the first number, so that a small spread about a large mean is not lost: the first is one
-/// of the numbers, so that cancellation costs at most a factor of the count. Very large or very small numbers are kept in
-/// units of a power of two, so that squares neither overflow nor vanish. Merging follows Chan, Golub and LeVeque (1983);
-/// its order shows in the last bits.
+/// Deviations are measured from the first number, so that a small spread about a large mean is not lost. Cancellation
+/// then enlarges the error at most by a factor of the count. Very large or very small numbers are kept in units of a
+/// power of two, so that squares neither overflow nor vanish. Merging follows Chan, Golub and LeVeque (1983); its
+/// order changes the last bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
@@ -65,7 +65,7 @@ impl Moments {
         }
     }
 
-    /// Moments of the magnitudes of the same numbers, whose mean is this.
+    /// Moments of the magnitudes of the same numbers. `mean` is the mean magnitude.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -131,7 +131,7 @@ impl Moments {
         (self.count > 1).then(|| self.in_plain_units(variance.sqrt()))
     }
 
-    /// Standard error of the mean; `None` of fewer than two.
+    /// Standard error of the mean; `None` for fewer than two numbers.
     pub(crate) fn std_of_mean(&self) -> Option<f64> {
         Some(self.std()? / (self.count as f64).sqrt())
     }

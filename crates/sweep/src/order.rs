@@ -104,12 +104,12 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> Told {
     (count > 0.0 && estimate.is_finite() && truth.is_finite()).then_some((estimate, truth))
 }
 
-/// Probability that an estimate of one experiment is below one of another, drawn by themselves: over all pairs of their
-/// trials, which must have drawn their own random numbers. Estimates that are alike count half, so that experiments that
-/// cannot be told apart give one half. A trial that failed counts as not in order.
+/// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
+/// trials. The two experiments must have drawn different random numbers. Equal estimates count half, so that
+/// indistinguishable experiments give one half. A failed trial counts as not in order.
 ///
-/// It is Mann and Whitney's statistic; its variance is that of Sen (1960), which goes into Wilson's interval as the number
-/// of independent trials that would tell as much.
+/// This is Mann and Whitney's statistic with the variance of Sen (1960). Wilson's interval uses the number of
+/// independent trials that would have the same variance.
 pub fn in_order(low: &[Told], high: &[Told]) -> Order {
     order(&estimates(low), &estimates(high))
 }

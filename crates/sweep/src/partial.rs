@@ -11,22 +11,22 @@ use crate::summary::{CellStatistics, Summary};
 use crate::sums::Sums;
 use crate::trial::Trial;
 
-/// Accumulator of one quantity: it takes the observations of blocks of trials, and gives all statistics.
+/// Accumulator of one quantity: adds up the observations of blocks of trials, and computes all statistics.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
     /// Errors; merging is exact in any order.
     histogram: Histogram,
-    /// Sums of blocks that have not been folded into those before them, in the order of the trials.
+    /// Sums of the blocks in trial order. Folding merges all of them into the first.
     blocks: Vec<Sums>,
 }
 
 impl Accumulator {
-    /// Adds the observations of the block that follows, and clears them.
+    /// Adds the observations of the next block, and empties `column`.
     pub(crate) fn add(&mut self, column: &mut Column) {
         self.blocks.push(column.sum_up(&mut self.histogram));
     }
 
-    /// Folds the sums of the blocks, which must begin with the first of the trials.
+    /// Folds the sums of the blocks. The first block must hold the first trial of the cell.
     fn fold(&mut self) {
         if let Some((first, rest)) = self.blocks.split_first_mut() {
             rest.iter().for_each(|block| first.merge(block));
@@ -34,19 +34,19 @@ impl Accumulator {
         }
     }
 
-    /// Adds the blocks that follow.
+    /// Appends the next blocks, and folds all.
     fn merge(&mut self, next: Self) {
         self.histogram.merge(next.histogram);
         self.blocks.extend(next.blocks);
         self.fold();
     }
 
-    /// Sums of the blocks, which are folded.
+    /// Sums of all blocks, which must have been folded.
     pub(crate) fn sums(&self) -> Sums {
         self.blocks.first().copied().unwrap_or_default()
     }
 
-    /// Forgets the quantiles.
+    /// Drops the histogram, and with it the quantiles.
     pub(crate) fn drop_histogram(&mut self) {
         self.histogram = Histogram::default();
     }
@@ -64,7 +64,7 @@ pub(crate) struct Partial {
     pub(crate) quantities: Vec<Accumulator>,
 }
 
-/// Called with what each trial observed, or with the kind of its failure.
+/// Called with the observations of each trial, or with the kind of its failure.
 pub(crate) type Note<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {
@@ -97,12 +97,12 @@ impl Partial {
         }
     }
 
-    /// Folds the sums of its blocks, which must begin with the first of the trials.
+    /// Folds the sums of its blocks. The first block must hold the first trial of the cell.
     pub(crate) fn fold(&mut self) {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }
 
-    /// Adds the blocks that follow.
+    /// Appends the next blocks, and folds all.
     pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -125,7 +125,7 @@ impl Partial {
     }
 }
 
-/// Observations of some of the trials of a block, which are summed up when the whole block is there.
+/// Observations of some trials of a block. They are summed up when the block is complete.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,
@@ -134,7 +134,7 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
-    /// Runs some of the trials of a block; cut short where the run is cancelled.
+    /// Runs some trials of a block; stops early if the run is cancelled.
     pub(crate) fn run(
         trial: &dyn Trial,
         trials: Range<u64>,
@@ -149,7 +149,7 @@ impl Slice {
         }
     }
 
-    /// Adds the trials that follow.
+    /// Appends the next trials of the block.
     pub(crate) fn append(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -160,7 +160,7 @@ impl Slice {
         }
     }
 
-    /// Adds the block of which these are all trials.
+    /// Adds this slice to `partial` as a block. The slice must hold all trials of the block.
     pub(crate) fn end(mut self, partial: &mut Partial) {
         partial.trials += self.trials;
         partial.failures.merge(self.failures);

@@ -1,6 +1,6 @@
 //! One pass over the observations of a quantity, with the widest vectors that the processor has.
 //!
-//! Sums are made of [`LANES`] partial sums, whatever the vectors are, so that every width adds up the same bits.
+//! Every sum consists of [`LANES`] partial sums, so that vectors of any width give the same bits.
 
 use palpate_chance::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -63,23 +63,23 @@ pub(crate) struct Totals {
     pub(crate) truths: [f64; 2],
     /// Smallest and largest error.
     pub(crate) errors: [f64; 2],
-    /// Sums of the differences of the estimates to the first, and of their squares.
+    /// Sums of (estimate − first estimate) and of its square.
     pub(crate) of_estimates: [f64; 2],
-    /// Sums of the differences of the errors to the first, and of their squares.
+    /// Sums of (error − first error) and of its square.
     pub(crate) of_errors: [f64; 2],
-    /// Sum of the differences of the magnitudes of the errors to that of the first.
+    /// Sum of (|error| − |first error|).
     pub(crate) of_magnitudes: f64,
-    /// Sums of the differences of the squared errors to that of the first, and of their squares.
+    /// Sums of (error² − first error²) and of its square.
     pub(crate) of_squares: [f64; 2],
     /// Number of standard deviations that were reported, and their sum.
     pub(crate) reported: u64,
     pub(crate) stds: f64,
-    /// Numbers of errors that the intervals of 50, 80 and 95 % hold.
+    /// Numbers of errors within the 50, 80 and 95 % intervals.
     pub(crate) covered: [u64; 3],
 }
 
 impl Totals {
-    /// Totals of observations, whose errors go to `errors`; `None` of none.
+    /// Totals of observations; `None` without observations. Writes their errors into `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Option<Self> {
         errors.resize(observed.estimates.len(), 0.0);
         let first = [*observed.estimates.first()?, *observed.truths.first()?];
@@ -91,7 +91,7 @@ impl Totals {
     }
 }
 
-/// Whether the intervals of 50, 80 and 95 % of a standard deviation hold an error.
+/// Whether an error lies within the 50, 80 and 95 % intervals that follow from a standard deviation.
 pub(crate) fn is_covered(error: f64, std: f64) -> [bool; 3] {
     HALF_WIDTHS.map(|half_width| error.abs() <= half_width * std)
 }
@@ -106,10 +106,10 @@ struct TotalsOf<'a> {
 /// Number of sums.
 const SUMS: usize = 12;
 
-/// Partial sums of [`Totals`]. Its methods are inlined always: else vector instructions would be calls.
+/// Partial sums of [`Totals`]. Its methods are always inlined; otherwise vector instructions would be calls.
 struct Parts<S: Simd> {
     simd: S,
-    /// First estimate, and the error beside it, its magnitude and its square.
+    /// First estimate, its error, and the magnitude and square of that error.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,
@@ -148,7 +148,7 @@ impl<S: Simd> Parts<S> {
         }
     }
 
-    /// 1 where an interval of this half width, in standard deviations, holds an error of this magnitude, else 0.
+    /// 1 if an error of magnitude `size` is at most `half_width` standard deviations, else 0.
     #[inline(always)]
     fn holds(&self, half_width: S::f64s, std: S::f64s, size: S::f64s) -> S::f64s {
         let simd = self.simd;

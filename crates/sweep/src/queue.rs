@@ -37,7 +37,7 @@ pub(crate) struct Piece<T, E> {
 }
 
 impl<T, E> Piece<T, E> {
-    /// Whether these are all trials of the task.
+    /// Whether the piece holds all trials of the task.
     pub(crate) fn is_whole(&self) -> bool {
         self.trials == (0..self.task.trials)
     }
@@ -51,7 +51,7 @@ pub(crate) struct Queue<T, E, F> {
     moved: Condvar,
 }
 
-/// Task that is being handed out, the first of its trials that is still waiting, and its experiment.
+/// Task that is being handed out, the next of its trials to hand out, and its experiment.
 type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
 
 struct State<T, E> {

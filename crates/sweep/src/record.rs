@@ -23,7 +23,7 @@ pub struct TrialObservations<'a> {
 }
 
 impl TrialObservations<'_> {
-    /// Observations of a quantity, in the order in which they were recorded; none of a quantity that was not observed.
+    /// Observations of a quantity, in the order of recording; empty if the quantity was not observed.
     pub fn of(&self, quantity: usize) -> impl Iterator<Item = Observation> {
         let column = self.columns.get(quantity).zip(self.places.get(quantity));
         let observations =
@@ -107,7 +107,7 @@ impl Record {
         self.columns.iter_mut().for_each(Column::forget);
     }
 
-    /// Runs one trial, shows what it observed, and forgets it. The record is empty before and after.
+    /// Runs one trial, passes its observations to `show`, and drops them. The record is empty before and after.
     pub(crate) fn alone<T>(
         &mut self,
         trial: &dyn Trial,

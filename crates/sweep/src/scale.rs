@@ -1,10 +1,10 @@
-//! Sums over many numbers, in units of a power of two where squares would overflow or vanish.
+//! Sums over many numbers, scaled by a power of two if their squares would overflow or vanish.
 
 /// Independent partial sums, which let the compiler use vector instructions.
 pub(crate) const LANES: usize = 8;
 /// Units are at most 2^±1000: far enough that no square overflows or vanishes, and still a float themselves.
 const MAX_EXPONENT: i32 = 1000;
-/// Numbers from 2^−200 to 2^200 need no unit: the squares of their squares are floats, and so are sums of 2^60 of them.
+/// Numbers from 2^−200 to 2^200 need no unit: their fourth powers, and sums of 2^60 of these, are normal floats.
 const ORDINARY: i32 = 200;
 
 /// Sum of a term over all values, in a fixed order.
@@ -23,7 +23,7 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// Exponent of the unit 2^exponent for numbers as large as this: 0 unless it is beyond 2^±200.
+/// Exponent of the unit 2^exponent for numbers up to `largest`: 0 if `largest` is from 2^−200 to 2^200.
 pub(crate) fn exponent(largest: f64) -> i32 {
     let biased = (largest.abs().to_bits() >> 52) as i32;
     match biased - 1023 {

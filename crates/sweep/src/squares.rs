@@ -23,8 +23,8 @@ pub(crate) struct TrialSquares {
 }
 
 impl TrialSquares {
-    /// Squares of finite errors, each of a trial of its own. `plain` are the sums of the differences of the squares to that
-    /// of the first, and of the squares of these differences.
+    /// Squares of finite errors, each from a different trial. `plain` holds the sums of (error² − first error²) and
+    /// of its square.
     pub(crate) fn of_each(errors: &[f64], plain: [f64; 2]) -> Self {
         let Some(&first) = errors.first() else {
             return Self::default();
@@ -54,7 +54,7 @@ impl TrialSquares {
         }
     }
 
-    /// Squares of one trial that made so many observations, whose errors have this root of the mean square.
+    /// Squares of one trial with `count` observations and the root mean square error `rms`.
     pub(crate) fn of_trial(count: u64, rms: f64) -> Self {
         let exponent = exponent(rms);
         let rms = rms * power_of_two(-exponent);

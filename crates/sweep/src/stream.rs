@@ -47,8 +47,8 @@ pub trait Sweep: Sync {
         false
     }
 
-    /// Adds to a text what is to be noted of trial number `number`: of its observations, or of the kind of its failure. On
-    /// any thread, in the order of the trials of a task.
+    /// Appends a note on trial `number` to `text`: on its observations, or on the kind of its failure. Called on any
+    /// thread, in the order of the trials of a task.
     fn note(
         &self,
         trial: &Self::Trial,
@@ -59,7 +59,7 @@ pub trait Sweep: Sync {
         let _ = (trial, number, observed, text);
     }
 
-    /// Result of a cell, on any thread.
+    /// Computes the result of a cell. Called on any thread.
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
@@ -73,12 +73,12 @@ pub enum Taken<R> {
 }
 
 impl Runner {
-    /// Runs the tasks of a sweep and hands their results over, in the order of the tasks and one at a time, until another
-    /// thread sets `cancelled` or `take` breaks. `progress` is told by any thread how many trials it has done since it last
-    /// told.
+    /// Runs the tasks of a sweep and passes their results to `take`, in the order of the tasks and one at a time,
+    /// until another thread sets `cancelled` or `take` breaks. Each thread calls `progress` with the number of trials
+    /// that it has run since its last call.
     ///
-    /// Only the experiments that threads work on are kept, and the results that wait for an earlier one, so that memory
-    /// grows neither with the tasks nor with the trials. How trials are divided among threads leaves no trace in a result.
+    /// Memory holds only the experiments in use and the results that wait for an earlier one, so that it grows
+    /// neither with the tasks nor with the trials. Results do not depend on how trials are divided among threads.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -313,8 +313,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and adds notes on them to `text` where that is asked for. `ran` becomes their number
-    /// where a rule ends them.
+    /// Runs the trials of a piece, and appends notes on them to `text` if the sweep has notes. If a rule ends the
+    /// trials early, `ran` becomes their number.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,

@@ -4,8 +4,8 @@ use crate::moments::Moments;
 use crate::pass::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Sums over the observations of one quantity, from which all its statistics except the quantiles follow. They are
-/// merged in the order of the trials.
+/// Sums over the observations of one quantity. They determine all its statistics except the quantiles, and are merged
+/// in the order of the trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -17,9 +17,9 @@ pub(crate) struct Sums {
     /// Mean magnitude of the errors.
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Mean estimates of the trials, and mean magnitudes of their errors.
+    /// Moments of the mean estimate of each trial, and of the mean magnitude of its errors.
     pub(crate) by_trial: [Moments; 2],
-    /// Observations that have standard deviations, and the mean of these.
+    /// Number of observations with a standard deviation, and the mean of these standard deviations.
     reported: u64,
     std: f64,
     /// Observations that have intervals.
@@ -29,7 +29,7 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Sums over observations, each of a trial of its own, whose errors go to `errors`.
+    /// Sums over observations, each from a different trial. Writes their errors into `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Self {
         let Some(totals) = Totals::of(observed, errors) else {
             return Self::default();
@@ -63,7 +63,7 @@ impl Sums {
         }
     }
 
-    /// The same observations as those of one trial.
+    /// Sums of the same observations if one trial made all of them.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -73,7 +73,7 @@ impl Sums {
         }
     }
 
-    /// Counts an observation by whether its trial states that the intervals hold, not by its standard deviation.
+    /// Counts the coverage that a trial states in `holds`, instead of the coverage that follows from `std`.
     pub(crate) fn judge(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.judged += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -114,7 +114,7 @@ impl Sums {
         }
     }
 
-    /// The true value; `None` where it varies, and without observations.
+    /// The true value; `None` if it varies or there are no observations.
     pub(crate) fn truth(&self) -> Option<f64> {
         let [least, most] = self.truths;
         (self.errors.count() > 0 && least == most).then_some(least)
@@ -142,7 +142,7 @@ impl Sums {
     }
 }
 
-/// Mean of numbers whose sum may be beyond the floats: then the sum of their shares, which may be so by rounding alone.
+/// Mean of numbers: `plain`, or if that overflowed, the sum of number / count. This sum overflows only by rounding.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,
@@ -150,7 +150,7 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of two means of these counts, neither negative.
+/// Mean of two means, neither negative, weighted by their counts.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

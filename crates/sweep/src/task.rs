@@ -15,10 +15,10 @@ pub struct Task {
     pub may_stop: bool,
 }
 
-/// Rule by which a cell has had enough trials.
+/// Rule that ends the trials of a cell when a statistic is precise enough.
 ///
-/// It is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers, so that it depends on nothing but
-/// these.
+/// It is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers, so that its result depends only
+/// on the trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// Quantity that is watched, among those of the trial.
@@ -44,7 +44,7 @@ pub enum Watched {
 }
 
 impl Stop {
-    /// Whether these first trials of a cell are enough.
+    /// Whether the trials in `cell` are enough.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)
@@ -53,7 +53,7 @@ impl Stop {
             && self.is_known(cell) == Some(true)
     }
 
-    /// Whether the relative standard error is as small as it is to be; `None` where it is undefined.
+    /// Whether the relative standard error is small enough; `None` if it is undefined.
     fn is_known(&self, cell: &Partial) -> Option<bool> {
         let sums = cell.quantities.get(self.quantity)?.sums();
         let [estimates, magnitudes] = sums.by_trial;

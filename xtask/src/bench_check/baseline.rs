@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 
 use super::DIRECTORY;
 
-/// Named figures in their order.
+/// Names and figures, in the order of the table.
 pub(crate) type Figures = Vec<(String, f64)>;
 
 /// Reads a table with a header and two columns: name and figure.
@@ -16,7 +16,7 @@ pub(crate) fn read(text: &str) -> Result<Figures> {
     for (at, (name, figure)) in figures.iter().enumerate() {
         ensure!(
             figure.is_finite() && *figure >= 0.0,
-            "`{name}`: {figure} is no figure"
+            "`{name}`: {figure} is not a finite number of at least 0"
         );
         ensure!(
             find(&figures[..at], name).is_none(),
@@ -44,7 +44,7 @@ fn text(figure: f64) -> String {
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
-    /// Harness that prints the figures, and name of the file of the baseline.
+    /// Harness that prints the figures; also the file name of the baseline.
     pub(crate) harness: &'static str,
     /// Allowed growth, as a share of the earlier figure.
     pub(crate) allowed: f64,
@@ -122,7 +122,7 @@ impl Comparison {
         Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    /// Every name with its figures before and now, in the order of now, then what is missing.
+    /// Every name with its earlier and present figure, in the present order. Missing names follow at the end.
     fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
         let now = self.now.iter();
         let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));

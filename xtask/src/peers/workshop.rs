@@ -11,7 +11,7 @@ use xshell::{Shell, cmd};
 use super::figure::Figure;
 use crate::python;
 
-/// Packages of the peers in Python.
+/// List of the Python packages of the peers.
 const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
 /// Libraries that would otherwise take every core.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];

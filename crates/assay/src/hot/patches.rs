@@ -90,7 +90,7 @@ fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
 /// Root mean square error of the mean curvature of a fit to many contacts, 1/length.
 ///
 /// # Errors
-/// Where the fit has no curvature.
+/// If the fit has no curvature at one of the points.
 pub fn error_on_waves(fit: &Fit) -> Result<f64, Ep2Error> {
     let off = |(place, mean): (Point3<f64>, f64)| Ok(fit.curvature_at(&place)?.mean - mean);
     let errors: Result<Vec<f64>, Ep2Error> = places_on_waves().map(off).collect();

@@ -26,7 +26,7 @@ const TRUSTED: f64 = 1e-12;
 /// Direction in which the contact moves at first, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
-/// One roll, and where it ends.
+/// A roll and its true end.
 struct Roll {
     ease: Ease,
     scene: &'static str,
@@ -34,7 +34,7 @@ struct Roll {
     at: (f64, f64),
     angle: f64,
     truth: fn(&Roll) -> Result<End>,
-    /// The truth, from its first use.
+    /// The true end, computed at first use.
     end: OnceCell<End>,
 }
 

@@ -18,7 +18,7 @@ use crate::measured::Evaluation;
 /// Trials in a row whose mean cost is stated.
 const TRIALS: u32 = 4;
 
-/// Scene with its stages.
+/// A base scene and its stages.
 struct Staged {
     kind: &'static str,
     /// TOML of `[scene]` that all stages have in common, a key per line.
@@ -61,7 +61,7 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
     },
     Staged {
         kind: "glide",
-        // The cost of the quadric does not depend on its data.
+        // The estimator is the quadric, because its cost does not depend on the readings.
         base: r#"
 probe = { kind = "point" }
 object = { kind = "saddle", a = 0.1 }
@@ -160,7 +160,7 @@ impl Stage {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).in_a_row(TRIALS)
     }
 
-    /// Columns that name it.
+    /// Columns that name the stage.
     fn names(&self) -> Vec<Column> {
         let [kind, name] = [self.kind, self.name].map(str::to_owned);
         vec![("scene", kind), ("stage", name)]
@@ -175,7 +175,7 @@ impl Stage {
     }
 }
 
-/// Name of a column, and its count of a trial's work.
+/// Name of a column, and the function that returns its count from a trial's tally.
 type Counter = (&'static str, fn(&Tally) -> u64);
 /// Columns of the work that a trial does.
 const TALLIED: [Counter; 6] = [

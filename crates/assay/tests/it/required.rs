@@ -96,7 +96,7 @@ fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [planning, trial] = tallies(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
     assert_eq!(planning, Tally::default());
-    // Each of the eight rolls draws two components of a place and a turn.
+    // Each of the eight rolls draws two coordinates and an angle of the pads.
     assert_eq!(trial.draws, 24, "{trial:?}");
     let [_, trial] = tallies(
         ROLL,

@@ -229,7 +229,7 @@ fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
 
-/// The same motion of both discs, in radii of the skin.
+/// Equal motion of both discs of a marker; `normal` and `x` are in units of the skin's radius.
 fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     let disc = DiscMotion {
         normal: normal * radius,
@@ -242,8 +242,8 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     })
 }
 
-/// The area of a small disc is proportional to (width / distance)². Its centre shifts by an angle: its displacement
-/// along the skin, or that of the camera, divided by the distance at rest.
+/// The image area of a small disc is proportional to (width / distance)². A displacement along the skin shifts the
+/// image by the angle displacement / distance at rest, a displacement of the camera by displacement / distance.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();
@@ -269,7 +269,7 @@ fn slopes_on_skins_of_any_size_have_closed_forms() {
                     -1.0,
                 ),
             ] {
-                // Wider discs grow less; the difference is proportional to the square of their angular size.
+                // The closed forms are for small discs; their error is of second order in the angular size.
                 assert!((slope - due).abs() < 3e-4, "{radius:e}: {slope}, not {due}");
             }
         }
@@ -284,7 +284,7 @@ fn impossible_slopes_have_named_errors() {
         found.map_err(|error| error.name())
     };
     let (rest, known) = (alike(1.0, 0.0, 0.0), Departure::default());
-    // A marker without motion, and one outside the image.
+    // The first marker has no motion; the second lies outside the image.
     assert_eq!(slopes(&[None, rest], known, 0), Ok(vec![None, None]));
     assert_eq!(slopes(&[rest], known, 0), Err("wrong-count"));
     let beyond = slopes(&[rest; 2], known, Departure::NUMBERS);

@@ -1,5 +1,5 @@
-//! Readings that determine a curvature always give it, and exact readings give it exactly. Any bit patterns give finite
-//! numbers or the right error.
+//! Readings that determine a curvature always give it, and exact readings give it exactly. Readings with arbitrary
+//! bit patterns give finite results or the right error.
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
@@ -24,7 +24,7 @@ fn reading() -> impl Strategy<Value = ProbeReading> {
     })
 }
 
-/// The error that these numbers call for, where it is plain without a calculation.
+/// The error that these inputs must give, if it follows without a calculation.
 fn due(radius: f64, noise: &ReadingNoise, readings: &[ProbeReading]) -> Option<Ep1Error> {
     let turns = |reading: &ProbeReading| reading.rotation.iter().all(|angle| angle.is_finite());
     let sizes = [
@@ -124,8 +124,7 @@ proptest! {
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let estimate = LeastSquares::of(radius, ReadingNoise::default(), &readings(radius, &form, &rolls));
         let found = estimate.unwrap().curvature;
-        // The bound grows with the flatness of the object, with the spread of these probes, and in a hollow, which
-        // amplifies errors.
+        // The bound grows with the curvature along u, and in a hollow (`across` < 0), which amplifies errors.
         let bound = 1e-14 * (2.0 + along) * (1.0 + along) / (1.0 + across).min(1.0).powi(2) / radius;
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }

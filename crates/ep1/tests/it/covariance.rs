@@ -178,7 +178,7 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // In a star the error of the common start cancels, and only the error of the ends remains.
+    // In a star of opposite rolls, the shared error of the start cancels, and only the errors of the ends remain.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),

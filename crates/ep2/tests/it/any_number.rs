@@ -22,7 +22,7 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(any_number()).prop_map(Vector3::from)
 }
 
-/// Contacts of a rough patch, with normals or without; often one of them is anything.
+/// Contacts of a rough patch, with or without normals. In 40 % of the cases one contact has arbitrary numbers.
 fn contacts() -> impl Strategy<Value = Vec<Contact>> {
     let part = || -2.0..2.0;
     let contact = (
@@ -89,7 +89,7 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// How far K and H are from those of the principal curvatures, and the directions and the normal from orthonormal axes.
+/// Largest error of K and H against the principal curvatures, and of the axes against an orthonormal frame.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -361,8 +361,8 @@ proptest! {
         }
     }
 
-    /// The paraboloid w = (b₁ u² + b₂ v²)/2, of any size and bend and wherever it stands: K = b₁ b₂ and H = −(b₁ + b₂)/2
-    /// at its apex.
+    /// The paraboloid w = (b₁ u² + b₂ v²)/2, of any size, curvature, position and orientation, has K = b₁ b₂ and
+    /// H = −(b₁ + b₂)/2 at its apex.
     #[test]
     fn paraboloids_are_found_exactly(
         power in -100.0..100.0_f64,
@@ -381,7 +381,7 @@ proptest! {
         };
         let contacts: Vec<Contact> = (0..81).map(contact).collect();
         let patch = Patch::new(&contacts, &(turn * Vector3::z())).unwrap();
-        // Rounding of the places is seen as bending.
+        // Rounding errors of the positions appear as curvature.
         let bound = 1e-11 + 1e3 * f64::EPSILON * (1.0 + offset) / bend;
         let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
         for method in methods {

@@ -69,7 +69,7 @@ fn points_and_lines() {
     assert_eq!(outcomes(&point), ["coincident"; 3]);
     let line = plain((0..40).map(|step| [0.1 * f64::from(step), 0.2 * f64::from(step), 1.0]));
     assert_eq!(outcomes(&line), ["collinear"; 3]);
-    // Across a millionth of its length a patch has no shape, across ten millionths it has.
+    // A patch whose width is below a millionth of its length counts as a line.
     for (share, is_line) in [(1e-13, true), (1e-7, true), (1e-5, false)] {
         let wide = 19.0 * share;
         let nearly = (0..20).map(|step| [f64::from(step), wide * f64::from(step % 3), 0.0]);

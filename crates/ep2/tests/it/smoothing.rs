@@ -25,7 +25,7 @@ fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smooth
     SmoothingSpline::new(degree, smoothing).fit(points)
 }
 
-/// Scaling the heights by a power of two changes no digit of the result.
+/// Scaling the heights by a power of two changes the residual sum only by rounding.
 #[test]
 fn waves_are_smoothed_alike_in_any_unit() {
     let wave = grid(|u, v| libm::sin(5.0 * u) * libm::cos(4.0 * v));
@@ -49,7 +49,7 @@ fn polynomials_are_interpolated() {
     let smoothed = fit(2, 0.0, &points).unwrap();
     assert_eq!(smoothed.status, Status::Interpolating);
     assert!((smoothed.spline.value(0.1, 0.2) - 3.038).abs() < 1e-13);
-    // Squares of any size, and any weight of one point.
+    // The result does not depend on the size of the square or on the weight of one point.
     for (size, weight) in [(1e-100, 1.0), (1e100, 1.0), (1.0, 1e-300), (1.0, 1e6)] {
         let mut points: Vec<_> = points
             .iter()
@@ -65,7 +65,7 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // Beside this weight, the other weights are lost to rounding, so the test only checks that the result is finite.
+    // With this huge weight, rounding removes the other weights, so the test only checks that the result is finite.
     let mut points = points;
     points[7].weight = 1e150;
     let spline = fit(2, 1e-3, &points).unwrap().spline;

@@ -9,7 +9,7 @@ use palpate_geometry::{
 };
 use proptest::prelude::*;
 
-/// Numbers at the ends of their range, and where squares leave it.
+/// Numbers at the limits of doubles, and numbers whose squares exceed these limits.
 const EXTREMES: [f64; 12] = [
     f64::NAN,
     f64::INFINITY,
@@ -25,7 +25,7 @@ const EXTREMES: [f64; 12] = [
     5e-324,
 ];
 
-/// An extreme, any double at all, or one between 1e-12 and 1e12 of either sign.
+/// An extreme, any double, or a number of either sign with a size between 1e-12 and 1e12.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         proptest::sample::select(&EXTREMES[..]),
@@ -37,7 +37,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// The surfaces that these numbers make.
+/// All surfaces that accept these numbers as parameters.
 fn surfaces(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)];
     let wavy = Formula::parse("a*sin(b*x)*exp(y)", &parameters.into());
@@ -62,7 +62,7 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// Answers of a surface at a place: whether each was given. Those that were are finite.
+/// Whether each method of a surface succeeds at a place. Checks that the results are finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;

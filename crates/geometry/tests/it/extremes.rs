@@ -1,4 +1,4 @@
-//! Sizes, ratios and distances from the smallest double to 1e300. Where digits are lost, the bound says how many.
+//! Sizes, ratios and distances from the smallest double to 1e300. The bounds state how many digits may be lost.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
@@ -67,7 +67,7 @@ fn heights_near_a_rim_keep_their_digits() {
     let (sphere, cylinder) = (Sphere::new(3.0).unwrap(), Cylinder::new(3.0, 0.0).unwrap());
     for short in [1e-3, 1e-8, 1e-15] {
         let off: f64 = 3.0 * (1.0 - short);
-        // The difference is exact.
+        // `3.0 - off` is exact.
         let height = ((3.0 - off) * (3.0 + off)).sqrt();
         for found in [sphere.contact_at(0.0, off), cylinder.contact_at(9.0, off)] {
             assert_relative_eq!(found.unwrap().z, height, max_relative = 1e-15);
@@ -148,7 +148,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
         assert_relative_eq!(found.value, value, max_relative = 1e-15);
         assert_relative_eq!(found.gradient[0], slope, max_relative = 2e-15);
     }
-    // A second derivative leaves the range of numbers.
+    // The second derivative exceeds the range of doubles.
     for (text, x) in [("sqrt(x)", 1e-300), ("ln(x)", f64::MIN_POSITIVE)] {
         assert!(!jet(text, x).is_finite(), "{text}");
     }
@@ -161,7 +161,7 @@ fn meridians_keep_their_digits_from_flat_to_sharp() {
         let found = Meridian::Paraboloid { c }.arc_length(0.7).unwrap();
         assert_relative_eq!(found, arc, max_relative = 1e-15);
     }
-    // A nearly flat paraboloid after 0.2 turns, and a sharp one after 1000.2 turns.
+    // A nearly flat spheroid at t = 0.2 turns, and a needle-like one at t = 1000.2 turns.
     for (c, t, [outward, along], slope) in [
         (
             1e-12,
@@ -291,7 +291,7 @@ proptest! {
         prop_assert!(difference.norm() <= 1e-12 * mean, "{difference}");
     }
 
-    /// Up the slope `2c/w³`, along the level line `2c/w`, `w² = 1 + (2 c r)²`.
+    /// The normal curvature is `2c/w³` up the slope and `2c/w` along the level line, with `w² = 1 + (2 c r)²`.
     #[test]
     fn graphs_far_from_their_apex(exponent in -12.0..12.0_f64, size in lengths()) {
         let r = libm::pow(10.0_f64, exponent);
@@ -309,7 +309,7 @@ proptest! {
             let found = hill.closest_point(&inside).unwrap();
             assert_abs_diff_eq!(found / size, foot / size, epsilon = 1e-13);
         }
-        // `K = −4a²/w⁴` on a saddle's diagonal, where the chart's tangents are nearly parallel.
+        // On a saddle's diagonal the chart's tangents are nearly parallel. There `K = −4a²/w⁴` with `w² = 1 + 8a²r²`.
         let saddle = Graph::saddle(1.0).unwrap();
         let form = saddle.chart_geometry(Parameters::new(r, r)).unwrap().curvature;
         let truth = -(2.0 / (1.0 + 8.0 * r * r)).powi(2);

@@ -10,9 +10,9 @@ pub struct ToldApart {
     pub quantity: Quantity,
     /// Its unit, as in `cells.csv`.
     pub unit: &'static str,
-    /// Probability that the numbers of repeats must reach.
+    /// Required probability that the means of repeated trials distinguish two objects.
     pub confidence: f64,
-    /// What is repeated, in words: presses, glides, or trials of some rolls.
+    /// Name of the repeated experiment: presses, glides, or trials of several rolls.
     pub trials: String,
     /// Columns of the swept fields that make the objects.
     pub object_columns: Vec<String>,

@@ -8,14 +8,14 @@ use crate::facts::Facts;
 use crate::map::CellMap;
 use crate::tables::Row;
 
-/// Cell of which all trials have been run.
+/// Cell whose trials have all been run.
 #[derive(Clone, Debug)]
 pub struct Finished {
     pub(super) cell: usize,
     pub(super) facts: Arc<Facts>,
     pub(super) warnings: Vec<String>,
     pub(super) map: Option<CellMap>,
-    /// Statistics, without means of numbers that have none.
+    /// Statistics. The mean of an inverse, such as a radius, is left out if the sign is uncertain.
     pub(super) statistics: CellStatistics,
 }
 

@@ -193,7 +193,7 @@ fn arguments_are_refused_by_name() {
         .fails(2, "readings with");
 }
 
-/// Flags of a command that take a number, by its help.
+/// Flags of a command that expect a number, read from its `--help`.
 fn numeric_flags(command: &str) -> Vec<String> {
     const NUMBERS: &str = "R P S F N T D D,D,... Z E X I LENGTH X,Y,Z";
     let help = Desk::new().palpate(&format!("{command} --help")).printed();
@@ -208,7 +208,7 @@ fn numeric_flags(command: &str) -> Vec<String> {
     help.lines().filter_map(flag).collect()
 }
 
-/// Settings without which a flag is of no use.
+/// Other options that a flag needs to have an effect.
 fn needed(flag: &str) -> &'static str {
     match flag {
         "indentation-std" => "--indentation 1.5",
@@ -228,7 +228,7 @@ fn needed(flag: &str) -> &'static str {
     }
 }
 
-/// Whether a JSON has a standard deviation of 0.
+/// Whether a JSON value contains a standard deviation of 0.
 fn claims_exactness(json: &Value) -> bool {
     match json {
         Value::Object(table) => {
@@ -240,7 +240,7 @@ fn claims_exactness(json: &Value) -> bool {
     }
 }
 
-/// No flag takes a number that is not finite, and none makes an estimate of 1e300 that claims to be exact.
+/// No flag accepts a non-finite number. No flag with the value 1e300 gives an estimate with standard deviation 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;

@@ -136,7 +136,7 @@ fn frames_tell_the_press_that_they_show() {
     assert!(number(&again["force"]["value"]) > 0.0 && told["force"].is_null());
 }
 
-/// Lines of a camera by their keys, what replaces them, and words of the error.
+/// Rows: key of a line in the camera file | the line that replaces it | words of the error.
 const CAMERA_EDITS: &str = r#"
 place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
 place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite

@@ -107,8 +107,8 @@ impl Desk {
         self.end(command)
     }
 
-    /// Checks that a command fails as bad usage with each row of a table of `arguments | words of the message`, and writes
-    /// nothing.
+    /// Checks that each row of a table of `arguments | words of the message` makes a command fail with status 2 and
+    /// write nothing.
     pub(crate) fn refuses(&self, command: &str, table: &str) {
         let before = self.names("");
         let is_wrong = |row: &&str| {

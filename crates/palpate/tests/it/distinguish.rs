@@ -102,7 +102,7 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
     );
 }
 
-/// Where two names are wrong, the first is reported.
+/// Rows: arguments | words of the error. If two names are wrong, the first is reported.
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"

@@ -200,7 +200,7 @@ fn a_probe_that_did_not_shift_gives_a_bound() {
     // Even on a plane it would have moved by 5 mm only.
     assert_eq!(bound("--pitch 6"), Value::Null);
     assert_eq!(bound(""), Value::Null);
-    // Rolls that all stand still along u leave no estimate, but the bound.
+    // If no contact moves along u, the command fails, and its message states the bound.
     let desk = Desk::new();
     desk.write(
         "r.csv",

@@ -1,4 +1,4 @@
-//! `palpate estimate glide` on contacts that a test makes.
+//! `palpate estimate glide` on synthetic contacts.
 
 use serde_json::Value;
 
@@ -18,7 +18,7 @@ fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     text
 }
 
-/// A bowl of 0.2 (x² + y²), in lengths of `scale`.
+/// The bowl z = 0.2 (x² + y²), with `scale` as the unit of length.
 fn bowl(scale: f64) -> String {
     let height = |x: f64, y: f64| 0.2 * (x * x + y * y) * scale;
     grid(BARE, 6, |x, y| {
@@ -166,7 +166,7 @@ fn two_pass_of_one_finger_needs_a_unit() {
 
 #[test]
 fn a_map_at_the_contacts_has_their_places_in_their_order() {
-    // z = 0.2 (x² + y²) seen from above, so that lines along z meet it at its contacts.
+    // The outward direction of the bowl is z, so lines along it meet z = 0.2 (x² + y²) at the contacts.
     let desk = desk(&bowl(1.0));
     let on_grid = desk
         .palpate("estimate glide r.csv --map grid.csv")

@@ -1,4 +1,4 @@
-//! `palpate estimate press` on markers that a test makes.
+//! `palpate estimate press` on synthetic markers.
 
 use serde_json::Value;
 

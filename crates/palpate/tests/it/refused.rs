@@ -36,7 +36,7 @@ distance = 10.0 => distance = 1e300 | 17:14 scene.noise.position.fraction_of_ifd
 evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\nevaluate | 13:63 scene.estimator.gamma | "robust-gcv"
 "#;
 
-/// Plots of a table that no trials could fill, of a study of two radii.
+/// Plots that no results allow, in a study that sweeps two radii: `sections | path | words of the reason`.
 const PLOTS: &str = r#"
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is no column
 [[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
@@ -45,7 +45,7 @@ const PLOTS: &str = r#"
 [[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
 "#;
 
-/// Error of a study, as a run would find it.
+/// The error that a run of this study reports.
 fn error(config: &str) -> ConfigError {
     let checked = parse("c.toml", config).and_then(|study| {
         refuse(&study)?;
@@ -80,7 +80,7 @@ fn scenes_and_outputs() {
     refuses(GLIDE, GLIDES);
 }
 
-/// `check` and `run` refuse a plot in the words in which drawing it would fail.
+/// `check` and `run` refuse a plot with the same words as `plot`.
 #[test]
 fn plots() {
     refuses(STUDY, PLOTS);
@@ -115,7 +115,7 @@ fn plots_that_trials_may_draw_are_not_refused() {
     }
 }
 
-/// Commands print the message of the library, with the excerpt, and write nothing; earlier results stay.
+/// Commands print the library's message with the excerpt, write nothing and keep earlier results.
 #[test]
 fn commands_print_the_error_and_write_nothing() {
     let bad = edited(SCENE, "50.0", "-50.0");

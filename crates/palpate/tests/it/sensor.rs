@@ -279,13 +279,13 @@ fn frames_that_are_none_are_refused() {
     );
 }
 
-/// Rows of displacements and hues, or a table with its header, and words of the error.
+/// Rows: displacement and hue of each point, or a table with its header | words of the error.
 const NO_CALIBRATIONS: &str = r"
 1,0.02 | 1 points; a calibration needs at least 2
 1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1
 1,0.02\n2,0.02 | the hue does not change
 1,0.02\n2,nan | t.csv:3: column `hue_turns`
-1,0.02\n2,9.3 | t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3
+1,0.02\n2,9.3 | t.csv:3: column `hue_turns`: a change of hue must be between -0.5 and 0.5 turns, is 9.3
  | no readings
 1,0.02\n1e200,0.03 | t.csv:3: a number is beyond 1e100
 a,b\n1,2 | no columns `normal_displacement`
@@ -376,7 +376,7 @@ fn files_that_are_no_calibration_are_refused() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
-/// Columns, units and decimal commas of another program, from standard input.
+/// Reads columns, units and decimal commas of another program from standard input.
 #[test]
 fn known_displacements_of_another_program() {
     let desk = Desk::new();

@@ -30,7 +30,7 @@ const ROLLS: &str = "
 --rotation-std-rad 0.5 | roll further, or measure the rotations more exactly
 ";
 const GLIDES: &str = "
---method two-pass --inter-finger-distance 1000 | those of the readings are
+--method two-pass --inter-finger-distance 1000 | the fingers of the readings are
 --method two-pass --inter-finger-distance 0.01 | is the unit right?
 --method quadric --position-std 0.5 --normal-std-deg 2 | []
 --method quadric --position-std 5 | stated as 5 mm, but the contacts show 0.4
@@ -38,7 +38,7 @@ const GLIDES: &str = "
 --method quadric --position-fraction-of-ifd 0.03 | []
 --method quadric --position-fraction-of-ifd 0.5 | stated as 6.9 mm
 --method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | stated as 5 mm
---method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | 100 mm, but those of the readings are 13.8
+--method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | 100 mm, but the fingers of the readings are 13.8
 --method quadric --normal-std-deg 20 | stated as 20 degrees, but the contacts show 1.9
 ";
 
@@ -57,7 +57,7 @@ fn stated_quantities_that_the_readings_contradict() {
             let told = if ended.status == Some(0) {
                 let json: Value = serde_json::from_str(&ended.stdout).unwrap();
                 assert_eq!(json["format_version"], 2);
-                // Standard error repeats the warnings.
+                // The warnings are also printed on stderr.
                 let lines = warnings(&json)
                     .into_iter()
                     .map(|told| format!("warning: {told}\n"));
@@ -98,7 +98,7 @@ fn warnings_have_codes() {
     }
 }
 
-/// Warnings of a table, or the error.
+/// Warnings of an estimate, or its error.
 fn told(estimated: Result<Value, String>) -> String {
     estimated.map_or_else(|error| error, |json| warnings(&json).join("; "))
 }
@@ -115,11 +115,11 @@ fn of_press(table: &str) -> String {
     told(press(table, Form::default()))
 }
 
-/// Columns that are multiplied, the factor, and words of the warning or error.
+/// Rows: columns to multiply | factor | words of the warning or error.
 const PRESS_MISTAKES: &str = "
-3 | -1 | the sign of tangential_x turned
-4 | -1 | the sign of tangential_y turned
-3 4 | -1 | both signs turned
+3 | -1 | the sign of tangential_x reversed
+4 | -1 | the sign of tangential_y reversed
+3 4 | -1 | both signs reversed
 2 | -1 | is the sign wrong?
 2 3 4 | 50 | more than the sensor's radius
 0 1 2 3 4 | 1e-3 | the readings in m and the radius in mm?

@@ -1,4 +1,4 @@
-//! Tables as other programs write them: names, units, delimiters, decimal signs, encodings, JSON, and tables that are none.
+//! Tables of other programs: names, units, delimiters, decimal signs, encodings, JSON; and files that are no tables.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{Decimal, Delimiter, Form};
@@ -54,7 +54,7 @@ fn the_writing_of_a_table_does_not_matter() {
         ROLLS.replace("shift_u_mm", " Shift U [mm] "),
         ROLLS.replace("shift_v_mm", "shift_v(mm)"),
         named_probes,
-        // Comments before the header, and a row of units behind it.
+        // Comments before the header, and a row of units after it.
         format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
         format!("# rig 3\n# {ROLLS}"),
         format!("sep=;\n{}", ROLLS.replace(',', ";")),
@@ -91,7 +91,7 @@ fn the_writing_of_a_table_does_not_matter() {
     assert!((mean_curvature(&rolls(in_degrees)) - mean_curvature(&expected)).abs() > 0.01);
 }
 
-/// A number with one comma is read like the other numbers of the table, or as the form states.
+/// An ambiguous number such as `1,234` is read like the other numbers of the table, or as the form states.
 #[test]
 fn what_decides_is_a_number_that_can_be_but_one_thing() {
     let table =
@@ -200,7 +200,7 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
 "#;
 
-/// Numbers in a table that semicolons part.
+/// Refused numbers in tables with semicolons as delimiters.
 const DECIMALS: &str = r#"
 rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
 -1 => -1,5 | - | :2 | one decimal sign
@@ -307,7 +307,7 @@ fn names_in_other_units_are_read_by_form() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// The names that a message proposes make the table readable, whatever the file calls its columns.
+/// With the `--columns` that a message proposes, the table can be read, whatever the names in the file.
 #[test]
 fn messages_propose_names_of_columns() {
     fn proposed(said: &str) -> &str {
@@ -358,7 +358,7 @@ fn messages_propose_names_of_columns() {
     );
 }
 
-/// The README's way from a foreign table to a curvature: a message, and what that says to type.
+/// README's two commands for a foreign table: the first fails and proposes the second; that prints the curvature.
 #[test]
 fn the_second_command_tells_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";
@@ -383,7 +383,7 @@ fn the_second_command_tells_the_curvature() {
     );
 }
 
-/// The form of a table by flags, and the names of columns in a study.
+/// Flags set the form of a table; a study can set its column names.
 #[test]
 fn forms_are_told_by_flags_and_studies() {
     let desk = Desk::new();
@@ -469,7 +469,7 @@ fn columns_that_no_estimate_needs() {
     assert!(!desk.read("grid.csv").contains("readings_class"));
 }
 
-/// Contacts of three fingers on a bowl, and what parts the fingers.
+/// Contacts of three fingers on a bowl, with the text `between` after each finger.
 fn three_fingers(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> String) -> String {
     let mut text = format!("{header}\n");
     for finger in 0..3 {
@@ -495,8 +495,8 @@ fn fingers_and_probes_that_are_not_named() {
     assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
     for (between, words) in [
         ("", "3 fingers are told by steps"),
-        ("\n  \n", "blank lines part 3 fingers"),
-        (",,\n", "blank lines part 3 fingers"),
+        ("\n  \n", "blank lines separate 3 fingers"),
+        (",,\n", "blank lines separate 3 fingers"),
     ] {
         let found = estimate(&three_fingers(places, between, |_, place| numbers(place)));
         assert_eq!(found["mean_curvature"], named["mean_curvature"]);
@@ -505,7 +505,7 @@ fn fingers_and_probes_that_are_not_named() {
             "{found}"
         );
     }
-    // A steady path counts as one finger, and blank lines have no meaning if there is a column of fingers.
+    // A path without jumps counts as one finger. Blank lines are ignored if there is a column `finger`.
     let one = estimate(&three_fingers(places, "", |finger, [x, y, z]| {
         numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
     }));

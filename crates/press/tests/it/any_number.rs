@@ -76,7 +76,7 @@ fn contacts_on_skins_of_any_size_have_the_radius_of_hertz() {
         for gap in [0.5, 1e-6, 1e-11] {
             let (object, indentation) = (-(1.0 - gap) / radius, 1e-3 * gap * radius);
             let found = skin.contact(&body, object, indentation).unwrap();
-            // The difference of the curvatures loses as many digits as the gap is small.
+            // The difference of nearly equal curvatures has a rounding error that grows as 1/gap.
             let bound = 1e-15 / gap;
             assert!((found.relative_curvature * radius / gap - 1.0).abs() <= bound);
             let due = 1e-3_f64.sqrt() * radius;
@@ -115,7 +115,7 @@ fn shifts_know_any_azimuth() {
     }
 }
 
-/// A number within the range, or one time in eight any other.
+/// A number in the range, or with probability 1/8 any number.
 fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }

@@ -60,7 +60,7 @@ fn exact_readings_of_a_layer_give_the_curvature() {
     }
 }
 
-/// A grid of 7 × 7 markers over half the radius of the skin.
+/// The grid of 7 × 7 markers extends to half the skin's radius along x and y.
 #[test]
 fn exact_readings_on_sensors_of_any_size_give_the_curvature() {
     type OfRadius = fn(f64) -> Body;

@@ -1,4 +1,4 @@
-//! The half-space against values of an independent quadrature, and of the closed form in 60 digits.
+//! Displacements of the half-space, compared with an independent quadrature and with the closed form in 60 digits.
 
 use palpate_press::Body;
 

@@ -202,7 +202,7 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // Of 15 presses, how many only this marker shows, and in how many of these the interval holds the curvature.
+    // Of 15 presses: number of estimates from this marker alone, and of those whose interval holds the curvature.
     let told = |readings: &Readings, marker: usize, curvature: f64| {
         let (mut told, mut held) = (0, 0);
         for trial in 0..15 {

@@ -1,5 +1,5 @@
-//! Sideways motion of the skin against a Fourier integral over wavenumbers and directions, and known forms; relations at
-//! the surface.
+//! Sideways motion of the skin, compared with a Fourier integral over wavenumbers and directions and with known
+//! closed forms; relations at the surface.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -103,7 +103,7 @@ fn wider_contacts_take_more_of_the_skin_along() {
     }
 }
 
-/// π(2 − ν) times the share that follows is 2(2 − ν) atan(1/z) − z/(1 + z²).
+/// At depth z, in contact radii: π(2 − ν) × `followed` = 2(2 − ν) atan(1/z) − z/(1 + z²).
 #[test]
 fn the_share_that_follows_has_a_closed_form() {
     for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e15] {
@@ -126,7 +126,7 @@ fn sneddons_indentation_is_an_area_tangent() {
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
             let a = ratio * radius;
             let found = sneddon_indentation(radius, a).unwrap();
-            // The area tangent loses digits to the rounding of a/R where that is nearly 1.
+            // `atanh` amplifies the rounding error of a/R if a/R is nearly 1.
             let bound = 1e-15 / (1.0 - ratio);
             assert!(
                 (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,

@@ -53,13 +53,13 @@ fn refused(error: ReportError) -> PyErr {
     error::RunError::new_err(error.to_string())
 }
 
-/// Scores the papers' claims that studies name (`claims = […]`) on their results, and makes the page of the studies.
+/// Scores the published claims that the studies list (`claims = […]`), and makes a page of the studies' results.
 ///
 /// Parameters
 /// ----------
 /// *studies : Results or path
-///     Results of studies, or directories that `palpate run` wrote. Of directories beside each other the page also has
-///     what is measured there: `tradeoff/`, `peers.csv`.
+///     Results of studies, or directories that `palpate run` wrote. If all directories have the same parent, the
+///     page also shows the measurements in the parent's `tradeoff/` and `peers.csv`.
 ///
 /// Returns
 /// -------
@@ -68,7 +68,7 @@ fn refused(error: ReportError) -> PyErr {
 /// Raises
 /// ------
 /// RunError
-///     For a directory without results, and a plot that cannot be drawn.
+///     If a directory has no results, or if a plot cannot be drawn.
 ///
 /// Examples
 /// --------
@@ -78,7 +78,7 @@ fn refused(error: ReportError) -> PyErr {
 /// ...         "roll", probe=palpate.surface("sphere", radius=10.0), object=palpate.surface("sphere", radius=30.0),
 /// ...         motion={"rate_rad_per_s": 0.1, "duration_s": 1.0}),
 /// ... })
-/// >>> # One length of a roll does not tell whether the length matters.
+/// >>> # A single roll length cannot show whether the length matters.
 /// >>> palpate.report(study.run()).scores[0].verdict
 /// 'not testable'
 #[pyfunction]

@@ -19,7 +19,7 @@ use crate::study::Study;
 
 record!(
     PressEstimate,
-    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: what `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `interval95` whose ends are NaN where nothing bounds them,\nand `unit`), `object_radius` (`value` None where flat, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False where\nonly the stated indentation tells of a contact), and `warnings` (each with `code`, `text` and `numbers`)."
+    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: what `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
 );
 
 impl Made for recorded::PressedObject {

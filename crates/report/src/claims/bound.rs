@@ -13,12 +13,12 @@ pub(super) enum Bound {
     Between(f64, f64),
 }
 
-/// A number, or what equals it up to rounding.
+/// Bound that accepts only `value`, up to rounding.
 pub(super) const fn is(value: f64) -> Bound {
     Bound::Between(value, value)
 }
 
-/// Whether numbers are equal up to what a decimal text loses.
+/// Whether two numbers are equal up to the rounding of decimal text.
 pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
@@ -44,7 +44,7 @@ impl Bound {
         }
     }
 
-    /// The limit itself, where it is within the bound and there is only one.
+    /// The limit of `AtLeast` or `AtMost`; none for other bounds.
     pub(super) fn limit(self) -> Option<f64> {
         match self {
             Self::AtLeast(limit) | Self::AtMost(limit) => Some(limit),

@@ -8,11 +8,11 @@ use crate::group::by_key;
 /// Whether a check decides on its claim.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// It decides, and without values the claim cannot be tested.
+    /// Decides the verdict. Without values, the claim is not testable.
     Decides,
-    /// It decides where it has values.
+    /// Decides the verdict if it has values.
     DecidesIfPresent,
-    /// It is only reported.
+    /// Is only reported, and does not affect the verdict.
     Reports,
 }
 
@@ -32,13 +32,13 @@ pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
     /// Values computed from rows, each with the row that represents it.
     pub(super) values: Values,
-    /// Name of a value by its row; values of one name are compared and shown as one range.
+    /// Returns the name of a row's value. Values with the same name are compared and printed as one range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
-    /// Makes one number of the values of one name.
+    /// Reduces the values with the same name to one number.
     pub(super) merge: Option<fn(&[f64]) -> f64>,
-    /// Values that are compared; the others are only shown.
+    /// Selects the rows whose values are compared with the bound. Other values are only printed.
     pub(super) judged: Option<fn(&Row<'_>) -> bool>,
-    /// Value that is left out.
+    /// Values equal to this number are left out.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,
@@ -61,7 +61,7 @@ pub(super) struct Outcome {
     pub(super) close: Vec<String>,
 }
 
-/// Values of one name, as a range.
+/// Range of the values with the same name.
 struct Item {
     name: String,
     range: (f64, f64),
@@ -149,7 +149,7 @@ impl Check {
     }
 }
 
-/// Text for a place in a sentence; none for one that is not known.
+/// Text for the placeholder `key` of a sentence; none if `key` is unknown.
 fn shown(
     key: &str,
     items: &[Item],
@@ -172,7 +172,7 @@ fn shown(
     }
 }
 
-/// A sentence with its places in braces filled; those that end in `%` show percent.
+/// Fills the `{placeholders}` of a sentence. Those that end in `%` print percent.
 fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<String>) -> String {
     let mut parts = sentence.split('{');
     let mut filled = parts.next().unwrap_or_default().to_owned();

@@ -5,7 +5,7 @@ use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, words};
 
-/// A published claim and its checks. Methods that narrow a check act on the one that was added last.
+/// A published claim and its checks. Methods that narrow a check change the last added check.
 pub(super) struct Claim {
     pub(super) number: u32,
     /// Claim in at most six words.
@@ -53,12 +53,12 @@ impl Claim {
         }
     }
 
-    /// Paths at which all of the rows need a number.
+    /// Sets the paths that must have a number in every row.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
 
-    /// Rows without which the claim cannot be tested, and words for them.
+    /// Requires at least one row that `is_it` accepts; `what` describes this row in the error.
     pub(super) fn needs(
         mut self,
         what: impl Into<String>,
@@ -68,7 +68,7 @@ impl Claim {
         self
     }
 
-    /// Sentences behind the rule.
+    /// Sets the sentences that follow the rule.
     pub(super) fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
@@ -115,7 +115,7 @@ impl Claim {
         })
     }
 
-    /// A check of the ratios of `y` between rows that follow each other in `x` and differ only in the paths `free`.
+    /// Adds a check of the ratios of `y` between rows with successive `x` that differ only in the paths `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -139,7 +139,8 @@ impl Claim {
         })
     }
 
-    /// A check of the ratios of `value` between two rows that differ only in the paths `free`; the second stands for it.
+    /// Adds a check of `value(one) / value(other)` for pairs of rows that differ only in the paths `free`. The row
+    /// `other` represents the ratio.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -183,12 +184,12 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// Leaves out values of `value`.
+    /// Leaves out values that equal `value`.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }
 
-    /// Names for the values; those of one name are compared and shown as one range.
+    /// Names the values. Values with the same name are compared and printed as one range.
     pub(super) fn named(self, name: fn(&Row<'_>) -> String) -> Self {
         self.last(|check| check.name = Some(name))
     }
@@ -208,25 +209,25 @@ impl Claim {
         self.last(|check| check.bound = Some(bound))
     }
 
-    /// The bound must be met by this share of the values.
+    /// At least this share of the values must meet the bound.
     pub(super) fn in_share(self, share: f64) -> Self {
         self.last(|check| check.portion = Portion::Share(share))
     }
 
-    /// The bound must be met by one of the values.
+    /// At least one value must meet the bound.
     pub(super) fn in_one(self) -> Self {
         self.last(|check| check.portion = Portion::One)
     }
 
-    /// The check is left out where it has no values.
+    /// Skips the check if it has no values.
     pub(super) fn if_present(self) -> Self {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
 
-    /// The sentence of a check that decides, without its end. In the finding `{count}` stands for the number of
-    /// compared values that meet the bound and `{n}` for the number of all. `{range}` and `{max}` stand for compared
-    /// values, `{list}` for all values. A `%` before the closing brace prints percent. In the rule the bound replaces
-    /// the placeholder. Text after a `|` appears only in the finding.
+    /// Sets the sentence of a check that decides, without the full stop. In the finding, `{count}` prints how many
+    /// compared values meet the bound, `{n}` the number of all values, `{range}` and `{max}` the compared values, and
+    /// `{list}` all values. `%` before the closing brace prints percent. In the rule, the bound replaces them. Text
+    /// after a `|` appears only in the finding.
     pub(super) fn says(self, says: impl Into<String>) -> Self {
         self.last(|check| check.says = says.into())
     }
@@ -236,12 +237,12 @@ impl Claim {
         self.says(says).last(|check| check.role = Role::Reports)
     }
 
-    /// The main value for the scorecard, with the same places as the sentence.
+    /// The main value for the scorecard, with the same placeholders as the sentence.
     pub(super) fn headline(self, headline: &'static str) -> Self {
         self.last(|check| check.headline = headline)
     }
 
-    /// Finding in a study, or what the study lacks.
+    /// Finding in a study, or an error that names the missing rows or numbers.
     pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
         let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
         if rows.is_empty() {
@@ -287,7 +288,7 @@ impl Claim {
     }
 }
 
-/// Texts of outcomes that are not empty, as one.
+/// Joins the non-empty texts of outcomes.
 fn joined<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     text: fn(&Outcome) -> &String,

@@ -12,7 +12,7 @@ pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }
 
-/// `low to high`, or the one value if they show the same, each as `show` writes it.
+/// `low to high`, formatted by `show`, or one number if both give the same text.
 pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     match (show(low), show(high)) {
         (low, high) if low == high => low,

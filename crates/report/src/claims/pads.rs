@@ -39,7 +39,7 @@ fn is_statistical(row: &Row<'_>) -> bool {
 }
 
 impl Claim {
-    /// A check of the steps along `x` in which the error grows. Two equal errors say nothing.
+    /// Adds a check that the error grows in at least 90 % of the steps along `x`. It skips steps with equal errors.
     fn growth(self, free: &'static [&'static str], x: fn(&Row<'_>) -> Option<f64>) -> Self {
         self.steps(free, x, complete_error)
             .when(is_statistical)
@@ -100,7 +100,7 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors at the shortest and at the longest roll of a group, where they differ.
+/// Errors of a group's shortest and longest roll; none if the lengths or the errors are equal.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

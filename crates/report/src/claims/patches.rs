@@ -12,7 +12,7 @@ const ESTIMATOR: &str = "scene.estimator";
 const GAUSSIAN: &str = "gaussian_curvature";
 const MEAN: &str = "mean_curvature";
 
-/// "Well estimated", "accurately classified": this share of the patch.
+/// Share of the patch that must be right for the paper's "well estimated" or "accurately classified".
 const WELL: f64 = 0.9;
 
 /// Claims about patches.
@@ -44,12 +44,12 @@ fn method(row: &Row<'_>) -> String {
     row.label(ESTIMATOR).to_owned()
 }
 
-/// Whether a row is by the paper's method, both fits.
+/// Whether the estimator of a row is the paper's method with both fits.
 fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }
 
-/// Whether a row is by the first of the two fits alone; its label may go on.
+/// Whether the estimator of a row is only the first of the two fits. Its label may have a suffix.
 fn is_first_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR).starts_with("first pass")
 }
@@ -67,7 +67,7 @@ fn rms(row: &Row<'_>) -> Option<f64> {
     row.statistic("rms_error").filter(|error| *error > 0.0)
 }
 
-/// The share of the patch that is classified correctly, over all trials; a failed trial classifies nothing.
+/// The share of the patch that is classified correctly, over all trials. A failed trial counts as 0.
 fn share(row: &Row<'_>) -> Option<f64> {
     let is_share = row.quantity() == "class";
     let (trials, failures) = (row.statistic("trials")?, row.statistic("failures")?);
@@ -78,8 +78,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// The largest principal curvature of an object: from its true curvatures where the table has one value for all of the
-/// patch, else from its shape: 1/radius, or for a saddle z = a (x² − y²) that at its middle, 2a.
+/// Largest principal curvature of an object, from its true curvatures if the table has one value for the whole patch.
+/// Otherwise it is 1/radius, or 2|a| at the middle of a saddle z = a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {
@@ -174,7 +174,7 @@ fn strong_noise() -> Claim {
     let mean = |row: &Row<'_>| Some(rms(&row.of(MEAN)?)? / largest_curvature(row)?);
     let gaussian = |row: &Row<'_>| Some(rms(&row.of(GAUSSIAN)?)? / largest_curvature(row)?.powi(2));
     let says = [
-        "Strong noise leaves only spheres right",
+        "Strong noise: only spheres classified correctly",
         "sphere right, others not",
         "For noise of 10 % only the sphere is classified accurately; the mean curvature is still good on the other \
          surfaces, the Gaussian curvature worse.",

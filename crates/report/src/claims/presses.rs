@@ -45,7 +45,7 @@ fn gaussian_profile() -> Claim {
 
 /// The paper's effective radii in mm: a dish of 80 mm, a plane and a ball of 80 mm on a sensor of 20 mm.
 const RADII: [f64; 3] = [26.7, 20.0, 16.0];
-/// Indentations in mm: where the paper stops, and below which it says that noise dominates.
+/// Indentations in mm: the paper's deepest, and the limit below which noise dominates according to the paper.
 const DEEPEST: f64 = 1.4;
 const SHALLOW: f64 = 1.0;
 
@@ -63,7 +63,7 @@ fn depth(row: &Row<'_>) -> Option<f64> {
     Some(row.millimetres()? * row.number("scene.motion.indentation")?)
 }
 
-/// Error of the median, as a share of the true value.
+/// Relative error of the median.
 fn error(row: &Row<'_>) -> Option<f64> {
     let truth = row.statistic("truth")?;
     Some((row.statistic("q50")? - truth).abs() / truth)
@@ -74,7 +74,7 @@ fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the estimator is the paper's, and the readings do not come through a camera, whose body is another.
+/// Whether the estimator is the paper's and the readings are direct. A camera sensor has another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -116,7 +116,7 @@ fn effective_radius() -> Claim {
         "The estimated effective radius converges to the true 26.7, 20 and 16 mm by an indentation of 1.4 mm; below \
          1 mm noise dominates.",
     ];
-    let what = "effective_radius of 26.7, 20 or 16 mm, in a unit of length that is not `unit`";
+    let what = "effective_radius of 26.7, 20 or 16 mm (the study's length unit must not be `unit`)";
     let mut claim = Claim::new(16, says, what, |row| {
         row.quantity() == "effective_radius" && RADII.iter().any(|radius| has_radius(row, *radius))
     })
@@ -208,7 +208,7 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// Number of the objects that sensors of rising radius sense.
+/// Number of sensed objects for each radius of the sensor, in order of rising radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

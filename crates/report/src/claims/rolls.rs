@@ -81,7 +81,7 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Independent uniform errors of eight probes, four of which measure each direction.
+        // Uniform ±noise has the standard deviation noise/√3; the mean of four probes per direction halves it.
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))
@@ -225,12 +225,12 @@ fn paraboloids() -> Claim {
         )
 }
 
-/// Twice c times the arc length from the apex of z = −c r² to where the slope is `x`.
+/// Arc length of z = −c r² from the apex to the point with slope `x`, multiplied by 2c.
 fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// The slope up to which a condition holds.
+/// Largest slope that satisfies `is_below`, by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -243,20 +243,20 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error of the curvature at the apex without noise, of a roll over `share`, c times the arc length: the mean
-/// curvature along the roll is its slope angle, atan(2 c r), over the arc length.
+/// Relative error of the curvature at the apex without noise; `share` is c times the arc length. The estimate is the
+/// mean curvature along the roll: the slope angle, atan(2 c r), divided by the arc length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// c times the arc length at which the error without noise is 15 %.
+/// Product of c and the arc length for which the error without noise is 15 %.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials whose contact stays on its pad. Such a trial bounds the radius but does not estimate it.
+/// Share of the trials in which the contact stays on one pad. Such a trial only bounds the radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
@@ -274,7 +274,7 @@ impl Trials<'_> {
     }
 }
 
-/// Trials by the radius of the object, sharpest first.
+/// Trials grouped by object radius, sharpest object first.
 fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
     let mut rows = rows.to_vec();
     let size = |row: &Row<'_>| size(row).unwrap_or(f64::INFINITY);
@@ -294,7 +294,7 @@ fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
 }
 
 impl Claim {
-    /// A check of one number for each radius.
+    /// Adds a check with one number per object radius.
     fn sizes(self, number: impl Fn(&Trials<'_>) -> f64 + 'static) -> Self {
         self.values(move |rows| {
             let sizes = by_size(rows).into_iter();
@@ -344,24 +344,24 @@ fn edge() -> Claim {
 
 // ---- A wrist force sensor against pads
 
-/// "Acts like" is within this factor.
+/// A wrist sensor "acts like" pads if their errors differ by at most this factor.
 const ALIKE: f64 = 1.5;
 
-/// Size of a sensor whose label begins with a word, as in `pads 0.5 mm`.
+/// Size in the label of a sensor after `word`: 0.5 for `pads 0.5 mm` and the word `pads `.
 fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     let label = row.text("scene.sensor")?.strip_prefix(word)?;
     let size: f64 = label.split_whitespace().next()?.parse().ok()?;
     (size > 0.0).then_some(size)
 }
 
-/// Whether a wrist sensor and pads have about one size.
+/// Whether the wrist sensor and the pads have about the same size.
 fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
 }
 
-/// The pad size with the same error as the wrist sensor, interpolated between neighbouring sizes; `None` if that error
-/// is outside the range of the pads.
+/// Pad size that gives the same error as the wrist sensor, interpolated between neighbouring sizes; `None` if that
+/// error is outside the range of the pads' errors.
 fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
     let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
     let error = group.iter().find(is_compared).and_then(rms_error)?;

@@ -1,4 +1,4 @@
-//! A row of a study's table, with its place in the sweep, and the numbers that claims are about.
+//! A row of a study's `cells.csv`: its grid point, and the numbers that claims test.
 
 use crate::Study;
 use crate::group::by_key;
@@ -40,7 +40,7 @@ impl<'a> Row<'a> {
         self.text(path).or_else(kind).unwrap_or_default()
     }
 
-    /// Labels of those of some parts of the scene that are swept.
+    /// Labels of the swept fields among `paths`, separated by commas.
     pub(super) fn swept(&self, paths: &[&str]) -> String {
         let axes = paths
             .iter()
@@ -49,7 +49,7 @@ impl<'a> Row<'a> {
         texts.join(", ")
     }
 
-    /// Row of another quantity of the same cell.
+    /// Row of `quantity` at the same grid point.
     pub(super) fn of(&self, quantity: &str) -> Option<Self> {
         let table = self.study.cells();
         let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
@@ -59,7 +59,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the cell's trials that fail with a kind that `is_it` accepts.
+    /// Share of the trials at this grid point with a failure kind that `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -68,7 +68,7 @@ impl<'a> Row<'a> {
         Some(counts.map(|failure| failure.count as f64).sum::<f64>() / trials)
     }
 
-    /// The study's unit of length in millimetres; none if it has no name.
+    /// Millimetres per unit of length of the study; `None` without a metric `length_unit`.
     pub(super) fn millimetres(&self) -> Option<f64> {
         match self.study.setting("length_unit")?.as_str()? {
             "m" => Some(1000.0),
@@ -80,7 +80,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Rows that agree in every swept path except those that begin with one of `free`.
+/// Groups of rows that differ only in swept paths that begin with one of `free`.
 pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     let Some(first) = rows.first() else {
         return Vec::new();
@@ -98,7 +98,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Rows of a group as pairs of numbers, in order of the first.
+/// Pairs (`x`, `y`) of the rows, sorted by `x`.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,
@@ -115,13 +115,13 @@ pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }
 
-/// True radius of the object over that of the probe: 1/RCR.
+/// True object radius divided by the probe radius: 1/RCR.
 pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }
 
-/// The angle of a roll in rad, as it is given: by rate and duration, by itself, or by the length of its arc on the
-/// probe, which turns the contact by the arc over both radii.
+/// Roll angle in rad, from rate and duration, from the angle itself, or from the arc length s on the probe: an arc
+/// turns the contact by s (1/R₁ + 1/R₂).
 pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
     let number = |path: &str| row.number(path);
     if let (Some(rate), Some(duration)) = (

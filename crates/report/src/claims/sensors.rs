@@ -1,4 +1,4 @@
-//! Claims 14, 18, 19 and 22 about a marker's picture and the skin (2020 paper, sections III and IV.A).
+//! Claims 14, 18, 19 and 22 about markers in the camera image and about the skin (2020 paper, sections III and IV.A).
 
 use super::bound::Bound::{Above, AtLeast, AtMost, Below};
 use super::claim::Claim;
@@ -6,8 +6,8 @@ use super::numbers::range;
 use super::row::{Row, groups};
 use super::straight_line::{Reading, StraightLine};
 
-/// Slopes of the lines through the readings of the paper's Fig. 6b (all 39), turns/mm, and 6c, px/mm: what `palpate
-/// sensor calibrate` finds in `examples/chromatouch-2020/`.
+/// Slopes of straight lines through the readings in the paper's Fig. 6b (all 39; turns/mm) and Fig. 6c (px/mm), as
+/// `palpate sensor calibrate` fits them in `examples/chromatouch-2020/`.
 const HUE_SLOPE: f64 = 0.02583;
 const CENTROID_SLOPE: f64 = 7.0;
 
@@ -20,7 +20,7 @@ fn mean(row: &Row<'_>) -> Option<f64> {
     row.statistic("mean")
 }
 
-/// The shift along the skin; 0 where neither the table nor the config has one.
+/// Shift along the skin; 0 if neither the table nor the config states it.
 fn shift(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.motion.shift").unwrap_or(0.0))
 }
@@ -29,16 +29,16 @@ fn indentation(row: &Row<'_>) -> Option<f64> {
     row.number("scene.motion.indentation")
 }
 
-/// Lines, each with a row that they pass.
+/// Fitted lines, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// Lines of the hue against the indentation without shift, whatever else is swept.
+/// Lines of hue against indentation at zero shift, one per combination of the other swept fields.
 fn hue<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let unmoved = |row: &&Row<'_>| row.quantity() == "hue_change" && shift(row) == Some(0.0);
     through(rows.iter().filter(unmoved), &["scene.motion"], indentation)
 }
 
-/// Lines of the centroid against the shift, per indentation and whatever else is swept.
+/// Lines of centroid against shift, one per indentation and combination of the other swept fields.
 fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let pictures = rows.iter().filter(|row| row.quantity() == "centroid_shift");
     through(pictures, &["scene.motion.shift"], shift)
@@ -65,7 +65,7 @@ fn through<'a: 'b, 'b>(
 }
 
 impl Claim {
-    /// A check of one number of each line.
+    /// Adds a check with one number per line.
     fn lines(
         self,
         lines: impl for<'a> Fn(&[Row<'a>]) -> Lines<'a> + 'static,
@@ -128,8 +128,8 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// For each line of the hue, the larger of two relative deviations from the published slopes: its own, and that of the
-/// best centroid line of the same sensor.
+/// For each hue line, the larger of two relative deviations from the published slopes: the hue line's deviation, and
+/// the smallest deviation of a centroid line of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -205,7 +205,7 @@ fn gores() -> Claim {
     claim
 }
 
-/// Polar angle at which a lens sees a marker, degrees.
+/// Polar angle of a marker in the view of the lens, degrees; `None` if the marker has no area in the image.
 fn polar(row: &Row<'_>) -> Option<f64> {
     row.number("scene.view.polar_deg")
         .filter(|_| mean(row).is_some_and(|area| area > 0.0))

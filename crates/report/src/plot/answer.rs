@@ -80,9 +80,9 @@ pub(crate) const MEETS: Colour = Colour(190, 220, 242);
 pub(crate) const OPEN: Colour = Colour(226, 226, 226);
 /// Outline of what misses it in a key.
 pub(crate) const MISSES: Colour = WHITE;
-/// Width of the line of the limit.
+/// Width of the limit line.
 const LIMIT: u32 = 6;
-/// A single value is widened to both sides by this share of the panel's width, to be visible.
+/// A single value is widened to each side by this share of the panel's width, so that it is visible.
 const THIN: f64 = 0.003;
 /// Ratio of values above which the statistic is on a logarithmic axis.
 const FAR: f64 = 8.0;
@@ -243,7 +243,7 @@ impl Shown {
             let [low, high] = normal(point.y, point.std);
             [low, point.y, high]
         });
-        // A log axis does not stretch to bars that end far below all points.
+        // A log axis is not extended for bars that end far below all points.
         let ys = bars
             .chain([curve.limit])
             .filter(|y| !is_log || *y >= 0.5 * least);
@@ -260,7 +260,7 @@ impl Shown {
         }
     }
 
-    /// Grounds of the values that are undecided, and of those that meet the target.
+    /// Background areas of the undecided values, and of the values that meet the target.
     fn grounds(&self, curve: &AnswerCurve) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let half = if self.is_named { 0.5 } else { 0.0 };
         let Range { start, end } = self.y.range();
@@ -279,7 +279,7 @@ impl Shown {
             .collect()
     }
 
-    /// The points with their bars, joined unless they have names.
+    /// The points with their error bars. A line joins the points unless the values of x are names.
     fn line(&self, line: &CurveLine, style: Style) -> Line {
         let [x_factor, y_factor] = self.factors;
         let place = |point: &CurvePoint| (point.x * x_factor, point.y * y_factor);

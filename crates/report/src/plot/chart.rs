@@ -1,4 +1,4 @@
-//! Charts: panels on the same axes beside and below each other, with a legend.
+//! Charts: a grid of panels with the same axes, and a legend.
 
 use super::drawing::Figure;
 use super::lettering::{width, wrap};
@@ -14,17 +14,17 @@ use plotters::style::text_anchor::HPos;
 /// Gap between panels, and between them and the legend.
 const GAP: i32 = 90;
 const PANEL_HEIGHT: i32 = 1170;
-/// Names along x widen a panel, and a row of panels, up to this width.
+/// Largest width to which names along x may widen a panel or a row of panels.
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between names along x.
 const BESIDE: i32 = 36;
 /// Length of a sample in the legend, and in the key.
 const SAMPLE: i32 = 120;
 const KEY_SAMPLE: i32 = 78;
-/// Largest width of a line of the legend.
+/// Largest width of a text line in the legend.
 const LIMIT: i32 = 750;
 
-/// Draws into a panel by its number.
+/// Function that draws the content of a panel, given the panel's number.
 type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
 
 /// Panels on the same axes.
@@ -34,13 +34,13 @@ pub(crate) struct Chart<'a> {
     pub(crate) y_label: String,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
-    /// Title of each panel, at least one; may be empty.
+    /// Titles of the panels, at least one; a title may be empty.
     pub(crate) titles: Vec<String>,
     /// Key above the panels.
     pub(crate) key: Key,
-    /// Legend to their right.
+    /// Legend to the right of the panels.
     pub(crate) legend: Legend,
-    /// Draws the content of the panel with a number.
+    /// Draws the content of a panel, given the panel's number.
     pub(crate) draw: Draw<'a>,
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct Legend {
 
 /// Figure of charts below each other, at least one.
 pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, ReportError> {
-    // Panels stand one above the other.
+    // All charts get the same margins, so that their panels align.
     let margins = charts.iter().map(Chart::margins);
     let margins = margins.fold([0; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
     let rooms = charts.iter().map(|chart| Room::of(chart, margins));
@@ -79,8 +79,7 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Width of a panel in which every word of the names along x has room, but at most the largest width; 0 without
-    /// names.
+    /// Width of a panel in which every word of the names along x fits, at most `LARGEST_WIDTH`; 0 without names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -141,7 +140,7 @@ impl Chart<'_> {
 }
 
 impl Legend {
-    /// Lines of the legend, from the top. A line of the heading has no sample; a continued line has an empty one.
+    /// Lines of the legend, from the top. Heading lines have no sample; continuation lines have an empty sample.
     fn rows(&self) -> Vec<(Option<Sample>, String)> {
         let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
         let entries = self.entries.iter().flat_map(|(sample, text)| {
@@ -152,7 +151,7 @@ impl Legend {
         heading.map(|line| (None, line)).chain(entries).collect()
     }
 
-    /// Draws the legend from its upper left corner on; returns how far down it reaches.
+    /// Draws the legend with its upper left corner at (`left`, `top`); returns its lower edge.
     fn draw(&self, sheet: &Sheet, (left, top): Point) -> Drawn<i32> {
         let mut y = top + TEXT / 2;
         for (sample, text) in self.rows() {
@@ -178,7 +177,7 @@ struct Room {
     columns: i32,
     /// Room for the title above each panel.
     heading: i32,
-    /// Distance from row to row of panels.
+    /// Vertical distance from one row of panels to the next.
     row: i32,
     x: Scale,
 }

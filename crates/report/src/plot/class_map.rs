@@ -32,7 +32,7 @@ const NARROWEST: i32 = 588;
 const WIDEST: i32 = 870;
 /// Largest ratio of the sides of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Each band reaches under the bands painted later by this share of a panel, to leave no seam between them.
+/// Each band extends under the bands painted after it by this share of a panel, so that no seam is visible.
 const OVERLAP: f64 = 0.004;
 const BOUNDARY: u32 = 5;
 /// Ground of the sample of a boundary, as light on every page.
@@ -258,7 +258,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
     let classes = if map.is_truth { truth } else { estimated };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
-    // In order of rising x and y: each band covers the overlap of the one before.
+    // In order of rising x and y, so that each band covers the overlap of the band before it.
     panel.draw_series(bands(*side, classes).into_iter().map(|band| {
         let (x, y) = corner((band.x.1, band.y.1));
         let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];

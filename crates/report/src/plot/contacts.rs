@@ -20,7 +20,7 @@ use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, TRANSPARENT};
 use table::{Contacts, Finger, Touch, Vector};
 
-/// The direction to the eye: turned from +x to −y, then raised, in degrees.
+/// View direction, degrees: turned from +x to −y, then raised.
 const TURN: f64 = 62.0;
 const RAISE: f64 = 36.0;
 /// Room for the labels of the axes, to the left and right of the box and below it.
@@ -35,10 +35,10 @@ const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
 const DOT: u32 = 15;
-/// Length of an axis per tick.
+/// Length of axis per tick, which determines the number of ticks.
 const APART: f64 = 192.0;
 
-/// A chart in space. Its x leads to the right, y upward and z away from the eye; y and z of a glide are swapped.
+/// A 3-D chart. Its x points right, y up and z away from the viewer, so y and z of the contacts are swapped.
 type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
 /// The figure that a plot asks for.
@@ -154,7 +154,7 @@ struct View {
     right: Vector,
     up: Vector,
     toward: Vector,
-    /// Sides of the box.
+    /// Side lengths of the box, px.
     sides: Vector,
     /// Height of the picture of the box, px.
     high: i32,
@@ -183,7 +183,7 @@ impl View {
         }
     }
 
-    /// The box with its walls, placed below the content that the sheet already has.
+    /// The empty 3-D chart with its walls, below the content already on the sheet.
     fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
@@ -202,7 +202,7 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Labels stand on the side of an axis that is away from the middle of this area.
+        // Plotters puts labels on the side of an axis that faces away from the middle of this area.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
@@ -244,12 +244,12 @@ impl View {
     }
 }
 
-/// A place in the axes of the chart.
+/// A point in the coordinates of the chart, which swap y and z.
 fn at([x, y, z]: Vector) -> (f64, f64, f64) {
     (x, z, y)
 }
 
-/// The contacts in their space.
+/// The contacts, and the 3-D chart into which they are drawn.
 struct Scene<'a> {
     space: Space<'a>,
     contacts: &'a Contacts,
@@ -262,7 +262,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     fn draw(&self) -> Drawn {
         let area = self.space.plotting_area();
-        // The paths on the floor.
+        // Projections of the paths onto the floor.
         for finger in &self.contacts.fingers {
             let places = finger.touches.iter().map(|touch| touch.place);
             let down = places.map(|[x, y, _]| at([x, y, self.floor]));
@@ -270,7 +270,7 @@ impl Scene<'_> {
             area.draw(&PathElement::new(down, GRID.stroke_width(FINE)))?;
         }
         self.links()?;
-        // Near fingers cover far ones.
+        // Far fingers are drawn first, so that near fingers cover them.
         let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
         let depth = |finger: &Finger| {
             let depths = finger.touches.iter().map(|touch| {

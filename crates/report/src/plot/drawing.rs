@@ -11,15 +11,15 @@ use plotters_backend::{
 use std::convert::Infallible;
 use std::io;
 
-/// Units per pixel of the picture. Backends of plotters count in whole units, which are too coarse at 1 per pixel.
+/// Drawing units per pixel. Plotters draws at integer coordinates, which are too coarse at 1 unit per pixel.
 const DETAIL: u32 = 3;
 /// The SVG backend divides a font size by this to get its em.
 const EM: f64 = 1.24;
-/// Shift of text downward, in ems, which centres capitals and digits; the SVG backend centres small letters.
+/// Downward shift of text, in ems. It centres capitals and digits; the SVG backend centres lower-case letters.
 const SINK: f64 = 0.09;
-/// Distance between lines of text, in sizes of the text.
+/// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
-/// Height of small letters, in ems.
+/// Height of lower-case letters, in ems.
 #[cfg(feature = "png")]
 const X_HEIGHT: f64 = 0.52;
 /// Largest size of a picture in memory while it is drawn, bytes.
@@ -29,17 +29,17 @@ const MAX_BYTES: u64 = 1 << 31;
 /// Figure with its name, title and picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of its files, without an ending.
+    /// File name without extension.
     pub name: String,
     /// Title, which is also in the picture.
     pub title: String,
-    /// The picture as SVG. Its text is not outlined: a viewer shows it in its own sans-serif font.
+    /// The picture as SVG. Text stays text: a viewer shows it in its own sans-serif font.
     pub svg: String,
     drawing: Drawing,
 }
 
 impl Figure {
-    /// The figure of a drawing.
+    /// Makes a figure from a drawing.
     pub(crate) fn new(name: String, title: String, drawing: Drawing) -> Result<Self, ReportError> {
         let svg = drawing.svg(&title).map_err(|error| ReportError::Draw {
             path: format!("{name}.svg").into(),
@@ -58,7 +58,7 @@ impl Figure {
         f64::from(self.drawing.size.0.div_ceil(DETAIL))
     }
 
-    /// Bytes of the picture as PNG, in pixels of the SVG's size and in the built-in fonts.
+    /// The picture as PNG data, with the SVG's size in pixels and the built-in fonts.
     ///
     /// # Errors
     /// The picture is too large.
@@ -71,9 +71,9 @@ impl Figure {
     }
 }
 
-/// Shapes, from the lowest to the topmost.
+/// Shapes, from bottom to top.
 ///
-/// This backend records what plotters draws. So the height of a picture can follow from its content, and a PNG is made
+/// This backend of plotters records shapes. So the height of a picture can follow from its content, and a PNG is made
 /// only on demand.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
@@ -87,7 +87,7 @@ pub(crate) struct Drawing {
 struct Shape {
     form: Form,
     colour: Colour,
-    /// Words that a viewer shows under the pointer; may be empty.
+    /// Tooltip; may be empty.
     title: String,
 }
 
@@ -98,14 +98,14 @@ enum Form {
     Polygon(Vec<BackendCoord>),
     /// Centre and radius.
     Disc(BackendCoord, u32),
-    /// Line of text, its place at middle height, its em, and the share of its width to the left of its place.
+    /// Line of text, the point at its middle height, its em, and the share of its width to the left of that point.
     Text(String, BackendCoord, f64, f64),
 }
 
 type Drawn<E> = Result<(), DrawingErrorKind<E>>;
 
 impl Drawing {
-    /// An empty drawing of a width; its height is set at the end.
+    /// An empty drawing of the given width; the height is set at the end.
     pub(crate) fn new(width: i32) -> Self {
         Self {
             size: (width.unsigned_abs(), 1 << 24),
@@ -113,7 +113,7 @@ impl Drawing {
         }
     }
 
-    /// Adds words to the topmost shape, which a viewer shows under the pointer.
+    /// Adds a tooltip to the topmost shape.
     pub(crate) fn title(&mut self, words: &str) {
         if let Some(shape) = self.shapes.last_mut() {
             words.clone_into(&mut shape.title);
@@ -132,7 +132,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// SVG of the picture on a white ground, with a label for screen readers.
+    /// SVG of the picture on a white background, with a label for screen readers.
     fn svg(&self, label: &str) -> Result<String, DrawingErrorKind<io::Error>> {
         let mut text = String::new();
         {
@@ -167,7 +167,7 @@ impl Drawing {
         Ok(self.named(&text, label))
     }
 
-    /// The backend's SVG in the size of the picture, with its label and the titles of its shapes.
+    /// The backend's SVG with its size in pixels, the label, and the tooltips of the shapes.
     fn named(&self, svg: &str, label: &str) -> String {
         let (width, height) = (self.size.0 / DETAIL, self.size.1 / DETAIL);
         let label = escaped(label);
@@ -177,7 +177,7 @@ impl Drawing {
         );
         let header = lines.next().and_then(|line| line.split_once(" viewBox"));
         let mut named = header.map_or(String::new(), |(_, rest)| format!("{own} viewBox{rest}\n"));
-        // The first element is the ground, then follows one for each shape.
+        // The first element is the background. After it, each shape has one element.
         let titles = self.shapes.iter().map(|shape| shape.title.as_str());
         let mut titles = std::iter::once("").chain(titles);
         for line in lines {
@@ -196,7 +196,7 @@ impl Drawing {
         named
     }
 
-    /// Bytes of a PNG of the picture on a white ground: drawn in its units, then scaled down to pixels.
+    /// PNG data of the picture on a white background: drawn at `DETAIL` times its size, then scaled down.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;
@@ -227,8 +227,8 @@ impl Shape {
     fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Drawn<B::ErrorType> {
         let colour = self.colour;
         match &self.form {
-            // Segment by segment: the backend leaves holes where a line crosses itself. It fills the pixels on both
-            // edges of a level or upright line, which makes it wider by one.
+            // Draw each segment separately, because the backend leaves holes where a line crosses itself. It also
+            // draws horizontal and vertical lines one pixel too wide.
             Form::Line(points, width) => {
                 for pair in points.windows(2) {
                     let is_straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;
@@ -326,7 +326,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Splits text into its lines, one below the other.
+    /// Records each line of the text as a shape, one below the other.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,
@@ -358,7 +358,7 @@ impl DrawingBackend for Drawing {
     }
 }
 
-/// A text with the characters escaped that SVG reserves.
+/// The text with SVG's reserved characters escaped.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

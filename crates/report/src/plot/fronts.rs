@@ -108,7 +108,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
             front(sheet, &mut place.panel(sheet, &x, &y)?, scene, style_of)?;
             sheet.top += PANEL_HEIGHT + 42;
         }
-        // Below the ticks of the last panel.
+        // Room for the tick labels of the last panel.
         sheet.top += TICK_GAP + LINE - 36;
         let label = format!("cost of {} ({unit})", ladder.evaluation);
         let place = (left + size.0 / 2, sheet.top + TEXT / 2);

@@ -44,7 +44,7 @@ pub struct HeatPanel {
 /// Most things of a panel, and most panels, that make a picture.
 const MOST: usize = 40;
 const MOST_PANELS: usize = 24;
-/// Side of a square that shows a number, and of one that shows none.
+/// Side of a square with a number, and of a square without a number.
 const LARGE: i32 = 222;
 const SMALL: i32 = 66;
 /// Panel of more things than this has no numbers in its squares.
@@ -141,7 +141,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel with its squares from `corner` on; returns how far down it reaches.
+/// Draws a panel whose squares start at the upper left corner `corner`; returns the lower edge of its labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
     // Small squares have room for some of the names only.
@@ -191,7 +191,7 @@ fn in_percent(share: f64) -> String {
     }
 }
 
-/// Ground of a square: darker the larger its share.
+/// Fill colour of a square: a larger share is darker.
 fn shade(share: Option<f64>) -> Colour {
     share.map_or(NONE, |share| mixed(WHITE, ALL, share))
 }

@@ -22,8 +22,8 @@ pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
 
-/// Sets a text: calls `place` with each letter, its font, and its distance from the start in ems. Returns the width in
-/// ems.
+/// Lays out a text: calls `place` with each letter, its font, and its distance from the start in ems. Returns the
+/// width in ems.
 fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
     let mut before = None;
@@ -43,8 +43,8 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` with the place of each pixel of a text on a base line around `x`, and how much of it is covered. The
-/// text has `before` of its width to the left of `x`.
+/// Calls `pixel` with the position and coverage of each pixel of a text. (`x`, `base`) is a point on the base line;
+/// the share `before` of the text's width lies to the left of it.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,
@@ -72,7 +72,7 @@ pub(crate) fn pixels(
     });
 }
 
-/// `text` in lines of at most `limit`; a longer word stands alone.
+/// Breaks `text` into lines of at most `limit`; a longer word gets its own line.
 pub(crate) fn wrap(text: &str, em: i32, limit: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -10,12 +10,12 @@ use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Length of a tick, and its distance from its label.
+/// Length of a tick mark, and gap between the mark and its label.
 const TICK: i32 = 15;
-/// Width of the areas that labels are drawn from.
+/// Size of the label areas of plotters; labels may extend beyond them.
 const LABELS: i32 = 60;
 
-/// A chart of plotters on our axes.
+/// A chart of plotters with axes of type [`Scale`].
 pub(crate) type Panel<'a> = ChartContext<'a, Drawing, Cartesian2d<Scale, Scale>>;
 
 /// Place of a panel.
@@ -30,7 +30,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// The empty panel in its place.
+    /// Makes the empty panel at this place.
     pub(crate) fn panel<'a>(&self, sheet: &Sheet, x: &Scale, y: &Scale) -> Drawn<Panel<'a>> {
         let [below, beside] = self.labelled.map(|labelled| LABELS * i32::from(labelled));
         let corner = (self.corner.0 - beside, self.corner.1);
@@ -64,8 +64,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws the interval `ends` of y at a value of x, if it is longer than `hidden` px, the height of the marker on it. Ends
-/// beyond the panel have no caps.
+/// Draws an error bar from `ends[0]` to `ends[1]` at `x`, unless the marker, `hidden` px high, covers it. Ends
+/// outside the panel have no caps.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

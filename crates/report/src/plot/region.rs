@@ -65,7 +65,7 @@ pub struct RegionStrip {
     pub runs: Vec<Stretch>,
 }
 
-/// Markers of crossings of the target, and of the best value.
+/// Marker of a point that just meets the target, and marker of the best value.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
@@ -75,9 +75,9 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// Half the width of a column that has no neighbour, as a share of the panel's.
+/// Half the width of a column without neighbours, as a share of the panel's width.
 const ALONE: f64 = 0.03;
-/// A single value is widened to both sides by this share of the panel's height, to be visible.
+/// A single value is widened to both sides by this share of the panel's height, so that it is visible.
 const THIN: f64 = 0.002;
 
 /// Draws a feasible region: what meets the target on a blue ground, what is undecided on a grey one, and the target's
@@ -197,7 +197,7 @@ fn key(map: &RegionMap) -> Key {
 }
 
 impl RegionAxis {
-    /// Factor from values to the numbers shown.
+    /// Factor from values of the field to displayed numbers.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -205,7 +205,7 @@ impl RegionAxis {
         }
     }
 
-    /// Places along the scale of the ends of a range of values.
+    /// Positions along the scale of both ends of a range of values.
     fn places(&self, scale: &Scale, (from, to): (f64, f64)) -> [f64; 2] {
         let half = if self.names.is_empty() { 0.0 } else { 0.5 };
         [from - half, to + half].map(|value| scale.place(value * self.factor()))
@@ -222,7 +222,7 @@ struct Region<'a> {
     columns: Vec<Column>,
 }
 
-/// Runs of values of y at one value of x.
+/// Ranges of y at one value of x; each range meets or misses the target throughout.
 struct Column {
     at: f64,
     /// Whether each run meets the target.
@@ -237,7 +237,7 @@ impl Region<'_> {
         self.is_named == [false; 2] && one.sides == other.sides
     }
 
-    /// Grounds between alike columns, and around the others up to the middle between neighbours.
+    /// Background areas: between alike columns, and around other columns up to the middle between neighbours.
     fn grounds(&self) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let columns = &self.columns;
         let mut grounds = Vec::new();
@@ -267,7 +267,7 @@ impl Region<'_> {
         grounds
     }
 
-    /// Adds the grounds from the runs of one column at a place to those of another.
+    /// Adds the background areas between the runs of column `one` at `left` and those of column `other` at `right`.
     fn between(
         &self,
         (left, one): (f64, &Column),
@@ -291,7 +291,7 @@ impl Region<'_> {
         }
     }
 
-    /// Lines between crossings of alike neighbours, and at each a bar over what is undecided.
+    /// Contours through the crossings of alike neighbours, with a bar over the undecided range at each crossing.
     fn contours(&self) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);

@@ -1,4 +1,4 @@
-//! Axes: values to places along them, and ticks.
+//! Axes: the position of a value along an axis, and ticks.
 
 use super::lettering::{width, wrap};
 use super::sheet::TEXT;
@@ -20,14 +20,14 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// An axis as a coordinate of plotters: range, ticks and grid lines.
+/// An axis as a coordinate type for plotters: range, ticks and grid lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
-    /// Ends; of a logarithmic axis, their logarithms to base 10.
+    /// Both ends; for a logarithmic axis, their logarithms to base 10.
     min: f64,
     max: f64,
-    /// Names of the places 0, 1, …; empty for numbers.
+    /// Names of the positions 0, 1, …; empty for a numeric axis.
     names: Vec<String>,
     /// Number of ticks to aim at.
     about: usize,
@@ -41,7 +41,7 @@ const LARGEST: f64 = 1e300;
 const BETWEEN_NUMBERS: i32 = 24;
 
 impl Spacing {
-    /// Logarithmic or linear.
+    /// `Log` if `is_log`, else `Linear`.
     pub(crate) fn log(is_log: bool) -> Self {
         if is_log { Self::Log } else { Self::Linear }
     }
@@ -139,8 +139,8 @@ impl Scale {
         }
     }
 
-    /// The axis with the most ticks whose labels have room below a panel of this width; names are broken into lines,
-    /// with a gap between neighbours.
+    /// The axis with as many ticks as have room for their labels below a panel of this width. An axis of names keeps
+    /// all ticks and wraps the names, with `gap` between neighbours.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
             let slot = panel / self.names.len() as i32 - gap;
@@ -197,7 +197,7 @@ impl Scale {
         (value - self.min) / (self.max - self.min)
     }
 
-    /// The value at a place along the axis.
+    /// The value at a position along the axis: 0 at the lower end, 1 at the upper end.
     pub(crate) fn value(&self, place: f64) -> f64 {
         let value = self.min + place * (self.max - self.min);
         match self.spacing {
@@ -206,7 +206,7 @@ impl Scale {
         }
     }
 
-    /// About as many labelled ticks as are aimed at, at least one, at round values; or all names.
+    /// Labelled ticks at round values, about `self.about` but at least one; names along the axis have a tick each.
     pub(crate) fn ticks(&self) -> Vec<Tick> {
         if !self.names.is_empty() {
             let tick = |(at, label): (usize, &String)| Tick {
@@ -233,7 +233,7 @@ impl Scale {
         }
     }
 
-    /// Values inside that are one of these digits times a power of ten.
+    /// Values on the axis that are one of these digits times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -307,7 +307,7 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        // Plotters counts in `i32`, so places far beyond the ends are drawn nearer.
+        // Plotters uses `i32` pixels, so positions far outside the axis are clamped.
         let place = self.place(*value).clamp(-9.0, 9.0);
         start + (place * f64::from(end - start)).round() as i32
     }

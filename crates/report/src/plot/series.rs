@@ -18,7 +18,7 @@ use plotters::style::{Color, ShapeStyle};
 const MANY_POINTS: usize = 25;
 /// Radius of open markers.
 pub(crate) const OPEN_MARKER: f64 = 21.0;
-/// Width of the circle around a marker.
+/// Line width of the circle around a marker.
 const CIRCLE: f64 = 4.5;
 
 /// Panels on the same axes, with their labels, key and legend.
@@ -34,7 +34,7 @@ pub(crate) struct Plot {
     pub(crate) key: Key,
     pub(crate) series: SeriesKey,
     pub(crate) marks: Vec<Mark>,
-    /// Radius of the marker that solid lines carry at each point; 0 if they carry none.
+    /// Radius of the markers on solid lines; 0 for no markers.
     pub(crate) marker: f64,
 }
 
@@ -50,7 +50,7 @@ pub(crate) struct Content {
 }
 
 impl Content {
-    /// All places of its lines and points.
+    /// Coordinates of all points, joined or not.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines
@@ -70,20 +70,20 @@ pub(crate) struct PointSet {
     pub(crate) at: Vec<(f64, f64)>,
 }
 
-/// Runs of places, broken where there is none.
+/// Points of a line, split into runs where a value is missing.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
 /// Series in one panel.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Drawn dashed and without markers: the statistic to compare with.
+    /// Whether the line is dashed and without markers; it shows the statistic to compare with.
     pub(crate) dashed: bool,
     /// Points in order of x.
     pub(crate) runs: Runs,
-    /// Places of the points that are marked with a circle.
+    /// Points that are marked with a circle.
     pub(crate) circled: Vec<(f64, f64)>,
-    /// Bars of points: x, and both ends.
+    /// Vertical bars: x, and both ends in y.
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct SeriesKey {
     pub(crate) entries: Vec<(String, Style)>,
     /// Labels of the solid and of the dashed lines, if two statistics are compared.
     pub(crate) compared: Option<(String, String)>,
-    /// The open markers, by label.
+    /// Labels and styles of the open markers.
     pub(crate) points: Vec<(String, Style)>,
 }
 
@@ -107,7 +107,7 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// Axes around all places and marks. `make` makes one from its number and the places along it.
+/// The x and y axes, around all points and marks. `make` gets 0 for x or 1 for y, and the values to include.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -130,7 +130,7 @@ pub(crate) fn scales(
     ]
 }
 
-/// Figure of plots below each other, at least one.
+/// Makes a figure of at least one plot, with the plots below each other.
 pub(crate) fn figure(words: Words, plots: Vec<Plot>) -> Result<Figure, ReportError> {
     let charts: Vec<Chart<'_>> = plots.iter().map(Plot::chart).collect();
     chart::figure(words, &charts)
@@ -204,7 +204,7 @@ impl Plot {
         for line in &content.lines {
             self.stroke(line, panel)?;
         }
-        // Markers come last, so that no line crosses one.
+        // Markers are drawn last, so that no line crosses a marker.
         let marked = |line: &&Line| self.marker > 0.0 && !line.dashed;
         let marked: Vec<&Line> = content.lines.iter().filter(marked).collect();
         let size = |line: &Line| {
@@ -238,7 +238,7 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // The solid line is pale where a dashed one is drawn too: both are visible where they coincide.
+        // Solid lines are pale if there are dashed lines too, so that both are visible where they coincide.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {
@@ -262,7 +262,7 @@ impl Plot {
 }
 
 impl Mark {
-    /// Draws the line, and its label where it covers the fewest lines and points.
+    /// Draws the reference line, and its label where the label covers the fewest lines and points.
     fn draw(&self, label: &str, content: &Content, panel: &Panel<'_>) -> Drawn {
         const PLACES: [f64; 5] = [0.98, 0.02, 0.5, 0.25, 0.75];
         let area = panel.plotting_area().use_screen_coord();
@@ -316,8 +316,8 @@ impl Mark {
 }
 
 impl Content {
-    /// Measure of how much is drawn within a box: the points in it, weighted by 3, plus the places in it when each
-    /// segment of a line is divided into twenty parts.
+    /// How much is drawn within a box. Inside it, each point counts as 3, and each of 21 samples per line segment
+    /// counts as 1.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

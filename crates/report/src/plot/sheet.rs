@@ -1,4 +1,4 @@
-//! The sheet on which all figures are drawn: title, subtitle, key and notes around what a figure shows.
+//! The sheet on which all figures are drawn: title, subtitle, key and notes around the content of a figure.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -27,11 +27,11 @@ pub(crate) const LINE: i32 = 73;
 pub(crate) const EDGE: i32 = 66;
 /// Gap between a panel and the labels of its ticks.
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a sample in a key and its words.
+/// Gap between a sample in a key and its label.
 pub(crate) const SAMPLE_GAP: i32 = 24;
-/// Gap between entries of a key beside each other.
+/// Horizontal gap between entries of a key.
 const ENTRY_GAP: i32 = 78;
-/// Least width of a figure.
+/// Minimum width of a figure.
 pub(crate) const WIDTH: i32 = 2880;
 /// Width of thin lines, and of lines of data.
 pub(crate) const HAIR: u32 = 3;
@@ -44,7 +44,7 @@ const DASH_GAP: i32 = 15;
 
 /// Result of drawing.
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
-/// Place, from the upper left corner.
+/// Position, from the upper left corner.
 pub(crate) type Point = (i32, i32);
 
 /// Words around a figure.
@@ -53,9 +53,9 @@ pub(crate) struct Words {
     /// File stem.
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Sample size and what is held fixed.
+    /// Sample size and fixed settings.
     pub(crate) subtitle: String,
-    /// Notes on what is not drawn, with reasons.
+    /// Notes below the content, such as what is not drawn and why.
     pub(crate) notes: Vec<String>,
 }
 
@@ -80,13 +80,13 @@ pub(crate) struct Sample {
 /// Entries of a key: each sample with its label.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Figure with these words around the content that `draw` adds.
+/// Draws a figure: the content that `draw` adds, with title, subtitle and notes around it.
 pub(crate) fn figure(
     words: Words,
     width: i32,
     draw: impl FnOnce(&mut Sheet) -> Drawn,
 ) -> Result<Figure, ReportError> {
-    // A whole number of pixels.
+    // Round the width up to whole pixels.
     let width = width.unsigned_abs().next_multiple_of(3) as i32;
     let drawing = Rc::new(RefCell::new(Drawing::new(width)));
     let mut sheet = Sheet {
@@ -105,7 +105,7 @@ pub(crate) fn figure(
     Figure::new(words.name, words.title, drawing)
 }
 
-/// Style of a text of this colour that stands at the middle of its height.
+/// Style of a text of this colour that is centred vertically on its position.
 pub(crate) fn letters(em: i32, colour: Colour, horizontal: HPos) -> TextStyle<'static> {
     let font = FontDesc::from((FontFamily::SansSerif, em));
     font.color(&colour).pos(Pos::new(horizontal, VPos::Center))
@@ -131,7 +131,7 @@ impl Sheet {
         notes.try_for_each(|note| self.paragraph(note, TEXT, QUIET))
     }
 
-    /// Text in as many lines as it needs.
+    /// Draws a text, wrapped to the width of the sheet.
     fn paragraph(&mut self, text: &str, em: i32, colour: Colour) -> Drawn {
         for line in wrap(text, em, self.width - 2 * EDGE) {
             let place = (EDGE, self.top + em / 2);
@@ -142,13 +142,13 @@ impl Sheet {
         Ok(())
     }
 
-    /// A line of text whose middle height is at `place`.
+    /// Draws a line of text, centred vertically on `place`.
     pub(crate) fn text(&self, text: &str, place: Point, anchor: HPos, colour: Colour) -> Drawn {
         self.area
             .draw_text(text, &letters(TEXT, colour, anchor), place)
     }
 
-    /// Text in as many lines as it needs to the right of `left`, at most `limit` wide.
+    /// Draws a text from `left` to the right, wrapped to lines at most `limit` wide.
     pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
         for line in wrap(text, TEXT, limit) {
             self.text(&line, (left, self.top + TEXT / 2), HPos::Left, INK)?;
@@ -157,7 +157,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Samples of a width with their words, beside each other in as many lines as they need.
+    /// Draws the entries of a key side by side, wrapped to the width of the sheet; each sample is `sample` wide.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;
@@ -175,7 +175,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: a sample of width `wide` whose left edge is centred on the given point, and its text.
+    /// Draws an entry of a key: a sample that extends from (x, y) by `wide` to the right, then its text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];
@@ -195,7 +195,7 @@ impl Sheet {
         self.text(text, (x + wide + SAMPLE_GAP, y), HPos::Left, INK)
     }
 
-    /// Adds words to the topmost shape, which a viewer shows under the pointer.
+    /// Sets the tooltip of the shape that was drawn last.
     pub(crate) fn title(&self, words: &str) {
         self.drawing.borrow_mut().title(words);
     }

@@ -131,7 +131,7 @@ pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }
 
-/// A mix of two colours; `share` from 0 to 1 is that of the other.
+/// A mix of two colours; `share` is the share of `other`, from 0 to 1.
 pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
     let mix = |one: u8, other: u8| {
         let (one, other) = (f64::from(one), f64::from(other));
@@ -144,7 +144,7 @@ pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
     )
 }
 
-/// The name of a colour in SVG and CSS.
+/// The hexadecimal code of a colour for SVG and CSS.
 pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }

@@ -1,4 +1,4 @@
-//! Markers, as an element of plotters.
+//! Markers of data points, as drawable elements of the library plotters.
 
 use super::style::{Marker, Style, WHITE};
 use plotters::element::{Drawable, PointCollection};
@@ -8,12 +8,12 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// Width of the white rim between a marker and the shapes below it.
 const RIM: f64 = 4.5;
 
-/// A marker of about `size` in radius on a white rim.
+/// A marker with a radius of about `size` and a white rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Symbol {
     pub(crate) style: Style,
     pub(crate) size: f64,
-    /// Drawn as an outline that is white within, unless the marker is never open.
+    /// Whether the marker is white inside; dots and dashes are always solid.
     pub(crate) is_open: bool,
 }
 
@@ -74,7 +74,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
     }
 }
 
-/// Fills the shape of a marker of about `size + rim` in radius, whose bars are those of `size`, wider by the rim.
+/// Fills the shape of a marker with a radius of about `size`, enlarged by `rim` on all sides.
 fn fill<B: DrawingBackend, S: BackendStyle>(
     backend: &mut B,
     marker: Marker,
@@ -83,7 +83,7 @@ fn fill<B: DrawingBackend, S: BackendStyle>(
     style: &S,
 ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
     let r = size + rim;
-    // A rectangle whose sides are twice these lengths.
+    // Corners of a rectangle with these half lengths of its sides.
     let bar = |a: f64, b: f64| [(-a, -b), (a, -b), (a, b), (-a, b)];
     let long = bar(1.15 * r, 0.35 * size + rim);
     let (corners, turns): (&[(f64, f64)], &[f64]) = match marker {

@@ -235,7 +235,7 @@ fn claim_8_takes_half_a_radian_however_a_roll_is_given() {
             "angle_deg = 1",
             (|_| 0.5_f64.to_degrees()) as fn(f64) -> f64,
         ),
-        // A probe of radius 2 whose contact passes over half a radian of both bodies.
+        // Arc length of a roll by half a radian with a probe of radius 2: θ/(1/R₁ + 1/R₂).
         ("scene.motion.arc_length_cm", "arc_length = 1", |radius| {
             0.5 / (0.5 + 1.0 / radius)
         }),

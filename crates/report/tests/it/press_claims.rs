@@ -140,7 +140,7 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
         &["gaussian with c = 1"],
     );
     let unnamed = config("[16]", "").replace("length_unit = \"mm\"\n", "");
-    untestable(&cells.study(&unnamed, None), &["not `unit`"]);
+    untestable(&cells.study(&unnamed, None), &["must not be `unit`"]);
 }
 
 // ---- 17: regimes

@@ -1,5 +1,5 @@
-//! Rolls and glides on objects blunter than the probe succeed. Any bit patterns as probes, objects, motions and places
-//! give finite numbers or a named error. A roll forth and back ends where it began.
+//! Rolls and glides on objects blunter than the probe succeed. Probes, objects, motions and places of any bit
+//! patterns give finite numbers or a named error. A roll forth and back ends where it began.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 use crate::scenes::{cylinder, dish, ellipsoid, paraboloid, plane, roll, saddle, sphere, torus};
 
-/// Any double at all, or one of everyday size.
+/// A double with any bit pattern, or a number of ordinary size.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -23,7 +23,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// The objects that can be made with these numbers as parameters.
+/// All objects for which these numbers are valid parameters.
 fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)].into();
     [
@@ -83,7 +83,7 @@ fn is_sound(contact: &Contact) -> bool {
         && contact.arc_length >= 0.0
 }
 
-/// Whether a touch has finite numbers, and its tip the place where it is held.
+/// Whether a touch has finite numbers, and the tip's centre is above (x, y).
 fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
     let vectors = [touch.point.coords, touch.normal, touch.tip_centre.coords];
     let form = touch.curvature;
@@ -161,7 +161,7 @@ proptest! {
             duration_s,
         };
         let plain = Motion::rolling(x, y, duration_s);
-        // A hundred thousand steps to nowhere take their time.
+        // Skip long motions: an integrator takes up to 100 000 steps before it fails, which is slow.
         let is_short = |motion: &Motion| {
             let sharpness = 1.0 / made[3] + made[0].abs() + 1.0 / made[0].abs();
             let way = motion.sliding.norm() + motion.angular_velocity.norm() * made[3];

@@ -1,4 +1,4 @@
-//! Probes that meet the object beside their contact, compared with a search of all places.
+//! Probes that overlap the object beside their contact, compared with a search on a fine grid.
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::formula::Formula;
@@ -6,10 +6,10 @@ use palpate_geometry::surfaces::Graph;
 use palpate_geometry::{Shape, Surface};
 use palpate_rolling::{Model, Motion, Probe, RollFault, Roller, Rolls};
 
-/// Random scenes that are tried.
+/// Number of random scenes.
 const SCENES: u64 = 40;
 
-/// Numbers from 0 to 1, a stream for each scene (SplitMix64).
+/// Random numbers (SplitMix64), one stream per scene.
 struct Draws(u64);
 
 impl Draws {
@@ -70,7 +70,7 @@ fn scene(number: u64) -> (Shape, f64) {
     }
 }
 
-/// Deepest overlap along a roll, found place by place.
+/// Depth of the deepest overlap along a roll, found by a grid search at 41 positions of the probe.
 fn overlap(roller: &Roller, motion: &Motion) -> f64 {
     let radius = roller.probe().radius();
     let mut deepest: f64 = 0.0;
@@ -124,7 +124,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
             chart: Default::default(),
         };
         let rolls = [vec![motion]];
-        // An object that is as hollow as the probe is round is refused for that.
+        // Skip objects that are at least as hollow as the probe is round: the roller refuses them.
         let Ok(roller) = Roller::new(
             Probe::new(radius).unwrap(),
             object,
@@ -167,7 +167,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     assert!(refused > 4 && accepted > 8, "{refused} {accepted}");
 }
 
-/// The clearance of a roll along x of a probe of radius 1 from the origin.
+/// The clearance of a probe of radius 1 that rolls along x from the origin.
 fn along_x(formula: &str, angle_rad: f64, spin: f64) -> Result<f64, RollFault> {
     let mut motion = Motion::rolling(0.0, angle_rad, 1.0);
     motion.angular_velocity.z = spin;
@@ -203,7 +203,7 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
         }
     }
-    // With a spin as fast as the roll the path is a circle of radius 1 through the origin; steps are near its far side.
+    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin. Steps are at y = ±2.6.
     let tau = std::f64::consts::TAU;
     let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
     assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");

@@ -33,7 +33,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             "{error}"
         );
     }
-    // In a slightly wider dish the probe rolls by `θ/(1/R₁ − 1/R₂)`, which is one radius here.
+    // In a slightly wider dish the path is `θ/(1/R₁ − 1/R₂)` long, which is one radius here.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);

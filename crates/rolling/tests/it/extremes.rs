@@ -207,7 +207,8 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
     }
 }
 
-/// A sphere of radius 2 on which a probe of radius 1 runs along a great circle by a third of its turn.
+/// Error of a roll by `theta` of a probe of radius 1 on a sphere of radius 2. The exact contact moves by
+/// the angle `theta / 3` along a great circle.
 fn off_great_circle(start: (f64, f64), direction: f64, theta: f64, model: Model) -> f64 {
     let motion = Motion::rolling(direction, 1.0, theta);
     let roller = roller(1.0, &sphere(2.0), start, model, motion);
@@ -268,7 +269,7 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Arc lengths from mpmath with 60 digits: `θ = α + s` with `tan α = q` and `4 c s = q √(1 + q²) + asinh q`.
+/// Arc lengths s from mpmath with 60 digits, for slope q = tan α: `θ = α + s` and `4 c s = q √(1 + q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
@@ -277,7 +278,7 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl that barely holds the probe amplifies errors, and a long path is no more exact than its angle.
+        // A bowl that barely holds the probe amplifies errors. A long path is only as exact as its angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {
@@ -333,7 +334,7 @@ proptest! {
         }
     }
 
-    /// The path of 0.1 rad of the probe, by every rung, from needles to boulders.
+    /// Path length of a roll by 0.1 rad, by closed form and DOP853, on spheres of extreme radius ratios.
     #[test]
     fn spheres_of_any_ratio(probe in decades(9.0), ratio in decades(12.0)) {
         let radius = probe * ratio;
@@ -343,13 +344,14 @@ proptest! {
             let end = roll(probe, &sphere(radius), (0.0, 0.0), model, motion);
             assert_relative_eq!(end.arc_length, path, max_relative = bound);
             let along = radius * libm::sin(path / radius);
-            // Coordinates have no more digits than the object's size leaves them.
+            // The rounding error of a coordinate grows with the object's size.
             let blur = bound * path + 1e-15 * radius;
             assert_abs_diff_eq!(end.on_object.x, along, epsilon = blur);
         }
     }
 
-    /// A tip that touches at r has its centre at `r + t 2cr/√(1 + (2cr)²)`; on a sphere it is on the line to the centre.
+    /// A tip of radius t that touches a paraboloid at r has its centre at `r + t 2cr/√(1 + (2cr)²)`. On a sphere, the
+    /// contact is on the line between the two centres.
     #[test]
     fn tips_of_any_ratio(size in decades(9.0), ratio in decades(12.0), foot in decades(12.0)) {
         let touch = |object: Shape, radius: f64, at: f64| {

@@ -1,4 +1,4 @@
-//! Gliding fingertips: closed forms, the offset surface, the contact that is met first, errors.
+//! Gliding fingertips: closed forms, the offset surface, the first of several contacts, errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{Shape, Surface};
@@ -314,7 +314,7 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // This place is nearer than the rim, but rounding moves its contact to the equator.
+    // This place is just inside the rim, but rounding moves its contact to the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());

@@ -1,4 +1,4 @@
-//! The ladder of a glide.
+//! The fidelity ladder of a glide.
 
 use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 
@@ -12,25 +12,25 @@ use palpate_study::config::{GlideConfig, GlideModelConfig, ModelConfig};
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
-    /// Glider that finds the contacts of the scene of `config`, on the rung that it takes.
+    /// Builds the glider that finds the contacts of the scene, with the model of `config`.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no glider.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
         glider(config)
     }
 
-    /// The contacts of all fingers of the scene of `config`, finger by finger, by this glider.
+    /// Computes the contacts of all fingers with `glider`, finger by finger.
     ///
     /// # Errors
-    /// [`PlanError`] where the object or the path leaves a finger without a contact.
+    /// [`PlanError`] if the contact of a finger cannot be computed.
     pub fn follow(glider: &Glider, config: &GlideConfig) -> Result<Vec<Touch>, PlanError> {
         let middle = middle(config, glider.object())?;
         let touches = touches(glider, middle, &config.motion)?;
         Ok(touches.into_iter().map(|one| one.touch).collect())
     }
 
-    /// The rungs of the scene.
+    /// Measures the error of each rung of this scene.
     pub(super) fn measured_ladder(&self) -> Result<Ladder, PlanError> {
         let config = &self.config;
         let glider = glider(config)?;
@@ -47,8 +47,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // The closed form and the finest Newton are held against each other; where only one of them can do it, it errs
-        // by 0.
+        // The closed form and the finest Newton are compared with each other. If only one is possible, its error
+        // counts as 0.
         let best = closed.as_ref().or(finest.as_ref());
         let off_closed = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),
@@ -85,7 +85,7 @@ impl GlideScene {
     }
 }
 
-/// The largest distance between contacts.
+/// Largest distance between corresponding contacts.
 fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
     let pairs = touches.iter().zip(others);
     pairs
@@ -93,7 +93,7 @@ fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The model in words, and as it stands in a config.
+/// The model's name, and its form in a config.
 fn named(model: TouchModel) -> (String, GlideModelConfig) {
     match model {
         TouchModel::Auto { tolerance } => (

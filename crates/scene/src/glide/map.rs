@@ -1,4 +1,4 @@
-//! Maps of estimated curvature, written down.
+//! Tables of maps of estimated curvature.
 
 use palpate_ep2::{Ep2Error, MapPoint, Regions, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -7,9 +7,8 @@ use super::scene::GlideScene;
 use crate::map::MapTable;
 use palpate_study::config::LengthUnit;
 
-/// Header of a map: places, curvatures with their standard deviations, principal curvatures and
-/// directions, class, region, and the probability of each class. Maps of a study begin with their
-/// cell and know the true class.
+/// Header of a map: places, curvatures with their standard deviations, principal curvatures and directions, class,
+/// region, and the probability of each class. Maps of a study also have the cell and the true class.
 fn header(unit: LengthUnit, of_study: bool) -> String {
     let unit = unit.as_str();
     let (cell, true_class) = if of_study {
@@ -29,12 +28,12 @@ fn header(unit: LengthUnit, of_study: bool) -> String {
 }
 
 impl MapTable {
-    /// A table of one map of recorded readings.
+    /// Empty table for the map of recorded readings.
     pub(crate) fn of_readings(unit: LengthUnit) -> Self {
         Self::new(&header(unit, false), "cells")
     }
 
-    /// Adds the places of a map, and their regions where they are known.
+    /// Adds the points of a map, with their regions if they are given.
     pub(crate) fn push_map(
         &mut self,
         points: &[MapPoint],
@@ -47,7 +46,7 @@ impl MapTable {
         }
     }
 
-    /// Adds a place. What a method does not state is empty.
+    /// Adds a point. Values that the method does not provide stay empty.
     fn push(
         &mut self,
         cell_and_truth: Option<(usize, ShapeClass)>,
@@ -100,12 +99,12 @@ const fn probability_column(class: ShapeClass) -> &'static str {
 }
 
 impl GlideScene {
-    /// A table of the maps of a study's cells.
+    /// Empty table for the maps of a study's cells.
     pub(super) fn true_map_table(unit: LengthUnit) -> MapTable {
         MapTable::new(&header(unit, true), "cells")
     }
 
-    /// Adds the map of trial number `trial`: one row per place of the grid, x slowest.
+    /// Adds the map of trial number `trial`: one row per point of the grid; x changes slowest.
     pub(super) fn push_true_map(
         &self,
         cell: usize,

@@ -7,7 +7,7 @@ use palpate_ep2::{
 
 use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
 
-/// Any of the methods, with its settings.
+/// One of the EP2 methods, with its settings.
 #[derive(Clone, Debug)]
 pub(crate) enum AnyMethod {
     Penalised(Penalised),
@@ -34,8 +34,8 @@ impl Method for AnyMethod {
 }
 
 impl AnyMethod {
-    /// The method of a config, with the inter-finger distance as the unit of two-pass and of noise that is a fraction of it;
-    /// by default two-pass finds it from the contacts.
+    /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
+    /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
     pub(crate) fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let noise = |position_std, normal_std_deg: Option<f64>| Noise {
             position_std,

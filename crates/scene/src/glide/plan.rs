@@ -1,4 +1,4 @@
-//! Plan of a glide: from its config to a [`GlideScene`].
+//! Builds a [`GlideScene`] from its config.
 
 use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
@@ -21,10 +21,10 @@ use palpate_study::config::{
 };
 
 impl GlideScene {
-    /// The scene that a config describes, with the random numbers of `seed`.
+    /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no scene.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, PlanError> {
         let glider = glider(config)?;
         let (_, radius) = tip(config);
@@ -56,7 +56,7 @@ impl GlideScene {
     }
 }
 
-/// The fingertip, and its radius; 0 of a point.
+/// The fingertip and its radius (0 for a point).
 pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     match config.probe {
         FingertipConfig::Point {} => (Fingertip::Point, 0.0),
@@ -64,7 +64,7 @@ pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     }
 }
 
-/// Glider that finds the contacts of the scene of `config`.
+/// Builds the glider that finds the contacts of a config's scene.
 pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
     let model = match config.model {
         GlideModelConfig::Auto { tolerance } => TouchModel::Auto { tolerance },
@@ -79,7 +79,7 @@ pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
     })
 }
 
-/// How contacts are found, in words.
+/// Line for `palpate check`: how the contacts are computed.
 fn need(glider: &Glider) -> String {
     let choice = glider.choice();
     let bound = match (choice.model, choice.error_bound) {
@@ -91,14 +91,14 @@ fn need(glider: &Glider) -> String {
     format!("contacts by {} ({}{bound})", choice.rung, choice.reason)
 }
 
-/// How contacts follow from the tips, in words.
+/// Line for `palpate check`: how contacts are computed from the tips' centres.
 fn of_tips(tip: &RoundTip, with_normals: bool) -> String {
     let normals = match with_normals {
         true => "the sensed normals",
         false => "the normals of a first fit to the tips' centres",
     };
     format!(
-        "contacts {} from the tips' centres, along {normals}",
+        "contacts at a distance of {} from the tips' centres, along {normals}",
         Number(tip.radius)
     )
 }
@@ -149,7 +149,7 @@ pub(super) fn touches(
     Ok(touches)
 }
 
-/// The place of one of equally spaced items from −1 to 1; the middle if it is alone.
+/// Position of item `index` of `count` equally spaced items from −1 to 1; 0 if there is only one.
 fn share(index: u32, count: u32) -> f64 {
     if count == 1 {
         0.0
@@ -178,7 +178,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanEr
                 cap_deg.to_radians(),
             )
             .map_err(|error| PlanError::of_sensor("scene.sensor", error))?;
-            // Centred pads are placed without a draw.
+            // The placement of centred pads draws no random numbers.
             let placement = pads.place(&mut Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
                 kind: SensorKind::Pads { pads, placement },
@@ -278,7 +278,7 @@ fn grid(
     let of_grid = |error: GlideError| {
         PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // A curvature that is the same everywhere is known without rounding: the K of a cylinder is 0.
+    // A constant curvature has no rounding errors: K of a cylinder is exactly 0.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
         let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;
@@ -302,7 +302,7 @@ fn grid(
     })
 }
 
-/// A warning where the grid reaches beyond the contacts.
+/// Warns if the grid extends beyond the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let lowest = motion

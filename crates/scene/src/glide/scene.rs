@@ -34,7 +34,7 @@ pub struct GlideScene {
     /// Contacts as the sensor reports them, without noise.
     pub(super) sensed: Vec<Contact>,
     pub(super) noise: ContactNoise,
-    /// The tip whose readings tell another point than the contact; `None` of others.
+    /// Set if the sensor reports another point of the tip than the contact.
     pub(super) tip: Option<RoundTip>,
     pub(super) method: AnyMethod,
     pub(super) grid: TrueGrid,
@@ -48,24 +48,24 @@ pub(super) struct FingerTouch {
     pub(super) touch: Touch,
 }
 
-/// Errors of positions and normals; `None` where they have none.
+/// Errors of positions and normals; `None` if they are exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ContactNoise {
     pub(super) position: Option<PositionError>,
     pub(super) normal: Option<NormalError>,
 }
 
-/// Places at which estimates are held against the truth.
+/// Grid at which estimates are compared with the true values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
-    /// Places along each side.
+    /// Number of points along each side.
     pub(super) side: usize,
-    /// The true surface there, x slowest.
+    /// The true surface at each point; x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
 
-/// A place of the true surface.
+/// The true surface at one point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TruePlace {
     pub(super) point: nalgebra::Point3<f64>,
@@ -87,12 +87,12 @@ impl TruePlace {
 }
 
 impl GlideScene {
-    /// How many fingers slide.
+    /// Number of fingers.
     pub(super) fn fingers(&self) -> usize {
         self.touches.last().map_or(0, |last| last.finger + 1)
     }
 
-    /// Contacts as the fingers report them: without noise, or in trial number `trial`.
+    /// Contacts that the sensor reports: in trial number `trial`, or without noise if it is `None`.
     pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.sensed.clone();
         let Some(trial) = trial else {
@@ -113,7 +113,7 @@ impl GlideScene {
         contacts
     }
 
-    /// The surface that the method makes of these readings.
+    /// Fits a surface to the readings of a trial, or to noiseless readings.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
@@ -209,7 +209,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// The field that keeps noiseless contacts from telling a patch.
+/// Names the config field that makes the fit to noiseless contacts fail.
 fn of_fit(error: &Ep2Error) -> PlanError {
     let path = match error {
         Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {

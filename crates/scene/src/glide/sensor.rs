@@ -21,7 +21,7 @@ pub(super) enum SensorKind {
 }
 
 impl GlideSensor {
-    /// The position and the normal that a tip of `radius` (0: a point) reports of a contact.
+    /// Position and normal that a tip of this radius (0: a point) reports for a contact.
     pub(super) fn read(
         &self,
         touch: &Touch,
@@ -40,7 +40,7 @@ impl GlideSensor {
         Ok((position, self.normals.then_some(normal)))
     }
 
-    /// The tip of `radius` of which readings tell another point than the contact, if they do.
+    /// The tip, if the sensor reports its lowest point instead of the contact.
     pub(super) fn tip(&self, radius: f64) -> Option<RoundTip> {
         let tells_lowest = matches!(self.kind, SensorKind::Ideal(Reports::LowestPoint));
         (tells_lowest && radius > 0.0).then_some(RoundTip {
@@ -65,15 +65,15 @@ impl GlideSensor {
     }
 }
 
-/// The direction from the tip's centre of the pad that reports a contact in the unit `direction`.
-/// The pads lie around the tip's lowest point.
+/// Direction from the tip's centre to the pad that reports a contact in `direction` (a unit vector). The pads are
+/// laid out around the tip's lowest point.
 fn pad_direction(
     pads: &Pads,
     placement: &PadPlacement,
     radius: f64,
     direction: &Vector3<f64>,
 ) -> Result<Vector3<f64>, BeyondPads> {
-    // Upside down the lowest point is the pole from which pads are counted.
+    // Flip z: the pole of the pads is then the tip's lowest point.
     let upside_down =
         |direction: &Vector3<f64>| Vector3::new(direction.x, direction.y, -direction.z);
     let displacement = displacement_between(&Vector3::z(), &upside_down(direction)) * radius;

@@ -1,4 +1,4 @@
-//! One pass of a glide, written down.
+//! Tables of one pass of a glide.
 
 use palpate_ep2::Contact;
 
@@ -10,7 +10,7 @@ use palpate_study::config::LengthUnit;
 const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 impl GlideScene {
-    /// Follows every finger: noiseless, or as in trial number `trial`.
+    /// Records one pass of every finger: in trial number `trial`, or without noise if it is `None`.
     pub(super) fn followed(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let header = std::iter::once("finger".to_owned())
             .chain(lengths(["x", "y", "z"], unit))

@@ -1,4 +1,4 @@
-//! A camera in the sensor's centre: from what a press does to the discs of each marker to what is read of it.
+//! A camera in the sensor's centre: turns the displacements of each marker's discs into readings.
 
 use std::sync::Arc;
 
@@ -12,39 +12,38 @@ use palpate_tracking::{
 use super::failure::PressFailure;
 use crate::tracks::errors_of;
 
-/// The number of the trial whose errors the first frame at rest has; further ones count down from here.
+/// Trial number that seeds the noise of the first frame at rest; further frames count down from it.
 pub(super) const AT_REST: u64 = u64::MAX;
 
-/// A camera, what it sees at rest, and what it was calibrated to.
+/// A camera, its pictures of the markers at rest, and its calibration.
 #[derive(Clone, Debug)]
 pub(super) struct CameraSensor {
     pub(super) eye: Eye,
-    /// Picture of each marker of the layout at rest; `None` where it is not seen.
+    /// Picture of each marker of the layout at rest; `None` if it is not visible.
     pub(super) rest: Arc<[Option<Marker>]>,
     pub(super) calibration: Calibration,
-    /// Errors of normal and tangential displacements near a contact, standard deviations, as far as the calibration
-    /// tells.
+    /// Standard deviations of normal and tangential displacements near a contact, if the calibration yields them.
     pub(super) stds: [Option<f64>; 2],
 }
 
-/// Camera before the markers: its optics, and how far its work is followed.
+/// The camera: its optics, and the fidelity level of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Eye {
     pub(super) optics: Optics,
-    /// The lens, as far as tracking knows it.
+    /// The lens model that tracking uses.
     pub(super) lens: Equidistant,
     pub(super) model: CameraModel,
-    /// Whether looks at the same markers differ: whether the picture has errors.
+    /// Whether pictures of the same markers differ because of noise.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
-/// Model of the camera: how far its work is followed.
+/// Fidelity level of the camera's simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
-    /// The picture of each marker, without pixels.
+    /// The picture of each marker is computed directly, without pixels.
     Projected(SightError),
-    /// Frames, in which markers are found and tracked.
+    /// Frames are rendered; markers are found and tracked in them.
     Rendered,
 }
 
@@ -55,7 +54,7 @@ pub(super) struct SightError {
     pub(super) hue: GaussianError,
     /// Error of each coordinate of the centroid, px.
     pub(super) centroid: GaussianError,
-    /// Error of the size, as a share of it.
+    /// Relative error of the size.
     pub(super) size: GaussianError,
 }
 
@@ -64,9 +63,9 @@ impl SightError {
         self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
     }
 
-    /// The errors of a marker's picture.
+    /// Covariance of the errors of a marker's picture.
     pub(super) fn errors(&self) -> MarkerErrors {
-        // An exact picture is known as well as it can be computed.
+        // An exact picture has only numerical errors.
         const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
         let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
         let mut covariance = [[0.0; 4]; 4];
@@ -85,18 +84,18 @@ impl SightError {
     }
 }
 
-/// Markers of the layout as they were seen in a press.
+/// The camera's reading of all markers in a press.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sight {
-    /// Track of each marker since it was at rest; `None` for those that are not seen at rest.
+    /// Track of each marker from rest to press; `None` if it is not visible at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// Number of markers that were taken for another.
+    /// Number of markers that were matched to a wrong marker.
     pub(super) wrong_matches: usize,
-    /// Errors of each marker as it is seen pressed; `None` for those that are not.
+    /// Errors of each marker in the press; `None` if it was not found as a single marker.
     pub(super) errors: Vec<Option<MarkerErrors>>,
 }
 
-/// A marker as it is seen, and the errors that it is seen with.
+/// A marker's picture, and the covariance of its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spotted {
     pub(super) marker: Marker,
@@ -104,7 +103,7 @@ pub(super) struct Spotted {
 }
 
 impl Eye {
-    /// The markers at rest.
+    /// Pictures of the markers at rest, with the noise of trial number `draw`, if any.
     pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Spotted>>, PressFailure> {
         let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
         let images = self.images(&motions)?;
@@ -129,7 +128,7 @@ impl Eye {
         }
     }
 
-    /// Sight of markers that moved so; `None` is not there. Errors are those of a trial.
+    /// Reads markers that moved by `motions` (`None`: lost), with the noise of trial number `draw`, if any.
     pub(super) fn sight(
         &self,
         rest: &[Option<Marker>],
@@ -179,14 +178,14 @@ impl Eye {
         }
     }
 
-    /// Standard deviation of the noise of pixels, levels of 255; `None` without frames or noise.
+    /// Standard deviation of the pixel noise, in levels of 255; `None` without frames or noise.
     pub(super) fn pixel_std(&self) -> Option<f64> {
         let std = self.optics.blemishes().pixel_std;
         let is_rendered = matches!(self.model, CameraModel::Rendered);
         Some(std).filter(|&std| is_rendered && std > 0.0)
     }
 
-    /// Pixels that are rendered for one look.
+    /// Number of pixels rendered per frame.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {
             CameraModel::Projected(_) => 0.0,
@@ -194,7 +193,7 @@ impl Eye {
         }
     }
 
-    /// A frame: without pixel noise, or with that of a trial.
+    /// Renders a frame, with the pixel noise of trial number `draw`, if any.
     pub(super) fn frame(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -204,7 +203,7 @@ impl Eye {
         Ok(self.optics.rendered(motions, stream.as_mut())?)
     }
 
-    /// Picture of each marker, without pixels; `None` where it is not seen.
+    /// Picture of each marker, computed without pixels; `None` if it is not visible.
     fn images(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -230,7 +229,7 @@ impl Eye {
         let [mut of_hue, mut of_centroid, mut of_size] =
             [Channel::Hue, Channel::Centroid, Channel::Size]
                 .map(|channel| Stream::new(self.seed, trial, channel));
-        // Every marker draws, seen or not, so that scenes share their draws.
+        // Draw for every marker, visible or not, so that scenes share random numbers.
         let erring = |seen: Option<SeenMarker>| {
             let hue = error.hue.draw(&mut of_hue);
             let centroid = [(); 2].map(|()| error.centroid.draw(&mut of_centroid));
@@ -246,7 +245,7 @@ impl Eye {
         images.into_iter().map(erring).collect()
     }
 
-    /// The markers that are found in a frame.
+    /// Finds the markers in a rendered frame.
     fn found(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -266,7 +265,7 @@ impl Eye {
 }
 
 impl CameraSensor {
-    /// The displacements of those markers that were tracked: marker, normal, tangential; lengths.
+    /// Displacements of the tracked markers: index, normal and tangential displacement (lengths).
     pub(super) fn displacements(&self, sight: &Sight) -> Vec<(usize, f64, [f64; 2])> {
         let tracks = sight.tracks.iter().enumerate();
         tracks
@@ -291,7 +290,7 @@ fn track(rest: Marker, pressed: Option<Marker>) -> Track {
     }
 }
 
-/// The marker that is seen nearest to a place in the image.
+/// Index of the marker nearest to a place in the image.
 fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
     let distance =
         |seen: &SeenMarker| libm::hypot(seen.centroid_px[0] - x, seen.centroid_px[1] - y);

@@ -1,4 +1,4 @@
-//! Sensors that depart from what is known of them, another one in every trial.
+//! Sensor parameters redrawn in every trial.
 
 use std::sync::Arc;
 
@@ -17,12 +17,12 @@ use super::soft_body::SoftBody;
 use crate::plan::PlanError;
 use palpate_press::{Body, KnownPress, Seen};
 
-/// Trials whose errors frames at rest of redrawn sensors have lie this far apart, beyond those of shared frames.
+/// Each trial with a redrawn sensor reserves this many noise trial numbers, below those of shared frames.
 const APART: u64 = 1000;
-/// Errors of calibrating presses lie so far below those of the first frame at rest.
+/// The numbers of calibration presses start this far below that of the trial's first frame at rest.
 const PRESSES: u64 = APART / 2;
 
-/// The number of the trial whose errors the first frame at rest of a redrawn sensor has.
+/// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
 const fn first_of(trial: u64) -> u64 {
     AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)))
 }
@@ -39,7 +39,7 @@ pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         colour,
     } = *noise;
     let turn = turn_deg.to_radians();
-    // The odd terms of its lens are known.
+    // The odd terms of the lens are exact.
     let mut stds = [0.0; Departure::NUMBERS];
     stds[13..19].fill(colour);
     stds[..13].copy_from_slice(&[
@@ -60,30 +60,30 @@ pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     stds
 }
 
-/// Draws that make another sensor of each trial.
+/// Draws the sensor parameters of each trial.
 #[derive(Clone, Debug)]
 pub(super) struct Redrawn {
     errors: Vec<GaussianError>,
     model: PressModelConfig,
     radius: f64,
     markers: Markers,
-    /// Depths of the discs as they are meant to be: magenta, yellow.
+    /// Nominal depths of the magenta and the yellow discs.
     depths: [f64; 2],
     pressed: Pressed,
     rest_frames: u32,
-    /// Presses on a plane that calibrate it.
+    /// Calibration presses on a plane.
     calibrating: Vec<Pressed>,
-    /// Largest misalignment of a marker, a share of the yellow diameter.
+    /// Largest misalignment of a marker, as a fraction of the yellow diameter.
     misalignment: f64,
 }
 
 /// The sensor of a trial.
 pub(super) struct Departed {
     pub(super) eye: Eye,
-    /// Lengths by which the magenta and the yellow discs lie deeper.
+    /// Lengths by which the magenta and the yellow discs are deeper than nominal.
     deeper: [f64; 2],
     pub(super) motions: Vec<MarkerMotion>,
-    /// The markers at rest, as they are seen.
+    /// Pictures of the markers at rest, with their covariances.
     pub(super) rest: Arc<[Option<Seen>]>,
     pub(super) markers: Arc<[Option<palpate_tracking::Marker>]>,
 }
@@ -114,7 +114,7 @@ impl Redrawn {
         })
     }
 
-    /// The sensor of a trial, made from the one that is meant.
+    /// Draws the sensor of a trial around the nominal sensor `meant`.
     pub(super) fn sensor(&self, meant: &Eye, trial: u64) -> Result<Departed, PressFailure> {
         let mut stream = Stream::new(meant.seed, trial, Channel::Sensor);
         let mut numbers = [0.0; Departure::NUMBERS];
@@ -124,7 +124,7 @@ impl Redrawn {
         let departure = meant.optics.possible(Departure::of(numbers));
         let optics = meant.optics.departed(&departure)?;
         let array = optics.array().clone();
-        // Trial 0 of misalignments is the sensor that all trials of other scenes share.
+        // The misalignments of number 0 belong to the sensor that the trials of other scenes share.
         let made = array.misaligned_in(self.misalignment, meant.seed, trial.wrapping_add(1))?;
         let eye = Eye {
             optics: optics.misaligned(&made.misalignments())?,
@@ -145,7 +145,7 @@ impl Redrawn {
         })
     }
 
-    /// Presses that calibrate the sensor of a trial, as it sees them.
+    /// Calibration presses of a trial's sensor, with its readings.
     pub(super) fn calibrating(
         &self,
         meant: &Eye,
@@ -167,7 +167,7 @@ impl Redrawn {
         self.calibrating.iter().zip(0..).map(seen).collect()
     }
 
-    /// Displacements in a press of discs that lie deeper than they are meant to.
+    /// Displacements of the discs in a press if they lie `deeper` than nominal.
     pub(super) fn motions(
         &self,
         pressed: &Pressed,

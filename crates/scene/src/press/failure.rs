@@ -1,4 +1,4 @@
-//! Reasons why a press told nothing.
+//! Errors of a press.
 
 use palpate_chromatouch::OpticsError;
 use palpate_press::PressError;
@@ -6,14 +6,14 @@ use palpate_tracking::TrackingError;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Why a press, or a trial of it, told nothing.
+/// Why a press, or a trial of it, has no estimate.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 pub enum PressFailure {
-    /// There is no press, or its readings fit none.
+    /// The press is impossible, or no press fits its readings.
     #[error(transparent)]
     #[strum(transparent)]
     Press(#[from] PressError),
-    /// The markers moved where no camera follows.
+    /// The camera cannot image the moved markers.
     #[error(transparent)]
     #[strum(transparent)]
     Optics(#[from] OpticsError),
@@ -24,7 +24,7 @@ pub enum PressFailure {
 }
 
 impl PressFailure {
-    /// The stable name.
+    /// The stable name of the failure.
     pub fn name(&self) -> &'static str {
         self.into()
     }

@@ -1,4 +1,4 @@
-//! Estimates of single trials beside the truth, and what any estimate could reach.
+//! Estimates of single trials compared with the truth, and bounds on their standard deviation.
 
 use nalgebra::SMatrix;
 use palpate_chromatouch::MarkerMotion;
@@ -9,33 +9,33 @@ use super::pressed::Pressed;
 use super::readings::MarkerReadings;
 use super::scene::{PressScene, PressSensor, hold};
 
-/// Unknowns of a press to which pixels are sensitive: relative curvature, both coordinates of the contact, indentation.
+/// Number of unknowns that change the pixels: relative curvature, two contact coordinates, indentation.
 const UNKNOWNS: usize = 4;
-/// Steps of the contact's coordinates and of the indentation by which slopes are found, in radii of the sensor.
+/// Finite-difference step of the contact coordinates and the indentation, in sensor radii.
 const STEP: f64 = 2e-4;
-/// Step of the relative curvature, as a share of it.
+/// Finite-difference step of the relative curvature, as a fraction of it.
 const SHARE: f64 = 1e-2;
 
-/// The object's curvature as one trial tells it, 1/length.
+/// The object's curvature as estimated in one trial, 1/length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedCurvature {
     /// The estimate with its interval.
     pub estimated: Estimated,
     /// The true curvature.
     pub truth: f64,
-    /// Whether the intervals of 50, 80 and 95 % hold it.
+    /// Whether the 50, 80 and 95 % intervals contain the true curvature.
     pub holds: [bool; 3],
-    /// The Cramér–Rao bound on the standard deviation, from the errors that the tracker and the calibration state; `None`
-    /// of fits that are not of pictures.
+    /// Cramér–Rao bound on the standard deviation, from the stated errors of tracker and calibration; `None` if the
+    /// fit does not use pictures.
     pub std_bound: Option<f64>,
-    /// P-value of the fit; `None` where it has none.
+    /// Goodness-of-fit p-value, if the fit has one.
     pub p_value: Option<f64>,
-    /// Ways in which the readings contradict the model.
+    /// Warnings that the readings contradict the model.
     pub doubts: Vec<Doubt>,
 }
 
 impl PressScene {
-    /// The object's curvature as trial number `trial` tells it.
+    /// Estimates the object's curvature in trial number `trial`.
     ///
     /// # Errors
     /// Failure of the trial.
@@ -43,9 +43,9 @@ impl PressScene {
         self.judged(self.readings(Some(trial))?)
     }
 
-    /// The object's curvature as trial number `trial` tells it, by a sensor that the presses of `scene.sensor.calibration`
-    /// tell too, beside its frame at rest: `scene.noise.sensor` is then what is known of it before them. Of fits of
-    /// pictures.
+    /// Estimates the object's curvature in trial number `trial`, with a sensor that is calibrated by its frame at
+    /// rest and the presses of `scene.sensor.calibration`. `scene.noise.sensor` states its uncertainty before
+    /// calibration. Only fits of pictures use these presses.
     ///
     /// # Errors
     /// Failure of the trial.
@@ -82,9 +82,9 @@ impl PressScene {
         })
     }
 
-    /// The Cramér–Rao bound on the standard deviation of the curvature by the noise of the pressed frame's pixels alone,
-    /// 1/length: of the sensor as it is meant to be, all of which is known. `None` without frames, noise of their pixels, or
-    /// sensors that trials draw.
+    /// Cramér–Rao bound on the standard deviation of the curvature, 1/length, from the pixel noise of the pressed
+    /// frame alone: the sensor is nominal and exactly known. `None` unless noisy frames are rendered and trials
+    /// redraw the sensor.
     pub fn pixel_std_bound(&self) -> Option<f64> {
         let PressSensor::Camera(Ok(camera)) = &self.sensor else {
             return None;
@@ -109,14 +109,14 @@ impl PressScene {
             pairs.map(|(one, other)| one * other).sum()
         });
         if let Some(std) = self.method.known_indentation {
-            // An indentation that is exact is no unknown.
+            // The minimum keeps the information finite if the indentation is exact.
             information[(3, 3)] += std.max(1e-9 * self.pressed.indentation).powi(-2);
         }
         let covariance = information.try_inverse()?;
         Some(covariance[(0, 0)].sqrt()).filter(|std| std.is_finite())
     }
 
-    /// The presses on both sides of this one along an unknown, and the step between.
+    /// Two presses, with an unknown decreased and increased by a step, and this step.
     fn beside(&self, unknown: usize) -> (f64, [Pressed; 2]) {
         let radius = self.markers.skin().radius();
         let relative = self.markers.skin().curvature() + self.pressed.object.curvature;

@@ -1,4 +1,4 @@
-//! The ladder of a press, and what `auto` takes of it.
+//! The fidelity ladder of a press, and the choice of `auto`.
 
 use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
 
@@ -9,7 +9,7 @@ use crate::marker_sphere::MarkerSphere;
 use crate::plan::PlanError;
 use palpate_study::config::{ModelConfig, PressModelConfig};
 
-/// The model that is taken, and why.
+/// The model used, and why.
 pub(super) struct Choice {
     /// Model in the form of a config: never `auto`.
     pub(super) model: PressModelConfig,
@@ -18,31 +18,31 @@ pub(super) struct Choice {
     pub(super) tolerance: Option<f64>,
 }
 
-/// A rung, with what it errs by or why it cannot do the press.
+/// A rung with its error, or why it cannot simulate the press.
 struct Judged {
     model: PressModelConfig,
     outcome: Result<f64, String>,
 }
 
-/// Below this a solved layer promises nothing.
+/// The solved layer is not accurate below this tolerance.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 1.0;
 
-/// Models by which a press can be computed, and the depths at which their displacements count.
+/// Models that can compute a press, and the depths at which their displacements are compared.
 #[derive(Clone, Debug)]
 pub(super) struct PressRungs {
     /// Model of the config, which may be `auto`.
     asked: PressModelConfig,
     radius: f64,
-    /// Depth midway between the discs of a marker, and those of the discs that a camera sees.
+    /// Depth of the markers (midway between their discs) and, with a camera, of both discs.
     depths: Vec<f64>,
 }
 
-/// Displacements by a model at all depths.
+/// Displacements of the markers at all depths, from one model.
 type Moved = Result<Vec<MarkerDisplacement>, PressError>;
 
 impl PressRungs {
-    /// Rungs of a sensor that is read directly or by a camera.
+    /// Rungs for a sensor that is read directly or, if `by_camera`, by a camera.
     pub(super) fn of(
         asked: &PressModelConfig,
         sphere: &MarkerSphere<'_>,
@@ -60,7 +60,7 @@ impl PressRungs {
         })
     }
 
-    /// The model of a press: as named, or what `auto` takes.
+    /// The model of a press: the one named in the config, or the choice of `auto`.
     pub(super) fn choice(&self, markers: &Markers, pressed: &Pressed) -> Result<Choice, PlanError> {
         let PressModelConfig::Auto { tolerance, .. } = self.asked else {
             return Ok(Choice {
@@ -104,7 +104,7 @@ impl PressRungs {
         })
     }
 
-    /// All rungs, cheapest first; the last is what the others are held against.
+    /// All rungs, cheapest first; their errors are relative to the last one.
     fn judged(&self, markers: &Markers, pressed: &Pressed) -> Result<Vec<Judged>, PlanError> {
         let poisson = self.asked.poisson();
         let layer = self.asked.thickness();
@@ -178,7 +178,7 @@ impl PressRungs {
     }
 }
 
-/// The largest difference, relative to the largest displacement of the second.
+/// Largest difference, relative to the largest displacement of `reference`.
 fn distance(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> f64 {
     let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
     let differences = moved.iter().zip(reference).map(|(one, other)| {

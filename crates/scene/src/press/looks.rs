@@ -1,4 +1,4 @@
-//! Looks that a camera takes before its first trial: at its markers at rest, and at those of the presses that calibrate it.
+//! Camera readings before the first trial: the markers at rest and in the calibration presses.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use palpate_tracking::{Change, Marker};
 use super::camera::{AT_REST, Eye, Spotted};
 use super::failure::PressFailure;
 
-/// The number of the trial whose errors the first press has, below as many frames at rest as there may be.
+/// Calibration presses use the trial numbers below this for their noise; frames at rest use those above.
 const FIRST: u64 = AT_REST - 1000;
 
-/// Look at the markers at rest, with all that it depends on.
+/// Reading of the markers at rest, with all its inputs: a cache key.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RestLook {
     pub(super) eye: Eye,
@@ -20,7 +20,7 @@ pub(super) struct RestLook {
 }
 
 impl RestLook {
-    /// Look by the mean of so many frames, or by one where they would be alike.
+    /// Averages `frames` frames, or uses one if frames have no noise.
     pub(super) fn new(eye: &Eye, frames: u32) -> Self {
         Self {
             eye: eye.clone(),
@@ -33,7 +33,7 @@ impl RestLook {
         self.eye.optics.array().len()
     }
 
-    /// The markers as they are seen; `None` for those that are not.
+    /// Pictures of the markers; `None` for invisible ones.
     pub(super) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
         let spotted = self.spotted(AT_REST)?;
         Ok(spotted
@@ -42,7 +42,7 @@ impl RestLook {
             .collect())
     }
 
-    /// The markers as they are seen, with their errors; the frames have the errors of the trials from `first` down.
+    /// Pictures of the markers with their errors; the trial numbers from `first` down seed the noise of the frames.
     pub(super) fn spotted(&self, first: u64) -> Result<Vec<Option<Spotted>>, PressFailure> {
         let spotted = self.eye.at_rest(Some(first))?;
         let mean = |one: &Option<Spotted>| one.map(|one| Mean::of(one.marker));
@@ -69,10 +69,10 @@ impl RestLook {
     }
 }
 
-/// The markers as a camera sees them; `None` for those that it does not find.
+/// Picture of each marker; `None` if the camera does not find it.
 pub(super) type Seen = Arc<[Option<Marker>]>;
 
-/// Looks at presses, with all that they depend on.
+/// Camera readings of presses, with all their inputs: a cache key.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PressLooks {
     pub(super) rest: RestLook,
@@ -89,7 +89,7 @@ impl PressLooks {
         self.rest.size() * (1 + self.motions.len())
     }
 
-    /// Changes since the markers were seen at rest, as `rest` has them.
+    /// Changes of the markers' pictures from `rest` to each press.
     pub(super) fn changes(&self, rest: &[Option<Marker>]) -> Result<Changes, PressFailure> {
         let eye = &self.rest.eye;
         let change = |(motions, press): (&Vec<MarkerMotion>, u64)| {
@@ -104,11 +104,11 @@ impl PressLooks {
     }
 }
 
-/// The mean of several sights of a marker.
+/// The mean of several pictures of a marker.
 struct Mean {
     first: Marker,
     count: f64,
-    /// Sums of what others differ by: centroid, hue, size.
+    /// Sums of the differences from `first`: centroid, hue, size.
     sums: [f64; 4],
 }
 

@@ -1,39 +1,39 @@
-//! Estimators of presses, from their settings and what is known of the sensor.
+//! Builds the estimator of a press from its settings and the sensor's parameters.
 
 use palpate_press::{Body, ForwardFit, Markers, PressError, Prior, calibrated_c};
 use palpate_study::config::{Baseline, PressEstimatorConfig, PressModelConfig};
 
-/// Estimator's settings, with the sensor that they are used on.
+/// Settings of an estimator, and the sensor whose readings it uses.
 pub(crate) struct Assumed<'a> {
     pub(crate) estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body, which has what the settings leave out.
+    /// The sensor's own soft-body model; it supplies settings that the estimator omits.
     pub(crate) model: &'a PressModelConfig,
-    /// Body of that model under these markers.
+    /// Body of that model at the depth of the markers.
     pub(crate) body: &'a Body,
-    /// Thickness of its layer, where that has tables for fits to share.
+    /// Thickness of the body's layer, if fits can share its tables.
     pub(crate) shared: Option<f64>,
-    /// Layer of a thickness, with its markers at a depth, that has tables for fits.
+    /// Builds a layer with tables from its thickness and the depth of its markers.
     pub(crate) layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
     pub(crate) markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub(crate) marker_depth: f64,
-    /// Indentation of the plane on which a Gaussian's c is calibrated.
+    /// Indentation of the press on a plane that calibrates a Gaussian's c.
     pub(crate) calibrated_at: Option<f64>,
     /// Whether the estimator is given the indentation.
     pub(crate) knows_indentation: bool,
-    /// Standard deviations of normal and tangential displacements, where they are told.
+    /// Standard deviations of normal and tangential displacements, if stated.
     pub(crate) stds: [Option<f64>; 2],
 }
 
 impl Assumed<'_> {
-    /// Fit of the assumed body; the inner error where a Gaussian cannot be calibrated.
+    /// Builds the fit of the assumed body. The inner result is an error if a Gaussian cannot be calibrated.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a setting out of its range.
     pub(crate) fn fit(&self) -> Result<Result<ForwardFit, PressError>, PressError> {
         let priors = self.estimator.priors();
         let fit = self.assumed_body()?.map(|body| ForwardFit {
-            // The amplitude of a Gaussian is fitted, unless it is the indentation.
+            // A Gaussian's amplitude is fitted if the indentation is given; otherwise it is the indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,
@@ -69,7 +69,7 @@ impl Assumed<'_> {
             (None, PressEstimatorConfig::Gaussian { window, .. }) => {
                 let Some(indentation) = self.calibrated_at else {
                     return Ok(Err(PressError::Undetermined {
-                        what: "the c of a Gaussian is calibrated at a known indentation",
+                        what: "the calibration of a Gaussian's c needs the indentation",
                     }));
                 };
                 return Ok(calibrated_c(self.markers, self.body, indentation, *window)
@@ -80,7 +80,7 @@ impl Assumed<'_> {
     }
 }
 
-/// Body that an estimator assumes, in words, and whether it knows what happens below its surface.
+/// Name of the body that an estimator assumes, and whether it models displacements below the surface.
 pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
@@ -93,12 +93,12 @@ pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static 
     }
 }
 
-/// Thickness of the layer that an estimator assumes: its own, else the model's; length.
+/// Thickness of the layer that an estimator assumes, length: its own setting, or else the model's.
 pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConfig) -> Option<f64> {
     estimator.layer(model.thickness())
 }
 
-/// Body of a model that is named, with a layer made by `layer`.
+/// Builds the body of a model; `layer` builds a bonded layer from its thickness and depth.
 pub(crate) fn body_of(
     model: &PressModelConfig,
     depth: f64,

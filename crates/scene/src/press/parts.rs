@@ -1,4 +1,4 @@
-//! Parts that presses have in common.
+//! Cache of parts that presses share.
 
 use palpate_press::{Body, PressError};
 use palpate_tracking::Marker;
@@ -7,14 +7,14 @@ use super::failure::PressFailure;
 use super::looks::{Changes, PressLooks, RestLook, Seen};
 use crate::kept::Kept;
 
-/// Layers that are kept, each with tables of at most 2 MB.
+/// Number of cached layers, each with tables of at most 2 MB.
 const LAYERS: usize = 16;
-/// Markers that are kept as cameras saw them, each with at most 300 bytes.
+/// Number of cached pictures of markers, each of at most 300 bytes.
 const SEEN: usize = 1 << 17;
 
-/// Parts that scenes have in common, such as those of a study's cells: layers with their tables, and what cameras see at
-/// rest and in the presses that calibrate them. Each is made when the first scene needs it and found again by all that it
-/// depends on; few are kept. A scene is the same with parts that others left and with new ones.
+/// Cache of parts that scenes share, such as the cells of a study: layers with their tables, and camera readings at
+/// rest and in calibration presses. The first scene that needs a part computes it; scenes with the same inputs reuse
+/// it. The cache has a limited size and never changes results.
 ///
 /// ```
 /// use palpate_scene::{Parts, Scenes};
@@ -43,7 +43,7 @@ const SEEN: usize = 1 << 17;
 /// ```
 #[derive(Debug)]
 pub struct Parts {
-    /// Layers by the bits of their thickness and of the depths at which they are read.
+    /// Layers; the key is the bits of their thickness and their depths.
     layers: Kept<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Kept<RestLook, Result<Seen, PressFailure>>,
     changes: Kept<PressLooks, Result<Changes, PressFailure>>,
@@ -80,7 +80,7 @@ impl Parts {
         self.at_rest.get(look.clone(), look.size(), markers)
     }
 
-    /// Changes of the markers' pictures in presses, since they were at rest, as `rest` has them.
+    /// Changes of the markers' pictures from `rest` to each press.
     pub(super) fn changes(
         &self,
         looks: &PressLooks,

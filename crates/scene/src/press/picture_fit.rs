@@ -1,4 +1,4 @@
-//! Fit of pictures, from the settings of an estimator and what is known of the sensor.
+//! Builds the fit of pictures from an estimator's settings and the sensor's parameters.
 
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
 use palpate_number::Number;
@@ -11,35 +11,35 @@ use super::soft_body::{of_body, within_sensor};
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
 
-/// Step of the discs' depth by which slopes are found, in radii of the sensor.
+/// Finite-difference step of the discs' depth, in sensor radii.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
-/// How layers are made: of a thickness, with their markers at each of some depths.
+/// Builds layers of a thickness, with their markers at each of the depths.
 pub(crate) type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 
-/// Estimator by pictures, with the sensor that it is used on.
+/// Settings of an estimator that fits pictures, and the sensor whose pictures it fits.
 pub(crate) struct PicturePlan<'a> {
     pub(crate) estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body, which has what the settings leave out.
+    /// The sensor's own soft-body model; it supplies settings that the estimator omits.
     pub(crate) model: &'a PressModelConfig,
     pub(crate) sphere: &'a MarkerSphere<'a>,
     pub(crate) markers: &'a Markers,
-    /// The camera and the markers as they are meant to be, however they are misaligned.
+    /// The nominal camera and markers; the fit ignores misalignments in it.
     pub(crate) optics: &'a Optics,
-    /// Standard deviations of departures from them.
+    /// Standard deviations of the sensor's departures from `optics`.
     pub(crate) stds: [f64; Departure::NUMBERS],
-    /// Departures whose joint covariance something else tells.
+    /// Departures whose joint covariance is given, if any.
     pub(crate) told: Option<Told>,
-    /// Layer of a thickness, with its markers at each of these depths.
+    /// Builds layers of a thickness, with their markers at each of the depths.
     pub(crate) layers: &'a Layers<'a>,
 }
 
 impl PicturePlan<'_> {
-    /// The fit; `None` where the estimator is another one.
+    /// Builds the fit; `None` if the estimator does not fit pictures.
     ///
     /// # Errors
-    /// [`PlanError`] for a body or discs that cannot be.
+    /// [`PlanError`] for an impossible body or impossible discs.
     pub(crate) fn fit(&self) -> Result<Option<ImageFit<PictureLaw>>, PlanError> {
         let PressEstimatorConfig::Image {
             poisson, shift_std, ..

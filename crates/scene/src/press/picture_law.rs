@@ -1,4 +1,4 @@
-//! The law of a marker's picture, as a fit of pictures takes it: the camera's optics.
+//! The camera model that a fit of pictures uses.
 
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3};
 use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion, Optics, SeenMarker};
@@ -7,11 +7,11 @@ use palpate_tracking::{Marker, MarkerErrors};
 
 use super::camera::Spotted;
 
-/// Pictures by optics that depart from what is known of them: the departures common to all markers are the numbers of a
-/// [`Departure`].
+/// Computes pictures with optics that depart from the nominal ones. The numbers of a [`Departure`] are common to all
+/// markers.
 #[derive(Clone, Debug)]
 pub struct PictureLaw {
-    /// The sensor as it is meant to be.
+    /// The nominal sensor.
     pub optics: Optics,
 }
 
@@ -84,12 +84,12 @@ fn picture(seen: &SeenMarker) -> [f64; 4] {
     [x, y, seen.hue_turns, libm::log(seen.size_px2)]
 }
 
-/// A marker as it was seen, as a fit of pictures takes it.
+/// Converts a marker's picture to the input of a fit of pictures.
 pub(super) fn seen(spotted: &Spotted) -> Seen {
     seen_of(&spotted.marker, &spotted.errors)
 }
 
-/// A marker with its errors, as a fit of pictures takes it.
+/// Converts a marker and its errors to the input of a fit of pictures.
 pub(crate) fn seen_of(marker: &Marker, errors: &MarkerErrors) -> Seen {
     let [x, y] = marker.centroid_px;
     Seen {

@@ -1,4 +1,4 @@
-//! The estimator that fits what the camera sees.
+//! The estimator that fits the camera's pictures of the markers.
 
 use std::sync::{Arc, OnceLock};
 
@@ -10,14 +10,14 @@ use palpate_tracking::{MarkerErrors, Track};
 
 use super::picture_law::{PictureLaw, seen_of};
 
-/// Pictures of the markers that a fit is given.
+/// Input of a fit of pictures: the pictures of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pictures {
-    /// The markers at rest; `None` where all trials share them.
+    /// The markers at rest; `None` if all trials share one reading at rest.
     pub(crate) own_rest: Option<Arc<[Option<Seen>]>>,
-    /// Presses that calibrate the sensor of this trial; none where it is known as it is.
+    /// Calibration presses of this trial's sensor; empty if it is not calibrated.
     pub(crate) calibrating: Vec<KnownPress>,
-    /// The markers pressed.
+    /// The markers in the press.
     pub(crate) pressed: Vec<Option<Seen>>,
 }
 
@@ -48,7 +48,7 @@ impl PictureMethod {
         })
     }
 
-    /// Ways in which the pictures contradict the model, of an estimate from them.
+    /// Warnings that the pictures contradict the model of the estimate.
     pub(crate) fn doubts(
         &self,
         pictures: &Pictures,
@@ -61,7 +61,7 @@ impl PictureMethod {
         })
     }
 
-    /// Displacements of the markers beyond those of an estimated press, as their own pictures tell them.
+    /// Residual displacements of the markers: estimated from their own pictures, minus those of the estimated press.
     pub(crate) fn beyond(
         &self,
         pictures: &Pictures,
@@ -72,8 +72,8 @@ impl PictureMethod {
         })
     }
 
-    /// The Cramér–Rao bound on the standard deviation of the relative curvature: of a press of this relative curvature at
-    /// these chart coordinates, this deep.
+    /// Cramér–Rao bound on the standard deviation of the relative curvature, for a press with this relative
+    /// curvature, chart coordinates and indentation.
     pub(super) fn std_bound(
         &self,
         pictures: &Pictures,
@@ -104,14 +104,14 @@ impl PictureMethod {
         then(rest)
     }
 
-    /// The sensor as the frame at rest that trials share shows it.
+    /// The sensor as estimated from the frame at rest that trials share.
     pub(crate) fn rest(&self) -> Result<&Rest, PressError> {
         let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
         fitted.as_ref().map_err(|error| *error)
     }
 }
 
-/// The pictures of markers that were found again as they were, with the errors of what is seen pressed.
+/// Pictures of the tracked markers in the press, with their errors; `None` for other markers.
 pub(crate) fn pressed(
     tracks: &[Option<Track>],
     errors: &[Option<MarkerErrors>],

@@ -1,4 +1,4 @@
-//! Plan of a press: from its config to a [`PressScene`].
+//! Builds a [`PressScene`] from its config.
 
 mod calibrated;
 mod camera;
@@ -26,16 +26,16 @@ use crate::marker_sphere::{LAYOUT, MarkerSphere};
 use crate::plan::PlanError;
 use palpate_study::config::{CameraConfig, PressConfig, PressEstimatorConfig, PressSensorConfig};
 
-/// Error of displacements by a layer's tables, relative to the largest.
+/// Error of displacements from a layer's tables, relative to the largest displacement.
 const OF_TABLES: f64 = 1e-7;
-/// A layer's table costs as much as a solution that is read at so many markers.
+/// Number of markers for which a direct solution costs as much as a layer's table.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
-    /// The scene that a config describes, with the random numbers of `seed` and parts that other scenes may share.
+    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `parts`.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no scene.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn new(config: &PressConfig, seed: u64, parts: &Parts) -> Result<Self, PlanError> {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
@@ -92,7 +92,7 @@ impl PressScene {
                 .map_or(1, |camera| camera.calibration.rest_frames),
             parts,
         };
-        // The errors of a camera are not known beforehand.
+        // With a camera, the errors of the readings are not known at this point.
         let bounds = contact
             .as_ref()
             .ok()
@@ -127,9 +127,9 @@ impl PressScene {
     }
 }
 
-/// Readings that a sensor takes of a press.
+/// Settings of the readings of a press.
 struct Look<'a> {
-    /// Camera before the markers; `None` where these are read directly.
+    /// The camera; `None` if the markers are read directly.
     camera: Option<&'a CameraConfig>,
     /// Whether the camera renders frames.
     is_rendered: bool,
@@ -177,8 +177,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanEr
     Ok((markers, places))
 }
 
-/// Thickness of the layer whose truth is read off tables: where the fit is of the same layer and shares them, or there are
-/// many markers, unless more is asked than they hold.
+/// Thickness of the layer, if its tables compute the true displacements: the fit shares them or there are many
+/// markers, and they are accurate enough for `auto`.
 fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let of_model = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -190,7 +190,7 @@ fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> 
     layer.filter(|_| is_good && (is_shared || markers > MANY_MARKERS))
 }
 
-/// The contact, and the displacements of the markers.
+/// The true contact, and the true displacements of the markers.
 fn true_press(
     body: &SoftBody,
     markers: &Markers,
@@ -204,7 +204,7 @@ fn true_press(
     })
 }
 
-/// Standard deviations of a camera's normal and tangential displacements, as its calibration tells them.
+/// Standard deviations of a camera's normal and tangential displacements, from its calibration.
 fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
         PressSensor::Camera(Ok(camera)) => camera.sensor.stds,

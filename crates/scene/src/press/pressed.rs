@@ -1,11 +1,11 @@
-//! Object that a sensor is pressed on, how deep, and with which part of its skin.
+//! A press: the object, the indentation, and the place of the contact on the skin.
 
 use palpate_number::Number;
 use palpate_study::config::{PressMotionConfig, PressObjectConfig};
 
 use crate::plan::PlanError;
 
-/// The object, as far as a press feels it.
+/// The properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TouchedObject {
     /// 1/R_o, positive where convex.
@@ -33,19 +33,19 @@ impl TouchedObject {
     }
 }
 
-/// One press, as it truly is.
+/// The true values of one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pressed {
     pub(super) object: TouchedObject,
     pub(super) indentation: f64,
     /// Chart coordinates of the contact.
     pub(super) at: [f64; 2],
-    /// How far the object then moves sideways, along x.
+    /// Sideways displacement of the object after it touched, along x.
     pub(super) shift: f64,
 }
 
 impl Pressed {
-    /// A press of a sensor of this radius.
+    /// Builds the press of a config; `radius` is the sensor's.
     pub(super) fn of(
         object: &PressObjectConfig,
         motion: &PressMotionConfig,
@@ -54,7 +54,7 @@ impl Pressed {
         if motion.shift.abs() >= radius {
             let [radius, shift] = [radius, motion.shift].map(Number);
             let message =
-                format!("must be less than the sensor's radius {radius}, either way, is {shift}");
+                format!("|shift| must be less than the sensor's radius {radius}, is {shift}");
             return Err(PlanError::at("scene.motion.shift", message));
         }
         Ok(Self {

@@ -1,17 +1,17 @@
-//! Displacements along a radius, true and estimated, written down.
+//! Tables of true and estimated displacements along a radius.
 
 use super::failure::PressFailure;
 use super::scene::PressScene;
 use crate::map::MapTable;
 use palpate_study::config::LengthUnit;
 
-/// Places of a profile, from the contact's middle to three times its radius.
+/// Number of points of a profile, from the contact's centre to three times its radius.
 const PLACES: u32 = 121;
 const REACH: f64 = 3.0;
 
 impl PressScene {
-    /// Table of profiles: displacements against the distance from the contact, of the model and of an estimate. What an
-    /// estimate does not know is empty.
+    /// Empty table of profiles: true and estimated displacements against the distance from the contact. Values that
+    /// an estimate does not provide stay empty.
     pub(super) fn profile_table(unit: LengthUnit) -> MapTable {
         let unit = unit.as_str();
         let header = format!(
@@ -24,7 +24,7 @@ impl PressScene {
     /// Adds the profile of this scene, with the estimate of trial number `trial`.
     ///
     /// # Errors
-    /// Why there is no press, and so no row; or why the trial failed, and rows have the truth alone.
+    /// [`PressFailure`] without a press (no row is added) or if the trial failed (rows have true values only).
     pub(super) fn push_profile(
         &self,
         cell: usize,
@@ -51,7 +51,7 @@ impl PressScene {
         estimated.map(drop)
     }
 
-    /// The normal and radial displacement that a trial's estimate has at a distance from its contact.
+    /// Estimated normal and radial displacement of a trial, as a function of the distance from its contact.
     fn estimated_displacement(
         &self,
         trial: u64,
@@ -63,7 +63,7 @@ impl PressScene {
             estimate.indentation.value,
         )?;
         let moves_tangentially = body.moves_tangentially();
-        // The gain of a body is the sensor's; that of a Gaussian is its amplitude.
+        // A Gaussian's gain is its amplitude; the gain of other bodies belongs to the sensor.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

@@ -7,23 +7,23 @@ use super::camera::Sight;
 use super::pictures::Pictures;
 use crate::plan::PlanError;
 
-/// Readings of one press, and the inputs that the estimator is told with them.
+/// Readings of one press, and the other inputs of the estimator.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MarkerReadings {
     /// Indices of the tracked markers, in ascending order; `None` if all are tracked.
     pub(super) tracked: Option<Vec<usize>>,
     pub(super) normal: Vec<f64>,
     pub(super) tangential: Vec<[f64; 2]>,
-    /// Indentation as it is told.
+    /// Indentation given to the estimator.
     pub(super) indentation: f64,
-    /// Markers as a camera saw them; `None` with a direct sensor.
+    /// The camera's reading of the markers; `None` with a direct sensor.
     pub(super) sight: Option<Sight>,
     /// Pictures of all markers of the layout; `None` with a direct sensor.
     pub(super) pictures: Option<Pictures>,
 }
 
 impl MarkerReadings {
-    /// Leaves out the markers that were not tracked.
+    /// Removes the markers that were not tracked.
     pub(super) fn keep_tracked(&mut self) {
         if let Some(tracked) = &self.tracked {
             self.normal = tracked.iter().map(|&marker| self.normal[marker]).collect();
@@ -42,18 +42,18 @@ pub(super) struct MarkerNoise {
     pub(super) normal: GaussianError,
     /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
-    /// Error of the indentation that is given.
+    /// Error of the given indentation.
     pub(super) indentation: GaussianError,
     /// Error of the factor on all normal displacements.
     pub(super) gain: GaussianError,
-    /// How many markers err by more.
+    /// Number of outliers among the markers.
     pub(super) wrong_markers: usize,
-    /// Further error of those markers.
+    /// Additional error of the outliers.
     pub(super) wrong: GaussianError,
 }
 
 impl MarkerNoise {
-    /// Errors of this many markers, averaged over `frames`.
+    /// Noise of a config for this number of markers, averaged over `frames`.
     pub(super) fn of(
         config: &PressNoiseConfig,
         frames: u32,
@@ -78,7 +78,7 @@ impl MarkerNoise {
         })
     }
 
-    /// Whether trials differ, where these are what is read.
+    /// Whether trials differ; the flags state whether tangential displacements and the indentation are read.
     pub(super) fn is_random(&self, tangential: bool, indentation: bool) -> bool {
         self.normal.is_random()
             || (tangential && self.tangential.is_random())
@@ -91,7 +91,7 @@ impl MarkerNoise {
         self.wrong_markers > 0 && self.wrong.is_random()
     }
 
-    /// Adds the errors of a trial. What is not read draws too, so that scenes share their draws.
+    /// Adds the errors of a trial. Values that are not read draw too, so that scenes share random numbers.
     pub(super) fn add_to(&self, readings: &mut MarkerReadings, seed: u64, trial: u64) {
         let stream = |channel| Stream::new(seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
@@ -120,7 +120,7 @@ impl MarkerNoise {
         self.indentation.draw(&mut stream)
     }
 
-    /// The errors in words, if there are any.
+    /// Line for `palpate check`: the errors, if there are any.
     pub(super) fn need(&self) -> Option<String> {
         let mut errors = Vec::new();
         let mut add = |is_random: bool, what: &str| {
@@ -143,13 +143,13 @@ impl MarkerNoise {
     }
 }
 
-/// Gaussian error of a noise, none by default.
+/// Gaussian error with this standard deviation, 0 by default; `noise` names its config field.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, PlanError> {
     GaussianError::new(std.unwrap_or(0.0))
         .map_err(|error: InvalidSensor| PlanError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that a noise befalls, at most all.
+/// Number of markers that a noise affects; an error if it exceeds `markers`.
 pub(super) fn count_of(
     count: Option<u32>,
     noise: &str,

@@ -36,8 +36,8 @@ static OF_DIRECT: [Quantity; 7] = [
     Quantity::OBJECT_RADIUS,
 ];
 
-/// Quantities of a press before a camera, which adds errors of every marker that is tracked, the hue change and the
-/// shift of the marker under the contact, and how the tracking went.
+/// Quantities of a press with a camera. It adds the errors of each tracked marker, the hue change and the shift of
+/// the marker under the contact, and the results of tracking.
 static OF_CAMERA: [Quantity; 14] = [
     Quantity::RELATIVE_CURVATURE,
     Quantity::EFFECTIVE_RADIUS,
@@ -64,7 +64,7 @@ pub struct PressScene {
     pub(super) markers: Markers,
     pub(super) body: SoftBody,
     pub(super) pressed: Pressed,
-    /// True contact and displacements; or why there is no press, and then every trial fails.
+    /// True contact and displacements, or why the press is impossible: then every trial fails.
     pub(super) truth: Result<TruePress, PressError>,
     pub(super) sensor: PressSensor,
     /// Whether displacements along the skin are read.
@@ -73,13 +73,13 @@ pub struct PressScene {
     pub(super) method: PressMethod,
     pub(super) bounds: Option<Bounds>,
     pub(super) rungs: PressRungs,
-    /// Needs of the scene: its model, sensor and noise in words.
+    /// Lines for `palpate check`: the model, the sensor, the noise and warnings.
     pub(super) needs: Vec<Need>,
-    /// Estimate from readings without noise, once it was asked for.
+    /// Estimate from readings without noise, computed on first use.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// Truth of a press.
+/// True values of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TruePress {
     pub(super) contact_radius: f64,
@@ -90,32 +90,32 @@ pub(super) struct TruePress {
 /// Sensor that reads a press.
 #[derive(Clone, Debug)]
 pub(super) enum PressSensor {
-    /// Displacements, as they are.
+    /// Reads the displacements directly.
     Direct,
-    /// A camera with the markers before it; or why there is no press to be seen, and then every trial fails.
+    /// A camera with the markers, or why there is no press to image: then every trial fails.
     Camera(Result<Box<CameraPress>, PressError>),
 }
 
-/// How curvature follows from the readings.
+/// The method that estimates curvature from the readings.
 #[derive(Clone, Debug)]
 pub(super) struct PressMethod {
     /// The fit, or why there is none: then every trial fails.
     pub(super) fit: Result<ForwardFit, PressError>,
-    /// The fit of pictures, where that is the method.
+    /// The fit of pictures, if the config uses it.
     pub(super) of_pictures: Option<PictureMethod>,
-    /// Standard deviation ascribed to the given indentation; `None` where none is given.
+    /// Stated standard deviation of the given indentation; `None` if none is given.
     pub(super) known_indentation: Option<f64>,
 }
 
 impl PressScene {
-    /// The indentation that an estimator is given where it is known: the truth, or in trial number `trial`.
+    /// The indentation given to the estimator: the true one, or with the error of trial number `trial`.
     pub fn told_indentation(&self, trial: Option<u64>) -> f64 {
         let error = trial.map_or(0.0, |trial| self.noise.of_indentation(self.seed, trial));
         self.pressed.indentation + error
     }
 
-    /// Standard deviations of normal and tangential displacements that the estimator is told, length; `None` where it finds
-    /// them from the residuals.
+    /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if it
+    /// estimates them from the residuals.
     pub(crate) fn told_stds(&self) -> [Option<f64>; 2] {
         let fit = self.method.fit.as_ref();
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
@@ -163,7 +163,7 @@ impl PressScene {
         self.by_displacements(readings, |fit, reading| fit.estimate(reading))
     }
 
-    /// Ways in which readings contradict the model, of the estimate from them.
+    /// Warnings that the readings contradict the model of the estimate.
     pub(super) fn doubts(
         &self,
         readings: &MarkerReadings,
@@ -176,7 +176,7 @@ impl PressScene {
         self.by_displacements(readings, |fit, reading| fit.doubts(reading, estimate))
     }
 
-    /// The indentation that the estimator is told.
+    /// The indentation given to the estimator, if any.
     pub(super) fn measured_indentation(&self, readings: &MarkerReadings) -> Option<Measured> {
         self.method.known_indentation.map(|std| Measured {
             value: readings.indentation,
@@ -203,7 +203,7 @@ impl PressScene {
         Ok(then(fit, &reading)?)
     }
 
-    /// Index of a quantity among those of the scene, if it is one.
+    /// Index of a quantity among the scene's quantities, if the scene has it.
     fn place(&self, quantity: Quantity) -> Option<usize> {
         self.quantities().iter().position(|one| *one == quantity)
     }
@@ -228,7 +228,7 @@ impl PressScene {
         }
     }
 
-    /// Tells the quantities that a camera adds, of a trial that was estimated from.
+    /// Reports the quantities that a camera adds, after a successful estimate.
     fn observe_sight(&self, readings: &MarkerReadings, observe: &mut dyn FnMut(usize, Outcome)) {
         let (Some(sight), Ok(truth), PressSensor::Camera(Ok(camera))) =
             (&readings.sight, &self.truth, &self.sensor)
@@ -268,7 +268,7 @@ impl PressScene {
     }
 }
 
-/// Quantities of a press, before a camera or not, on an object that has a radius or not.
+/// Quantities of a press with or without a camera, on an object with or without a radius.
 fn quantities(has_camera: bool, has_radius: bool) -> &'static [Quantity] {
     let all: &[Quantity] = if has_camera { &OF_CAMERA } else { &OF_DIRECT };
     let others = all.strip_suffix(&[Quantity::OBJECT_RADIUS]);
@@ -302,8 +302,8 @@ impl Trials for PressScene {
         camera || self.noise.is_random(self.tangential, knows)
     }
 
-    /// Whether the readings have enough markers, and the method settings that can be, to tell a press. Where there is no
-    /// press, or none to be seen, the scene can still be run: its trials fail.
+    /// Fails if there are too few markers or a setting of the method is invalid. If there is no press, or the camera
+    /// cannot image it, the scene can still run: its trials fail.
     fn estimable(&self) -> Result<(), PlanError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
@@ -343,7 +343,7 @@ impl Trials for PressScene {
             }
         }
         tell(Quantity::R_SQUARED, Outcome::plain(estimate.r_squared, 1.0));
-        // An object taken for flat has no finite radius.
+        // An object that is estimated to be flat has no finite radius.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.pressed.object.radius
             && radius.is_finite()
@@ -364,8 +364,8 @@ impl Trials for PressScene {
         self.truth_of(*self.quantities().get(quantity)?)
     }
 
-    /// Bound by what the readings can tell by the scene's own body and noise. What the estimator has to find out itself
-    /// counts as unknown; of what it is told, the noise that is drawn, else that which it is told of.
+    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters are unknowns. Given ones have the noise
+    /// that is drawn or, without such noise, the standard deviation in the config.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -422,8 +422,8 @@ fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
     }
 }
 
-/// Whether the intervals of 50, 80 and 95 % hold a truth. The last is that of the estimate; the sides of the others are
-/// as much shorter as those of a normal distribution, or, where that one is open, as long as those.
+/// Whether the 50, 80 and 95 % intervals contain the truth. The 95 % interval is the estimate's own. The others scale
+/// its half-width as for a normal distribution, or use `std` where it is open.
 pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,
@@ -444,11 +444,11 @@ fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Shares of the relative curvature by which an estimate without noise is far off: by any interval of its own, and where
-/// that leaves the truth out.
+/// Errors, relative to the relative curvature, above which a noiseless estimate counts as biased: in any case, and if
+/// its interval excludes the truth.
 const FAR_OFF: [f64; 2] = [0.5, 0.05];
 
-/// A warning where an estimate without noise is far off the object's curvature.
+/// Warns if an estimate without noise is far from the object's curvature.
 fn far_off(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     let estimated = estimate.object_curvature();
     let [far, beside] = FAR_OFF.map(|share| share * (estimate.sensor_curvature + object));
@@ -472,11 +472,11 @@ fn far_off(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// Share of the variance of normal displacements that a fit to readings without noise explains at the least, where it
-/// is of the body that was pressed.
+/// A fit to noiseless readings with the correct body explains at least this fraction of the variance of normal
+/// displacements.
 const LEAST_EXPLAINED: f64 = 0.95;
 
-/// A warning where the fit to readings without noise leaves much of them unexplained: with noise it may go anywhere.
+/// Warns if the fit explains the noiseless readings badly: with noise its result is unpredictable.
 fn unexplained(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < LEAST_EXPLAINED).then(|| {

@@ -1,4 +1,4 @@
-//! A press before a camera.
+//! A press that is read by a camera.
 
 use palpate_chromatouch::MarkerMotion;
 use palpate_press::KnownPress;
@@ -10,25 +10,25 @@ use super::failure::PressFailure;
 use super::pictures::{self, Pictures};
 use super::readings::MarkerReadings;
 
-/// A press before a camera.
+/// A press that is read by a camera.
 #[derive(Clone, Debug)]
 pub(super) struct CameraPress {
     pub(super) sensor: CameraSensor,
     /// Displacements of the discs of each marker in the press.
     pub(super) motions: Vec<MarkerMotion>,
-    /// Number of markers that are not seen, others in every trial.
+    /// Number of lost markers, chosen at random in every trial.
     pub(super) lost_markers: usize,
-    /// Number of markers that are seen otherwise.
+    /// Number of markers visible at rest, minus the lost ones.
     pub(super) seen: usize,
     /// The marker nearest to the contact.
     pub(super) under_contact: usize,
-    /// Picture of that marker, without errors and pixels.
+    /// Change of that marker's picture, without noise and pixels.
     pub(super) shown: Option<Shows>,
-    /// Makes another sensor of each trial, where trials have sensors of their own.
+    /// Draws the sensor of each trial, if trials redraw it.
     pub(super) redrawn: Option<Redrawn>,
 }
 
-/// Shifts below are rounding, px.
+/// Smaller shifts are rounding errors and count as 0, px.
 const ROUNDING_PX: f64 = 1e-9;
 
 /// Change of a marker's picture in a press.
@@ -36,17 +36,17 @@ const ROUNDING_PX: f64 = 1e-9;
 pub(super) struct Shows {
     /// Change of its mean hue, turns.
     pub(super) hue_turns: f64,
-    /// How far its centroid moved, in pixels of the image's middle.
+    /// Shift of its centroid, in pixels at the scale of the image centre.
     pub(super) shift_px: f64,
 }
 
 impl CameraPress {
-    /// Whether looks differ.
+    /// Whether readings differ between trials.
     pub(super) fn is_random(&self) -> bool {
         self.lost_markers > 0 || self.sensor.eye.is_random || self.redrawn.is_some()
     }
 
-    /// Replaces the true displacements by those that the camera tells.
+    /// Replaces the true displacements by the camera's readings.
     pub(super) fn read(
         &self,
         readings: &mut MarkerReadings,
@@ -81,7 +81,7 @@ impl CameraPress {
         Ok(())
     }
 
-    /// Presses that calibrate the sensor of a trial, as it sees them; none where all trials share a sensor.
+    /// Calibration presses of a trial's sensor, with its readings; none if all trials share a sensor.
     pub(super) fn calibrating(&self, trial: u64) -> Result<Vec<KnownPress>, PressFailure> {
         match &self.redrawn {
             Some(redrawn) => redrawn.calibrating(&self.sensor.eye, trial),
@@ -89,7 +89,7 @@ impl CameraPress {
         }
     }
 
-    /// Sight of the markers: without errors, or in trial number `trial`.
+    /// The camera's reading of the markers: without noise, or in trial number `trial`.
     pub(super) fn sight(&self, trial: Option<u64>) -> Result<Sight, PressFailure> {
         let motions = self.motions(trial);
         let CameraSensor { eye, rest, .. } = &self.sensor;
@@ -111,7 +111,7 @@ impl CameraPress {
         Ok(Some([eye.frame(&rest, at_rest)?, pressed]))
     }
 
-    /// How the discs move; `None` for the markers that are not seen.
+    /// Displacements of the discs; `None` for lost markers.
     fn motions(&self, trial: Option<u64>) -> Vec<Option<MarkerMotion>> {
         self.kept(&self.motions, trial)
     }
@@ -127,7 +127,7 @@ impl CameraPress {
         motions
     }
 
-    /// Picture of the marker under the contact, where it is tracked.
+    /// Change of the picture of the marker under the contact, if it is tracked.
     pub(super) fn under_contact(&self, sight: &Sight) -> Option<Shows> {
         Shows::of(&self.sensor.eye, sight, self.under_contact)
     }

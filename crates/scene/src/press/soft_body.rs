@@ -1,4 +1,4 @@
-//! The soft body of a sensor: what a press does to points at a depth under its skin.
+//! The soft body of a sensor: how a press displaces points at a depth under its skin.
 
 use palpate_number::{BadSetting, Number};
 use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError, within_object};
@@ -8,16 +8,16 @@ use super::method::body_of;
 use super::pressed::Pressed;
 use crate::plan::PlanError;
 
-/// Soft body that moves points at one depth, by one model.
+/// Soft body of one model that displaces points at one depth.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points as the model has it, where the body can be moved sideways.
+    /// Poisson's ratio, and the depth of the points in the model; `None` if the body cannot be moved sideways.
     sideways: Option<(f64, f64)>,
 }
 
 impl SoftBody {
-    /// The body of a model of a sensor of `radius`, with a layer made by `layer`.
+    /// Builds the body of a model for a sensor of `radius`; `layer` builds a layer from its thickness and depth.
     pub(super) fn of(
         model: &PressModelConfig,
         radius: f64,
@@ -50,7 +50,7 @@ impl SoftBody {
         Ok(contact)
     }
 
-    /// Displacements of the markers by a press with this contact, whose object then sticks to the skin and moves sideways.
+    /// Displacements of the markers by this contact and the object's sideways shift, during which it sticks.
     pub(super) fn moved(
         &self,
         markers: &Markers,
@@ -92,7 +92,7 @@ pub(super) fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(
     Err(PlanError::at(path, message))
 }
 
-/// Error at the setting of a body that is out of its range.
+/// Converts an error of the body to one at its config field.
 pub(super) fn of_body(table: &str, error: PressError) -> PlanError {
     match error {
         PressError::BadSetting(BadSetting {

@@ -1,4 +1,4 @@
-//! One press, written down.
+//! Tables of one press.
 
 use super::failure::PressFailure;
 use super::readings::MarkerReadings;
@@ -9,7 +9,7 @@ use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 
 impl PressScene {
-    /// Presses once: noiseless, or as in trial number `trial`.
+    /// Records one press: in trial number `trial`, or without noise if it is `None`.
     pub(super) fn followed(
         &self,
         trial: Option<u64>,

@@ -1,4 +1,4 @@
-//! Words for the needs of a press.
+//! Lines about a press for `palpate check`.
 
 use palpate_number::Number;
 use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
@@ -16,7 +16,7 @@ use palpate_study::config::{
     PressSensorConfig, SizeNoise,
 };
 
-/// The model, the regime of the contact, and what is doubtful about either.
+/// The model and the regime of the contact, with warnings about both.
 pub(super) fn of_model(
     choice: &Choice,
     pressed: &Pressed,
@@ -24,12 +24,12 @@ pub(super) fn of_model(
     contact: &Result<Contact<'_>, PressError>,
 ) -> Vec<Need> {
     let mut model = match choice.model.reference() {
-        PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
+        PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
         PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
             "Hertz contact on a half-space, at the markers' depth: closed form"
         }
         PressModelConfig::BondedLayer { .. } => {
-            "incompressible layer bonded to a rigid core: the contact is solved for"
+            "incompressible layer bonded to a rigid core: computed numerically"
         }
     }
     .to_owned();
@@ -74,7 +74,7 @@ pub(super) fn of_model(
     needs
 }
 
-/// A warning where the contact is so wide, for the sensor or for the object, that small-strain theory errs.
+/// Warns if the contact is too wide for small-strain theory, relative to the sensor or to the object.
 pub(crate) fn large_contact(
     relative_curvature: f64,
     contact_radius: f64,
@@ -107,7 +107,7 @@ pub(crate) fn large_contact(
 const EXACT_TANGENTIAL: &str = "displacements along the skin have no error and outweigh all \
     others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
 
-/// The errors of what is read, and the sensor that reads it.
+/// The errors of the readings, and the sensor.
 pub(super) fn of_readings(
     noise: &MarkerNoise,
     sensor: &PressSensor,
@@ -189,7 +189,7 @@ fn of_sensor(
     needs
 }
 
-/// The errors of what the camera sees, if there are any.
+/// The noise of the camera, if there is any.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
     if let Some(PixelNoise::Gaussian { std }) = noise.pixel {
@@ -215,7 +215,7 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// The estimator, and what is doubtful about it.
+/// The estimator, with warnings about it.
 pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<Need> {
     let (what, has_depth) = assumed_body(&config.estimator);
     let priors = config.estimator.priors();

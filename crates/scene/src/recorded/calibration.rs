@@ -22,13 +22,13 @@ use palpate_study::readings::{CALIBRATIONS, Column};
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Known<P> {
     point: P,
-    /// Which series of the file, where it has several.
+    /// Series in the file; `None` if the file names no series.
     series: Option<u64>,
     /// The line of the file.
     line: Option<usize>,
 }
 
-/// Displacements that are known, and how the sight of a marker changed.
+/// Known displacements, and the measured changes of the markers' pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationPoints {
     /// The file, for messages.
@@ -43,15 +43,15 @@ pub struct CalibrationPoints {
 /// How to calibrate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CalibrateOptions {
-    /// Feature of a marker's picture that tells normal displacements.
+    /// Feature of a marker's picture from which normal displacements are computed.
     pub from: NormalFrom,
-    /// Whether the slopes of markers that have one of their own count.
+    /// Whether to use a marker's own slope if it has one.
     pub per_marker: bool,
-    /// How many markers the sensor shows at rest, where that is known.
+    /// Number of markers that the sensor shows at rest, if known.
     pub markers: Option<usize>,
     /// The unit of lengths, where the headers do not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Way in which these settings are given, for messages.
+    /// How messages name these settings: as flags or as arguments.
     pub wording: Wording,
 }
 
@@ -63,11 +63,11 @@ const SHIFT: Column = CALIBRATIONS[4];
 const SERIES: Column = CALIBRATIONS[5];
 const MARKER: Column = CALIBRATIONS[6];
 
-/// A change of hue is known up to whole turns.
+/// Largest change of hue, turns. Whole turns cannot be distinguished.
 const LARGEST_TURN: f64 = 0.5;
 
 impl CalibrationPoints {
-    /// Points that frames showed, `source` being their name.
+    /// Points measured in frames; messages name them `source`.
     pub fn shown(source: String, normal: &[NormalPoint], lateral: &[LateralPoint]) -> Self {
         fn known<P: Copy>(points: &[P]) -> Vec<Known<P>> {
             let known = |point: &P| Known {
@@ -88,9 +88,9 @@ impl CalibrationPoints {
     }
 }
 
-/// Reads a table of known displacements: `normal_displacement` with `hue_turns`, `growth` (of the logarithm of the
-/// marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of these; a `series` and a
-/// `marker` may be named.
+/// Reads a table of known displacements: `normal_displacement` with `hue_turns`, `growth` (change of the logarithm of
+/// the marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of these. The columns
+/// `series` and `marker` are optional.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -131,7 +131,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
                 file: sheet.file.clone(),
                 line,
                 message: format!(
-                    "column `{}`: a change of hue is at most {LARGEST_TURN} turns either way, is {hue}: is it in degrees?",
+                    "column `{}`: a change of hue must be between -{LARGEST_TURN} and {LARGEST_TURN} turns, is {hue}: is it in degrees?",
                     HUE.name
                 ),
             });
@@ -168,7 +168,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
     Ok(points)
 }
 
-/// The columns that a header's names ask for.
+/// The columns to read, chosen by the names in the header.
 fn columns(header: &Header<'_>) -> Vec<Column> {
     let has = |column: Column| header.has(&column);
     let mut columns = Vec::new();
@@ -181,7 +181,7 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
     }
     let sights = [HUE, GROWTH].into_iter().filter(|&column| has(column));
     columns.extend(sights);
-    // Where the header names no feature, the hue is asked for, which is the commonest.
+    // If the header names no feature, require the hue, which is the most common.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }
@@ -193,8 +193,8 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
 /// Calibrates a sensor to all points together.
 ///
 /// # Errors
-/// [`RecordedError::Line`] where one point is at fault, else [`RecordedError::Readings`]: where the files contradict each
-/// other or the options, or the points tell no slope.
+/// [`RecordedError::Line`] if one point is at fault; otherwise [`RecordedError::Readings`]: the files contradict each
+/// other or the options, or the points determine no slope.
 pub fn calibrate(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
@@ -245,7 +245,7 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that say the same as one before them, of the kind that has more; 0 where these are less than half.
+/// Number of points that repeat an earlier one, for the kind with more of them; 0 if under half of each kind repeat.
 fn copies(normal: &Pooled<NormalPoint>, lateral: &Pooled<LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(-1.0, |marker| marker as f64);
@@ -288,7 +288,7 @@ fn agreed_units(
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Refuses files that do not show what is asked for.
+/// Rejects files without the columns that `options.from` needs.
 fn shows(points: &[CalibrationPoints], options: &CalibrateOptions) -> Result<(), RecordedError> {
     let from = options.from;
     let needs_hue = matches!(from, NormalFrom::Hue | NormalFrom::Both);
@@ -315,13 +315,13 @@ fn shows(points: &[CalibrationPoints], options: &CalibrateOptions) -> Result<(),
 /// The points of all files.
 struct Pooled<P> {
     points: Vec<P>,
-    /// Which file, which series and which line each is of.
+    /// File index, series and line of each point.
     sources: Vec<(usize, Option<u64>, Option<usize>)>,
     files: Vec<String>,
 }
 
 impl<P: Copy> Pooled<P> {
-    /// Number of points beyond rest that say the same as one before them of the same series, each as its numbers.
+    /// Number of points, except those at rest, whose `numbers` repeat an earlier point of the same series.
     fn copies<const N: usize>(&self, numbers: impl Fn(&P) -> [f64; N]) -> usize {
         let mut known = HashSet::new();
         let points = self.points.iter().zip(&self.sources);

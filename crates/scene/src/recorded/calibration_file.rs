@@ -46,7 +46,7 @@ struct NormalPart {
     from: SightName,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Displacements that it was fitted to, smallest and largest.
+    /// Smallest and largest displacement in the fit.
     range: [f64; 2],
     per_marker: bool,
     line: LinePart,
@@ -107,7 +107,7 @@ struct LinePart {
     points: usize,
 }
 
-/// A calibration as TOML, which [`read_calibration`] reads back the same.
+/// A calibration as TOML. [`read_calibration`] restores it exactly.
 pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> String {
     let file = CalibrationFile {
         length_unit,
@@ -116,7 +116,7 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
         lateral: calibration.lateral_part().map(LateralPart::of),
     };
     let body = toml::to_string(&file).expect("numbers, words and tables of them have a TOML form");
-    // Zero has no sign.
+    // Write −0 as 0.
     format!("{HEADER}{}", body.replace("= -0.0\n", "= 0.0\n"))
 }
 
@@ -288,7 +288,7 @@ mod tests {
         read_calibration(&path)
     }
 
-    /// Calibration with every part there is.
+    /// Calibration with all optional parts.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

@@ -5,37 +5,37 @@ use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
 use super::calibration_file::calibration_toml;
 use palpate_study::config::LengthUnit;
 
-/// A calibration, with what its series say by themselves.
+/// A calibration, and the lines fitted to each series alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
     /// The calibration of all points.
     pub calibration: Calibration,
     /// The unit of its lengths.
     pub length_unit: LengthUnit,
-    /// The normal lines of each series, where there are several.
+    /// Lines of the normal displacement for each series; empty if there is only one.
     pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// The lateral ones.
+    /// The same for the tangential displacement.
     pub lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// Number of points that say the same as one before them to the last digit; 0 where these are less than half.
+    /// Number of points that repeat an earlier one to the last digit; 0 if under half of the points do.
     pub copies: usize,
 }
 
 /// The two lines of a set of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitted {
-    /// Line through rest, from which displacements are read.
+    /// Line through rest; displacements are computed from it.
     pub through_rest: Line,
     /// Line with an intercept, as the 2020 paper draws it; `None` where it is not known.
     pub with_intercept: Option<Line>,
 }
 
-/// Residuals of more than this share of the largest displacement are told.
+/// A residual above this share of the largest displacement gives a warning.
 const LARGE_RESIDUAL: f64 = 0.1;
 
-/// Share of the variance by which a line with an intercept may explain more than one through rest without a word.
+/// A warning is given if an intercept increases R² by more than this.
 const OFF_REST: f64 = 0.3;
 
-/// Slopes of series that differ by more than this share are told.
+/// Slopes of series that differ by more than this share give a warning.
 const LARGE_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
@@ -44,7 +44,7 @@ impl CalibrationReport {
         calibration_toml(&self.calibration, self.length_unit)
     }
 
-    /// The calibration in words, a line each.
+    /// Lines of text that describe the calibration.
     pub fn summary(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(part) = self.calibration.normal_part() {
@@ -173,10 +173,10 @@ const fn sight(from: NormalFrom) -> &'static str {
     }
 }
 
-/// How to tell lines.
+/// How the report prints fitted lines.
 struct Words {
     title: String,
-    /// The unit of the signal, per.
+    /// Unit of the signal with a slash, such as `turns/`; empty if the signal is a length.
     signal: &'static str,
     unit: LengthUnit,
 }
@@ -235,7 +235,7 @@ fn ends(numbers: &[f64]) -> [f64; 2] {
     [low, high]
 }
 
-/// A number with so many significant figures.
+/// A number with `count` significant figures.
 fn figures(number: f64, count: usize) -> String {
     let exponent = format!("{number:.*e}", count - 1);
     let rounded = exponent.parse().unwrap_or(number);

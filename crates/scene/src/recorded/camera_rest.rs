@@ -1,4 +1,4 @@
-//! Place and scale of a camera, from one frame at rest and the layout that it shows.
+//! Estimates pose and scale of a camera from one frame at rest and the known layout of its markers.
 
 mod matched;
 mod meant;
@@ -24,20 +24,20 @@ use crate::plan::PlanError;
 use matched::Matched;
 use meant::TERMS_BEFORE;
 
-/// Lowest level of the ground's green, of 255, that markers are measured on, and largest share of it at full scale.
+/// Lowest usable green level of the ground, of 255, and largest share of central pixels at full scale in green.
 const DARKEST: u8 = 40;
 const MOST_SATURATED: f64 = 0.5;
-/// Largest standard deviation of an odd term that a frame determines, as a share of that which is known beforehand.
+/// A frame determines an odd term if its standard deviation is at most this share of the prior one.
 const DETERMINED: f64 = 0.5;
 
-/// The camera that shows the markers of a study's sensor so at rest. The study, or one of its cells, is of a press by a camera: it
-/// states layout, discs, the frame's size, the lens and where the camera is meant to be. Odd terms of the lens are fitted as
-/// far as the frame determines them, k3 before k5: to half of what fisheyes differ by, or better; else they stay those of the
-/// study.
+/// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a
+/// camera. It states layout, discs, frame size, lens and nominal camera pose. The odd terms of the lens, k3 before
+/// k5, are fitted only if the frame determines them to half of their prior standard deviation or better. Otherwise
+/// they keep the study's values.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for a study that has no camera, a frame of another size, without the layout's markers, in
-/// other colours, saturated or under-exposed, and one that contradicts the layout; each with its numbers.
+/// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size, lacks the layout's
+/// markers, has other colours, is saturated or under-exposed, or contradicts the layout; each with its numbers.
 pub fn calibrate_camera(rest: &Frame, study: &StudyConfig) -> Result<RestCamera, RecordedError> {
     let fail = |message: String| RecordedError::Readings {
         file: rest.file.clone(),
@@ -53,27 +53,27 @@ pub fn calibrate_camera(rest: &Frame, study: &StudyConfig) -> Result<RestCamera,
     seen.map(|seen| seen.camera).map_err(fail)
 }
 
-/// Whether a frame tells the odd terms that were fitted to it.
+/// Whether the frame determines the odd terms that were fitted to it.
 fn is_determined(camera: &RestCamera) -> bool {
     let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERMS_BEFORE);
     let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));
     fitted.all(|(std, before)| std <= DETERMINED * before)
 }
 
-/// Markers of a layout, as a frame at rest shows them.
+/// Markers of a layout, matched in a frame at rest.
 pub(super) struct SeenAtRest {
-    /// The camera that shows them so.
+    /// The camera that was fitted to them.
     pub(super) camera: RestCamera,
-    /// Doubt where markers are missing.
+    /// Warning if markers are missing.
     pub(super) missing: Option<String>,
-    /// Each marker of the layout; `None` for those that the frame does not show whole.
+    /// Picture of each marker of the layout; `None` if the frame does not show it whole.
     pub(super) seen: Vec<Option<Seen>>,
-    /// Number among those found of each.
+    /// Index of each marker of the layout in the list of found markers.
     pub(super) found: Vec<Option<usize>>,
 }
 
 impl SeenAtRest {
-    /// Matches the markers that were found in a frame with those that are meant.
+    /// Matches the markers found in a frame with the layout of the nominal sensor.
     pub(super) fn of(meant: &Meant<'_>, found: &Found, unit: LengthUnit) -> Result<Self, String> {
         let optics = meant.optics(found);
         let optics = optics.map_err(|error| format!("{}: {}", error.path, error.message))?;
@@ -87,7 +87,7 @@ impl SeenAtRest {
                 found: matched.found,
             })
         };
-        // As many odd terms of the lens as the frame determines.
+        // Fit as many odd terms of the lens as the frame determines.
         for unknown in (1..=TERMS_BEFORE.len()).rev() {
             if let Ok(seen) = told(unknown)
                 && is_determined(&seen.camera)
@@ -99,7 +99,7 @@ impl SeenAtRest {
     }
 }
 
-/// The press of a study's scene, and the camera before it.
+/// The press of a study's scene, and its camera.
 pub(super) fn sensor(scene: &SceneConfig) -> Result<(&PressConfig, &CameraConfig), PlanError> {
     let SceneConfig::Press(press) = scene else {
         return Err(PlanError::at("scene.kind", "must be \"press\""));
@@ -107,7 +107,7 @@ pub(super) fn sensor(scene: &SceneConfig) -> Result<(&PressConfig, &CameraConfig
     Ok((press, camera_of(press)?))
 }
 
-/// The camera before a press.
+/// The camera of a press.
 pub(super) fn camera_of(press: &PressConfig) -> Result<&CameraConfig, PlanError> {
     match &press.sensor {
         PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => Ok(camera),
@@ -117,7 +117,7 @@ pub(super) fn camera_of(press: &PressConfig) -> Result<&CameraConfig, PlanError>
     }
 }
 
-/// Refuses frames that a camera does not take, or takes too dark or too bright to tell colours.
+/// Rejects frames of another size than the camera's, and frames too dark or too bright to distinguish colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();
     if width != camera.size_px || height != camera.size_px {
@@ -129,7 +129,7 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     exposed(frame)
 }
 
-/// Refuses frames that are too dark or too bright to tell colours.
+/// Rejects frames that are too dark or too bright to distinguish colours.
 fn exposed(rest: &Frame) -> Result<(), String> {
     let mut levels: Vec<u8> = rest.image.pixels().map(|pixel| pixel.0[1]).collect();
     levels.sort_unstable();

@@ -16,8 +16,8 @@ macro_rules! warns {
 
 warns!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);
 
-/// Adds the p-value of each contradiction to the warnings with its code. A contradiction without such a warning is
-/// added as a new one.
+/// Adds the p-value of each contradiction to the warnings with the same code. If there is none, the contradiction is
+/// added as a new warning.
 pub(super) fn with_p_values(
     mut warnings: Vec<Warning>,
     contradictions: impl Iterator<Item = Warning>,
@@ -39,10 +39,10 @@ pub(super) fn with_p_values(
     warnings
 }
 
-/// Probability by chance of residuals as large, below which there is always a warning.
+/// Goodness-of-fit p-value below which there is always a warning.
 const ALWAYS_WARNED: f64 = 1e-6;
 
-/// The warning of a fit so poor that noise does not explain it, where no doubt says so.
+/// Warns of a fit that is too poor to be explained by noise, unless there are other warnings.
 pub(super) fn poor_fit(p_value: Option<f64>, has_doubts: bool) -> Option<Warning> {
     let p_value = p_value.filter(|p_value| *p_value < ALWAYS_WARNED && !has_doubts)?;
     let shown = Number::rounded(p_value);

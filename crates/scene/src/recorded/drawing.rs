@@ -5,7 +5,7 @@ use image::{Rgb, RgbImage};
 /// A colour.
 pub(super) type Colour = [u8; 3];
 
-/// A picture that is drawn on, each pixel of the frame `scale` pixels wide.
+/// A picture to draw on. Each pixel of the frame is `scale` pixels wide.
 pub(super) struct Canvas {
     picture: RgbImage,
     scale: u32,
@@ -39,7 +39,7 @@ impl Canvas {
         self.picture
     }
 
-    /// Place on the canvas of a point of the frame, whose first pixel has its middle at (0, 0).
+    /// Position on the canvas of a point of the frame. The middle of the frame's first pixel is (0, 0).
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]
@@ -63,7 +63,7 @@ impl Canvas {
         }
     }
 
-    /// A circle around a point of the frame, its radius in pixels of the frame.
+    /// Draws a circle around a point of the frame; its radius is in pixels of the frame.
     pub(super) fn circle(&mut self, centre: [f64; 2], radius: f64, colour: Colour) {
         let [x, y] = self.at(centre);
         let radius = radius * f64::from(self.scale);
@@ -78,7 +78,7 @@ impl Canvas {
         }
     }
 
-    /// An arrow from a point of the frame by a shift in its pixels.
+    /// Draws an arrow from a point of the frame along `shift`, in pixels of the frame.
     pub(super) fn arrow(&mut self, from: [f64; 2], shift: [f64; 2], colour: Colour) {
         let start = self.at(from);
         let [dx, dy] = shift.map(|one| one * f64::from(self.scale));
@@ -98,8 +98,8 @@ impl Canvas {
         }
     }
 
-    /// Draws a number around a point of the frame, in digits `height` pixels of the canvas high (rounded down to a
-    /// multiple of 5).
+    /// Draws a number centred at a point of the frame. Its digits are `height` canvas pixels high, rounded down to a
+    /// multiple of 5.
     pub(super) fn number(&mut self, number: usize, middle: [f64; 2], height: u32, colour: Colour) {
         let size = f64::from((height / 5).max(1));
         let text = number.to_string();

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Readings that cannot be read.
+/// Why recorded readings cannot be used.
 #[derive(Debug, Error)]
 pub enum RecordedError {
     /// The file cannot be opened or is not text.
@@ -13,7 +13,7 @@ pub enum RecordedError {
         /// Problem in words.
         message: String,
     },
-    /// A line is wrong: the header lacks a column, a row a field, or a field is no number.
+    /// A line is wrong: the header lacks a column, a row lacks a field, or a field is not a number.
     #[error("{file}:{line}: {message}")]
     Line {
         /// The file.
@@ -26,16 +26,16 @@ pub enum RecordedError {
     /// An array of readings is wrong: a number in it, or its length.
     #[error("{array}{}: {message}", shown(index))]
     Array {
-        /// The array, as the argument that it is.
+        /// Name of the argument that holds the array.
         array: &'static str,
-        /// Row, and column where there are several, counted from 0; empty of the array as a whole.
+        /// Row, and column if there are several, counted from 0; empty if the error is in the array as a whole.
         index: Vec<usize>,
         /// The number that is at fault.
         value: Option<f64>,
         /// Problem in words, with the value.
         message: String,
     },
-    /// The numbers are readable but tell nothing.
+    /// The numbers are readable but determine no estimate.
     #[error("{file}: {message}")]
     Readings {
         /// The file.
@@ -45,7 +45,7 @@ pub enum RecordedError {
     },
 }
 
-/// Message with the way to what the kind of an error means; a bad setting says that itself.
+/// Adds a reference to `palpate explain` to a message, except for bad settings, which need no explanation.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
         "bad-setting" => message,
@@ -53,7 +53,7 @@ pub(super) fn explained(message: String, kind: &str) -> String {
     }
 }
 
-/// An index in brackets; nothing where there is none.
+/// An index in brackets; nothing if it is empty.
 fn shown(index: &[usize]) -> String {
     let index: Vec<String> = index.iter().map(usize::to_string).collect();
     match index.is_empty() {

@@ -1,15 +1,15 @@
-//! Columns of a table that palpate does not ask for, kept as they are.
+//! Columns of a table that palpate does not use and keeps unchanged.
 
 use std::collections::BTreeMap;
 
-/// Fields of the columns that palpate does not ask for.
+/// Fields of the columns that palpate does not use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Extras {
     /// Names of the columns, as the file has them.
     pub(super) names: Vec<String>,
-    /// Fields of all rows, one after the other.
+    /// Text of all fields, row by row, without separators.
     text: String,
-    /// Where each field ends in the text.
+    /// Byte position in `text` at which each field ends.
     ends: Vec<usize>,
 }
 
@@ -27,12 +27,12 @@ impl Extras {
         }
     }
 
-    /// Bytes of all rows, each field with a delimiter.
+    /// Size of all rows in bytes, with one delimiter per field.
     pub(super) const fn bytes(&self) -> usize {
         self.text.len() + self.ends.len()
     }
 
-    /// Fields of a row; none where there are no such columns.
+    /// Fields of a row; empty if there are no such columns.
     pub(super) fn row(&self, row: usize) -> Vec<String> {
         let first = row * self.names.len();
         let ends = self.ends.iter().skip(first).take(self.names.len());

@@ -1,4 +1,4 @@
-//! Recorded files as bytes, with the names that messages give.
+//! Recorded files as bytes, with their names for messages.
 
 use std::io::Read;
 use std::path::Path;
@@ -20,7 +20,7 @@ pub struct RecordedFile {
 }
 
 impl RecordedFile {
-    /// A file that is at hand already.
+    /// A file whose bytes are already in memory.
     pub fn new(name: impl Into<String>, bytes: Vec<u8>) -> Self {
         Self {
             name: name.into(),
@@ -32,7 +32,7 @@ impl RecordedFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`RecordedError::File`] if there is none, or it cannot be read.
+    /// [`RecordedError::File`] if the file does not exist or cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordedError> {
         let name = path.display().to_string();
         let bytes = read_limited(path, MOST_MIB).map_err(|error| RecordedError::File {
@@ -46,10 +46,10 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// Reads a stream to its end, such as standard input; `name` is what messages call it.
+    /// Reads a stream, such as standard input, to its end. Messages call it `name`.
     ///
     /// # Errors
-    /// [`RecordedError::File`] if it cannot be read, or is larger than a file may be.
+    /// [`RecordedError::File`] if it cannot be read, or is larger than the limit for files.
     pub fn read_stream(name: &str, stream: impl Read) -> Result<Self, RecordedError> {
         let bytes = read_all(stream, MOST_MIB).map_err(|error| RecordedError::File {
             file: name.to_owned(),
@@ -58,7 +58,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The file with its table in a form.
+    /// The same file, whose table has this form.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }
@@ -80,12 +80,12 @@ impl RecordedFile {
         }
     }
 
-    /// Its text, as of a table.
+    /// Text of the table in this file.
     pub(super) fn table(&self) -> Result<&str, RecordedError> {
         self.text("a header and one row per reading are needed")
     }
 
-    /// Its UTF-8 text without the byte order mark. If the file is empty, the error states what is `needed`.
+    /// The file's UTF-8 text without the byte order mark. If the file is empty, the error states what is `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;

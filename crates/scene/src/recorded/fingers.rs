@@ -1,15 +1,15 @@
-//! Fingers of contacts that do not say whose they are.
+//! Assigns contacts to fingers if the file does not name the fingers.
 
 use nalgebra::Point3;
 use palpate_number::Number;
 
-/// Length of a step over the median one from which on it is to another finger.
+/// A step longer than this many median steps leads to another finger.
 const JUMP: f64 = 3.0;
-/// Length of the shortest jump over that of the longest other step, at least.
+/// Smallest ratio of the shortest jump to the longest step within a finger.
 const APART: f64 = 1.5;
 
-/// Finger of each contact, and how that was told, in words. Blank lines, before the rows `after_gaps`, part the fingers;
-/// without any, the steps that are much longer than all others do.
+/// Finger of each contact, and a note on how it was found. Blank lines, before the rows `after_gaps`, separate the
+/// fingers. Without blank lines, steps that are much longer than all others separate them.
 pub(super) fn told_apart(
     places: &[Point3<f64>],
     after_gaps: &[usize],
@@ -17,7 +17,7 @@ pub(super) fn told_apart(
 ) -> (Vec<usize>, String) {
     if !after_gaps.is_empty() {
         let (fingers, count) = parted(places.len(), after_gaps);
-        let note = format!("no column `finger`: blank lines part {count} fingers");
+        let note = format!("no column `finger`: blank lines separate {count} fingers");
         return (fingers, note);
     }
     let steps: Vec<f64> = places
@@ -31,7 +31,7 @@ pub(super) fn told_apart(
     let others = sorted.iter().filter(|step| !is_jump(step));
     let longest = others.fold(0.0, |most: f64, &step| most.max(step));
     let shortest = sorted.iter().find(|step| is_jump(step)).copied();
-    const REMEDY: &str = "a blank line between fingers or a column `finger` would tell more";
+    const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
     let one = |why: String| {
         let note =
             format!("no column `finger`: all contacts count as of one finger{why}; {REMEDY}");
@@ -62,7 +62,7 @@ pub(super) fn told_apart(
     }
 }
 
-/// Number of the part of each of `rows` rows, parts beginning at the rows of `starts`; and how many parts there are.
+/// Index of the part that each of `rows` rows belongs to, and the number of parts. Parts begin at the rows `starts`.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();
@@ -109,14 +109,14 @@ mod tests {
         let one: Vec<_> = line(0.0, 4, 1.0).collect();
         let (found, note) = fingers(&one, &[2]);
         assert_eq!(found, [0, 0, 1, 1]);
-        assert_eq!(note, "no column `finger`: blank lines part 2 fingers");
+        assert_eq!(note, "no column `finger`: blank lines separate 2 fingers");
     }
 
     #[test]
     fn what_does_not_tell_is_one_finger() {
         let steady: Vec<_> = line(0.0, 6, 1.0).collect();
         assert_eq!(fingers(&steady, &[]).0, [0; 6]);
-        // Steps that grow: nothing parts the long ones from the others.
+        // The steps grow gradually: no gap separates long steps from short ones.
         let growing = [0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0].map(|x| Point3::new(x, 0.0, 0.0));
         let (found, note) = fingers(&growing, &[]);
         assert_eq!(found, [0; 7]);

@@ -1,20 +1,20 @@
-//! Form in which a table of readings is written, as far as it does not tell that itself.
+//! Form of a table of readings, for what the table itself does not show.
 
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::ColumnNames;
 
 use super::written::fields;
 
-/// Form of a table of readings. What is not stated is found in the table, where it can be told.
+/// Form of a table of readings. Settings that are `None` are detected in the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// The file's names of columns that it calls otherwise than palpate: by palpate's name, with or without a unit.
+    /// Names of columns in the file that differ from palpate's. Keys are palpate's names, with or without a unit.
     pub columns: ColumnNames,
     /// Character between fields.
     pub delimiter: Option<Delimiter>,
     /// Decimal sign of numbers.
     pub decimal: Option<Decimal>,
-    /// Unit to which lengths are converted whose unit the header states, and in which all others are.
+    /// Unit of lengths: lengths with a unit in the header are converted to it, all others are already in it.
     pub length_unit: Option<LengthUnit>,
 }
 
@@ -33,7 +33,7 @@ impl Delimiter {
     /// Delimiters, in the order in which they are tried.
     pub const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
-    /// Name, as options have it.
+    /// Name in options.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",
@@ -69,7 +69,7 @@ impl Decimal {
     /// Both signs.
     pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
 
-    /// Name, as options have it.
+    /// Name in options.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Point => "point",
@@ -86,8 +86,8 @@ impl Decimal {
     }
 }
 
-/// Names of columns from a text such as `x=Finger X [m],y=Finger Y [m]`; a pair with a comma in it stands in quotation
-/// marks.
+/// Parses names of columns from a text such as `x=Finger X [m],y=Finger Y [m]`. A pair that contains a comma must be
+/// in quotation marks.
 ///
 /// ```
 /// use palpate_scene::recorded::column_names;
@@ -100,7 +100,7 @@ impl Decimal {
 /// ```
 ///
 /// # Errors
-/// Problem in words, of a pair without `=` or with nothing on one side of it, and of a name that stands twice.
+/// Message about a pair without `=`, a pair with nothing on one side of it, or a name that is given twice.
 pub fn column_names(text: &str) -> Result<ColumnNames, String> {
     let mut names = ColumnNames::new();
     for pair in fields(text).map_err(|error| error.to_string())? {
@@ -123,7 +123,7 @@ pub fn column_names(text: &str) -> Result<ColumnNames, String> {
     }
 }
 
-/// A pair of names as [`column_names`] reads it.
+/// A pair of names in the form that [`column_names`] reads.
 pub(super) fn pair(name: &str, in_file: &str) -> String {
     let pair = format!("{name}={in_file}");
     match pair.contains([',', '"']) {

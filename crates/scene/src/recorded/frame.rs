@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageError};
 
 use super::{Frame, RecordedError, RecordedFile};
 
-/// Frames with more pixels to a side are refused by their header.
+/// Largest side of a frame, px. Larger frames are rejected before they are decoded.
 const LARGEST_SIDE: u32 = 8192;
 
 /// Signature that every PNG file begins with.
@@ -22,11 +22,11 @@ pub fn read_frame(path: &Path) -> Result<Frame, RecordedError> {
     parse_frame(&RecordedFile::read(path)?)
 }
 
-/// A frame as 8-bit RGB. Of 16 bits the upper 8 count, grey and palettes become RGB; an alpha channel is allowed if
-/// nothing is transparent, for what is has no colour.
+/// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. An alpha channel is
+/// allowed if no pixel is transparent, because transparent pixels have no colour.
 ///
 /// # Errors
-/// [`RecordedError::File`] for what is no PNG image, broken, larger than 8192 px to a side, or transparent.
+/// [`RecordedError::File`] if the file is no PNG image, or is broken, larger than 8192 px to a side, or transparent.
 pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if file.bytes.is_empty() {
         return Err(file.error("is empty; a PNG image is needed"));

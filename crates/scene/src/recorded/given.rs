@@ -1,4 +1,4 @@
-//! Options of estimates from settings that were given by their names, on a command line or in a call.
+//! Builds the options of estimates from named settings, given on a command line or in a call.
 
 mod glide;
 mod pictures;

@@ -28,14 +28,14 @@ pub struct GlideReadings {
     pub(super) unit: Option<LengthUnit>,
     /// Other fields of the file, contact by contact.
     pub(super) extras: Extras,
-    /// How the fingers were told, where the file does not name them.
+    /// How contacts were assigned to fingers, if the file does not name the fingers.
     pub(super) note: Option<String>,
 }
 
 impl GlideReadings {
-    /// Contacts at `points` with these outward `normals` of any length; `fingers` tells the number of the finger of each,
-    /// and all are one finger's without. The contacts of a finger stand in the order in which it made them.
-    /// Lengths are in `unit`.
+    /// Contacts at `points` with these outward `normals` of any length. `fingers` states the finger's number for each
+    /// contact; without it, all contacts are of one finger. The contacts of a finger must be in the order of its
+    /// path. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_scene::recorded::GlideReadings;
@@ -91,7 +91,7 @@ impl GlideReadings {
     }
 }
 
-/// Numbers of fingers, which may be any; contacts count them in the order in which they appear.
+/// Index of each finger by its number in the readings; indices follow the order of first appearance.
 #[derive(Default)]
 struct Fingers(HashMap<u64, usize>);
 
@@ -102,8 +102,8 @@ impl Fingers {
     }
 }
 
-/// Reads recorded contacts: one row each, with normals or without; the contacts of a finger stand
-/// in the order in which it made them. Without a column `finger`, blank lines or long steps part the fingers.
+/// Reads recorded contacts: one row per contact, with or without normals. The contacts of a finger must be in the
+/// order of its path. Without a column `finger`, blank lines or long steps separate the fingers.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -133,7 +133,7 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
     let others: Vec<Column> = others.copied().collect();
     let sheet = Sheet::read(&table, &columns, &others)?;
     let mut positions = Vec::new();
-    // Fingers may have any numbers; contacts count them in the order in which they appear.
+    // Fingers may have any numbers in the file; here they are numbered in order of appearance.
     let mut known = Fingers::default();
     let (mut fingers, mut normals) = (Vec::new(), Vec::new());
     for (line, numbers) in sheet.rows() {

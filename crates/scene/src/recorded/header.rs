@@ -1,4 +1,4 @@
-//! The columns of a table that palpate asks for, found by their names.
+//! Finds the columns that palpate reads in a table by their names.
 
 use palpate_study::readings::{
     Column, ColumnNames, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt,
@@ -6,19 +6,19 @@ use palpate_study::readings::{
 
 use super::form::pair;
 
-/// Similarity, of 1, from which a column of the file is proposed for one that is missing.
+/// Smallest similarity, from 0 to 1, at which a column of the file is proposed for a missing one.
 const SIMILAR: f64 = 0.8;
-/// Most names of columns that a message lists.
+/// Largest number of column names that a message lists.
 const MOST_LISTED: usize = 30;
 
 /// A name in the file's header.
 struct Heading<'a> {
     name: &'a str,
-    /// The name without a unit in brackets, [`spelt`].
+    /// The name without a unit in brackets, normalised by [`spelt`].
     base: String,
     /// Unit in brackets.
     bracket: Option<&'a str>,
-    /// Column of a quaternion that it is, by its own words or since the three others stand beside it: `rotation.x`, `rw`.
+    /// Quaternion component of this column, if its name shows it (`quat_x`) or the file has all four (`rx` to `rw`).
     part: Option<Column>,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Heading<'a> {
         }
     }
 
-    /// Name of the four columns of a quaternion without their letters, and the column that this one would be.
+    /// Splits a name like `rotation.x` into the name of a quaternion and its component.
     fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
             let group = self.base.strip_suffix(&column.name[1..])?;
@@ -58,14 +58,14 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Place of a column in a row, and the unit that it states.
+/// Index of a column in a row, and the unit in its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) index: usize,
     pub(super) unit: Option<ColumnUnit>,
 }
 
-/// Names of a file's columns, and what they are told to be.
+/// Column names of a file, and the names that the user assigned to palpate's columns.
 pub(super) struct Header<'a> {
     headings: Vec<Heading<'a>>,
     names: &'a ColumnNames,
@@ -94,12 +94,12 @@ impl<'a> Header<'a> {
         self.headings[index].name
     }
 
-    /// Whether the file has the column, by its own name or a told one; one with an unknown unit counts.
+    /// Whether the file has the column, under palpate's name or an assigned one, even with an unknown unit.
     pub(super) fn has(&self, column: &Column) -> bool {
         !matches!(self.place(column), Ok(None))
     }
 
-    /// Name of a column of times, if there is one.
+    /// Name of the first column of times, if the file has any.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
             let mut words = heading.base.split('_').enumerate();
@@ -114,14 +114,14 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Whether a column is told to have some name in the file.
+    /// Whether the user assigned a name in the file to this column.
     pub(super) fn is_told(&self, column: &Column) -> bool {
         self.told(column).is_some()
     }
 
     /// Places of the columns.
     ///
-    /// The error says which are missing, what the file has, and what to write.
+    /// The error lists the missing columns, the file's columns, and the option to write.
     pub(super) fn places(&self, columns: &[Column], may: &[Column]) -> Result<Vec<Place>, String> {
         let found: Result<Vec<Option<Place>>, String> =
             columns.iter().map(|column| self.place(column)).collect();
@@ -137,7 +137,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Key and name in the file that a column is told to have, and the unit that the key states.
+    /// Key of the user's assignment for a column, the assigned name in the file, and the unit in the key.
     fn told(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
         self.names.iter().find_map(|(key, name)| {
             let unit = column.is_named(&spelt(key))?;
@@ -152,7 +152,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column that has palpate's name.
+    /// Place of a column that has palpate's name in the file.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_taken = |heading: &Heading<'_>| {
             let mut told = self.names.values();
@@ -205,7 +205,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column that is told to have another name.
+    /// Place of a column to which the user assigned another name.
     fn told_place(
         &self,
         column: &Column,
@@ -334,7 +334,7 @@ impl<'a> Header<'a> {
         message
     }
 
-    /// Pairs of names for the missing columns, most similar first come; `…` where none is.
+    /// Pairs of names for the missing columns, assigned in order of similarity; `…` if no name is similar.
     fn proposed(&self, missing: &[Column], free: &[usize]) -> Vec<String> {
         let mut scored: Vec<(f64, usize, usize)> = Vec::new();
         for (place, column) in missing.iter().enumerate() {
@@ -369,7 +369,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Whether a column may be without a unit: a length has that of the others or of an option, and times are only compared.
+/// Whether a column may lack a unit: lengths get the unit of other columns or of an option; times are only compared.
 const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -390,7 +390,7 @@ fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
     )
 }
 
-/// Unit at the end of a name that is not palpate's, as in `pos_x_mm`.
+/// Unit at the end of a name that is not one of palpate's, as in `pos_x_mm`.
 fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);
@@ -411,7 +411,7 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
     }
 }
 
-/// Whether a name is that of a part of a quaternion, if only by its number: `q0`.
+/// Whether a column's name looks like a component of a quaternion, also one with a number: `q0`.
 fn is_quaternion(heading: &Heading<'_>) -> bool {
     let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
@@ -460,8 +460,8 @@ fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
     }
 }
 
-/// Whether a name in the file is that of the same axis, as far as its letters or its place in a list tell: `px` and
-/// `position.0` are an x, `rx` a rotation about it, `du` and `u` a shift.
+/// Whether a name in the file denotes the same quantity and axis, by its letters or its list index: `px` and
+/// `position.0` are an x, `rx` is a rotation about x, `du` and `u` are a shift.
 fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
     let wanted: Vec<&str> = column.stem().split('_').collect();
     let Some((axis, quantity)) = wanted.split_last().filter(|(axis, _)| axis.len() == 1) else {
@@ -477,7 +477,7 @@ fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
         "y" | "v" => "1",
         _ => "2",
     };
-    // What stands before the letter or the place says what is measured.
+    // The words before the letter or the index name the quantity.
     let (letter, rest) = match last.strip_suffix(*axis) {
         Some("") => ("", rest),
         Some(letter) if letter.len() == 1 => (letter, rest),
@@ -499,7 +499,7 @@ fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
     };
     match quantity.first() {
         None => {
-            // One letter is that of another quantity, unless it is p.
+            // A single letter other than p names another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             !others.into_iter().any(says) && rest.iter().all(is_place) && matches!(letter, "" | "p")
         }

@@ -1,4 +1,4 @@
-//! Options of estimates from recorded readings, as a study has them.
+//! Options of estimates from recorded readings, copied from a study.
 
 use palpate_study::config::{
     FingertipConfig, GlideConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig,
@@ -14,10 +14,10 @@ use palpate_ep1::ReadingNoise;
 use palpate_ep2::{RoundTip, TipPoint};
 use palpate_geometry::ShapeThresholds;
 
-/// Why readings cannot be taken as a study takes them.
+/// Why the settings of a study cannot be used for readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LikeError {
-    /// A scene of another kind.
+    /// The study's scene is of another kind.
     #[error("must be {needed:?} for these readings, is {found:?}")]
     Kind {
         /// Kind of scene that has such readings.
@@ -25,7 +25,7 @@ pub enum LikeError {
         /// The study's kind.
         found: &'static str,
     },
-    /// Lengths that cannot be converted.
+    /// The study's lengths cannot be converted to the readings' unit.
     #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
     Unit {
         /// The study's unit.
@@ -33,7 +33,7 @@ pub enum LikeError {
         /// The readings'.
         readings: LengthUnit,
     },
-    /// A field that makes no scene.
+    /// A field of the study is invalid.
     #[error("{}", .0.message)]
     Plan(PlanError),
 }
@@ -55,7 +55,7 @@ impl From<PlanError> for LikeError {
     }
 }
 
-/// Factor on the study's lengths.
+/// Factor that converts the study's lengths to `unit`.
 pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, LikeError> {
     study.length_unit.to(unit).ok_or(LikeError::Unit {
         study: study.length_unit,
@@ -83,10 +83,10 @@ pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, LikeError> {
 }
 
 impl RollOptions {
-    /// Options with the probe, the noise and the estimator of a study, its lengths converted to `unit`.
+    /// Options with the probe, the noise and the estimator of a study; lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`LikeError`] for a scene that is no roll, a unit that cannot be converted, and a config that makes no scene.
+    /// [`LikeError`] for a scene that is no roll, a unit that cannot be converted, and an invalid scene.
     pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
         let config: &RollConfig = of_kind(study, "roll", |scene| match scene {
             SceneConfig::Roll(roll) => Some(roll),
@@ -109,8 +109,8 @@ impl RollOptions {
 }
 
 impl GlideOptions {
-    /// Options with the estimator of a study, its inter-finger distance, its thresholds, and its tip where readings tell
-    /// the lowest point of that; lengths converted to `unit`.
+    /// Options with the estimator, the inter-finger distance and the thresholds of a study, and with its tip if
+    /// readings state the tip's lowest point; lengths are converted to `unit`.
     ///
     /// # Errors
     /// [`LikeError`] for a scene that is no glide, a unit that cannot be converted, and thresholds that contradict each
@@ -138,7 +138,7 @@ impl GlideOptions {
     }
 }
 
-/// The round tip of a study whose sensor tells its lowest point; lengths times `factor`.
+/// The round tip of a study whose sensor reports the tip's lowest point; lengths are multiplied by `factor`.
 fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
     let FingertipConfig::Sphere { radius } = config.probe else {
         return None;
@@ -157,11 +157,11 @@ fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
 }
 
 impl PressOptions {
-    /// Options with the sensor, the noise that its estimator is told and the estimator of a study, lengths converted to
-    /// `unit`. The indentation of the study's presses is not that of the readings.
+    /// Options with the sensor, the estimator and the estimator's stated noise of a study; lengths are converted to
+    /// `unit`. The study's indentation is not copied, because the readings are of another press.
     ///
     /// # Errors
-    /// [`LikeError`] for a scene that is no press, a unit that cannot be converted, and a config that makes no scene.
+    /// [`LikeError`] for a scene that is no press, a unit that cannot be converted, and an invalid scene.
     pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
         let config = press_of(study)?;
         let factor = factor(study, unit)?;
@@ -178,7 +178,7 @@ impl PressOptions {
         })
     }
 
-    /// Options with the skin and the depth of markers of a probe.
+    /// Options with the skin radius and the marker depth of a probe.
     pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,

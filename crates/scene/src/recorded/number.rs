@@ -22,17 +22,17 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     }
 }
 
-/// Decimal sign that numbers with commas show.
+/// Numbers of a table that show its decimal sign.
 #[derive(Debug, Default)]
 pub(super) struct Shown {
-    /// First number whose comma can only be a decimal one.
+    /// First number whose comma must be a decimal comma.
     comma: Option<String>,
     /// First number with a point.
     point: Option<String>,
 }
 
 impl Shown {
-    /// Takes a field into account.
+    /// Remembers a field if it shows the decimal sign.
     pub(super) fn look(&mut self, text: &str) {
         let place = match () {
             () if text.contains('.') => &mut self.point,
@@ -44,7 +44,7 @@ impl Shown {
         }
     }
 
-    /// The sign, as far as it is certain; `odd` is a number with a comma.
+    /// The decimal sign, or an error if it is ambiguous; `odd` is a number with a comma.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),

@@ -1,4 +1,4 @@
-//! Origin of readings, which messages name.
+//! Origin of readings, for messages.
 
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
@@ -15,7 +15,7 @@ pub(super) enum Origin {
     Arrays,
 }
 
-/// Wording of the settings that go with readings from a file, or from arrays.
+/// How messages name settings: as flags for readings from a file, as arguments for arrays.
 pub(super) const fn wording(is_file: bool) -> Wording {
     match is_file {
         true => Wording::Flags,
@@ -24,7 +24,7 @@ pub(super) const fn wording(is_file: bool) -> Wording {
 }
 
 impl Origin {
-    /// Name of all readings.
+    /// Name of the readings in messages.
     pub(super) fn name(&self) -> &str {
         match self {
             Self::File { name, .. } => name,
@@ -32,7 +32,7 @@ impl Origin {
         }
     }
 
-    /// Wording of the settings that go with such readings.
+    /// How messages name the settings for these readings.
     pub(super) fn wording(&self) -> Wording {
         wording(matches!(self, Self::File { .. }))
     }
@@ -45,7 +45,7 @@ impl Origin {
         }
     }
 
-    /// Error of all readings together.
+    /// Error that concerns the readings as a whole.
     pub(super) fn fail(&self, message: String) -> RecordedError {
         RecordedError::Readings {
             file: self.name().to_owned(),
@@ -53,7 +53,7 @@ impl Origin {
         }
     }
 
-    /// Error of one reading, where it has a line; of an array's the message tells the number.
+    /// Error that concerns one reading, with its line in a file. For arrays, the message must state its index.
     pub(super) fn fail_at(&self, reading: usize, message: String) -> RecordedError {
         match (self, self.line(reading)) {
             (Self::File { name, .. }, Some(line)) => RecordedError::Line {
@@ -102,7 +102,7 @@ pub(super) fn finite<const D: usize>(
     })
 }
 
-/// Refuses an array that has not as many rows as another.
+/// Rejects an array that has more or fewer rows than another.
 pub(super) fn same_length(
     (array, rows): (&'static str, usize),
     (other, rows_of_other): (&str, usize),

@@ -1,4 +1,4 @@
-//! Picture of a pressed frame with the fate of each marker drawn on it.
+//! Picture of a pressed frame with the tracking status of each marker drawn on it.
 
 use image::RgbImage;
 use palpate_tracking::{Marker, Status};
@@ -12,7 +12,7 @@ const SIDE: u32 = 1000;
 /// Factor by which arrows are longer than the shifts they show.
 const ARROW_SCALE: f64 = 5.0;
 
-/// Least diameter of a marker, in pixels of the canvas, with which it gets a number.
+/// Smallest diameter of a marker that gets a number, in pixels of the canvas.
 const LEGIBLE: f64 = 12.0;
 
 const CUT: Colour = [120, 120, 120];
@@ -28,9 +28,9 @@ const fn colour(status: Status) -> Colour {
     }
 }
 
-/// The pressed frame with a circle around each marker in the colour of its fate, its number, and an arrow along its
-/// shift from its place at rest, 5 times as long: blue where it was tracked, red lost, orange merged, violet split, cyan
-/// new, grey where the rim cut it at rest. Small frames are enlarged by a whole factor.
+/// The pressed frame with a circle and a number at each marker, and an arrow along its shift from rest, drawn 5 times
+/// as long. The circle's colour is the marker's status: blue tracked, red lost, orange merged, violet split, cyan
+/// new, grey cut by the rim at rest. Small frames are enlarged by a whole factor.
 pub fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {

@@ -33,20 +33,20 @@ pub struct GlideOptions {
     pub estimator: GlideEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Out of the object: without normals its side of the patch matters, and of lowest points of round tips the
-    /// direction.
+    /// Direction out of the object. For readings without normals only its side of the patch matters; for lowest
+    /// points of round tips, the direction itself.
     pub outward: [f64; 3],
-    /// Round tips of which the readings tell another point than the contact; lengths in the readings' unit.
+    /// Round tips, if the readings state another point of the tip than the contact; lengths in the readings' unit.
     pub tip: Option<RoundTip>,
-    /// Places along each side of the grid on which regions are sought, and the map's.
+    /// Points along each side of the grid for the regions and the map.
     pub grid: usize,
-    /// Whether the map has a place per contact, in their order, and not those of the grid.
+    /// Whether the map has one point per contact, in their order, instead of the grid.
     pub map_at_contacts: bool,
-    /// When curvatures count as zero, in the unit of the readings; `None` takes them from the size
-    /// of the patch.
+    /// Thresholds below which curvatures count as zero, in the readings' unit; `None` computes them from the size of
+    /// the patch.
     pub thresholds: Option<ShapeThresholds>,
-    /// The length that the settings of two-pass count in, and a noise of positions that is a fraction; `None` for the mean
-    /// distance between neighbouring fingers. Only these have use for it.
+    /// Distance between fingers: the length unit of the settings of two-pass, and of position noise stated as a
+    /// fraction. Other methods ignore it. `None` uses the mean distance between neighbouring fingers.
     pub inter_finger_distance: Option<f64>,
 }
 
@@ -68,8 +68,8 @@ impl Default for GlideOptions {
 /// Estimates the curvature of a patch from recorded contacts.
 ///
 /// # Errors
-/// [`RecordedError::Line`] where one contact is at fault, else [`RecordedError::Readings`]: where
-/// the options contradict the file or the contacts do not tell the patch.
+/// [`RecordedError::Line`] if one contact is at fault; otherwise [`RecordedError::Readings`]: the options contradict
+/// the file, or the contacts do not determine the patch.
 pub fn estimate_glide(
     recorded: &GlideReadings,
     options: &GlideOptions,
@@ -77,15 +77,15 @@ pub fn estimate_glide(
     FittedGlide::new(Cow::Borrowed(recorded), options)?.estimate()
 }
 
-/// Surface that is fitted to recorded contacts, of which no more is computed than is asked for.
+/// Surface fitted to recorded contacts. Its methods compute curvatures, map and estimate only when called.
 #[derive(Clone, Debug)]
 pub struct FittedGlide<'r> {
     recorded: Cow<'r, GlideReadings>,
     given: GlideOptions,
-    /// Options whose noise of positions is a length.
+    /// `given`, with position noise converted to a length.
     options: GlideOptions,
     unit: LengthUnit,
-    /// Contacts that follow from the points of round tips.
+    /// Contacts computed from the stated points of round tips.
     of_tips: Option<Vec<Contact>>,
     patch: Patch,
     fit: Fit,
@@ -95,10 +95,10 @@ pub struct FittedGlide<'r> {
 }
 
 impl<'r> FittedGlide<'r> {
-    /// The surface through these contacts.
+    /// Fits the surface to these contacts.
     ///
     /// # Errors
-    /// Errors of [`estimate_glide`], but for maps that leave the range of doubles.
+    /// Errors of [`estimate_glide`], except those for maps that exceed the range of doubles.
     pub fn new(
         recorded: Cow<'r, GlideReadings>,
         given: &GlideOptions,
@@ -152,7 +152,7 @@ impl<'r> FittedGlide<'r> {
     /// Curvature at every place of the map, in the order of [`GlideMap::points`].
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] where one leaves the range of doubles.
+    /// [`RecordedError::Readings`] if a curvature exceeds the range of doubles.
     pub fn curvatures(&self) -> Result<Vec<Curvature>, RecordedError> {
         if self.options.map_at_contacts {
             let points = self.at_contacts()?;
@@ -170,7 +170,7 @@ impl<'r> FittedGlide<'r> {
     /// The estimate, and its map.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] where a place of the map leaves the range of doubles.
+    /// [`RecordedError::Readings`] if a point of the map exceeds the range of doubles.
     pub fn estimate(&self) -> Result<(GlideEstimate, GlideMap), RecordedError> {
         let Self { options, unit, .. } = self;
         let refused = |error| self.refused(&error);
@@ -191,7 +191,7 @@ impl<'r> FittedGlide<'r> {
         Ok((estimate, map))
     }
 
-    /// The warning where the fingers are not as far apart as is stated.
+    /// The warning if the distance between fingers is not the stated one.
     fn spacing(&self) -> Option<String> {
         let GlideOptions {
             inter_finger_distance,
@@ -201,7 +201,7 @@ impl<'r> FittedGlide<'r> {
         spacing(&self.patch, *inter_finger_distance, estimator, self.unit)
     }
 
-    /// The warning where the method would state uncertainties, but the contacts are too few.
+    /// The warning if there are too few contacts for the uncertainties that the method could state.
     fn few(&self) -> Option<String> {
         let states = !matches!(self.options.estimator, GlideEstimatorConfig::TwoPass { .. });
         let is_untold = self.centre.curvature.uncertainty.is_none();
@@ -224,7 +224,7 @@ impl<'r> FittedGlide<'r> {
         let (agreement, unknown) = match method.agreement(patch) {
             Ok(agreement) => (agreement, None),
             Err(error) => {
-                let why = format!("how well the patch fits the contacts cannot be told: {error}");
+                let why = format!("the goodness of fit cannot be computed: {error}");
                 (Agreement::default(), Some(why))
             }
         };
@@ -315,7 +315,7 @@ impl<'r> FittedGlide<'r> {
     }
 }
 
-/// Warning of contacts that are there twice.
+/// Warning about contacts that are repeated.
 fn copies(recorded: &GlideReadings) -> Option<String> {
     let contacts = recorded.contacts.iter().map(|contact| {
         let [x, y, z] = contact.position.into();
@@ -326,7 +326,7 @@ fn copies(recorded: &GlideReadings) -> Option<String> {
     repeated(&recorded.origin, "contact", contacts, 0.0)
 }
 
-/// Contacts that follow from the points of round tips, where there are such.
+/// Contacts computed from the points of round tips, if the options state such a tip.
 fn of_tips(
     recorded: &GlideReadings,
     options: &GlideOptions,
@@ -337,7 +337,7 @@ fn of_tips(
     options.tip.as_ref().map(contacts).transpose()
 }
 
-/// Options whose noise of positions is a length, of the distance between fingers that is stated or that the readings show.
+/// Options with position noise as a length. A fraction refers to the stated, or else the measured, finger distance.
 fn with_length_noise(
     recorded: &GlideReadings,
     options: &GlideOptions,
@@ -362,7 +362,7 @@ fn with_length_noise(
     Ok(options)
 }
 
-/// The error with the line of the contact that is at fault, if it is one.
+/// The error, with the line of the contact at fault if there is one.
 fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
     let contact = match error {
         Ep2Error::NotFinite { contact }
@@ -386,7 +386,7 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
     }
 }
 
-/// The error with the setting that helps where there is one.
+/// Message of the error, with the setting that helps if there is one.
 fn remedied(error: &Ep2Error, fingers: usize, wording: Wording) -> String {
     let distance = wording.name("inter_finger_distance");
     match error {
@@ -427,8 +427,8 @@ fn of_size(fit: &Fit) -> Option<ShapeThresholds> {
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }
 
-/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` where the
-/// two cannot be told apart, and where the method states no uncertainty.
+/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two cannot be
+/// distinguished, or if the method states no uncertainty.
 fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
     let Some(uncertainty) = curvature.uncertainty else {
         return [None; 2];

@@ -1,4 +1,4 @@
-//! Warnings where what is stated of a patch is not what its contacts show.
+//! Warnings if settings of a patch contradict its contacts.
 
 use palpate_chance::Share;
 use palpate_ep2::{Contact, Doubt, Method, Patch};
@@ -10,16 +10,16 @@ use super::stated::{LARGE_RESIDUALS, row};
 use crate::glide::AnyMethod;
 use crate::need::Warning;
 
-/// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
+/// Factor between the stated and the measured finger distance above which one of them is wrong.
 const FAR_OFF: f64 = 3.0;
 
-/// Ratio of a contact's distance from the nearest other to the largest such distance of all others past which it may be no contact
-/// of the patch.
+/// A contact may be an outlier if its distance to its nearest neighbour exceeds that of every other contact by this
+/// factor.
 const ALONE: f64 = 3.0;
-/// Most contacts whose distances are compared.
+/// Largest number of contacts for which distances are compared.
 const MOST_COMPARED: usize = 3000;
 
-/// The warning where the fingers of the readings are not as far apart as is stated.
+/// The warning if the distance between fingers in the readings is not the stated one.
 pub(super) fn spacing(
     patch: &Patch,
     stated: Option<f64>,
@@ -35,12 +35,12 @@ pub(super) fn spacing(
         let [stated, found] = [stated, found].map(Number::rounded);
         let unit = unit.as_str();
         format!(
-            "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
+            "the distance between fingers is stated as {stated} {unit}, but the fingers of the readings are {found} {unit} apart: is the unit right?"
         )
     })
 }
 
-/// The warning of a contact far from all others: a surface passes through it whatever it is.
+/// The warning about a contact far from all others: the fitted surface passes through it even if it is wrong.
 pub(super) fn alone(contacts: &[Contact], unit: LengthUnit, origin: &Origin) -> Option<String> {
     if contacts.len() > MOST_COMPARED {
         return None;
@@ -64,13 +64,13 @@ pub(super) fn alone(contacts: &[Contact], unit: LengthUnit, origin: &Origin) -> 
     (far > ALONE * next && next > 0.0).then(|| {
         let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
         format!(
-            "the contact of {} lies {far} {unit} from the nearest other, where no other is farther than {next} {unit} from its own: is it a contact?",
+            "the contact of {} lies {far} {unit} from the nearest other contact, but all others lie within {next} {unit} of theirs: is it a contact?",
             row(contact, origin)
         )
     })
 }
 
-/// Warnings where the stated noise of contacts is not what the same method finds.
+/// Warnings if the stated noise of contacts differs from the noise that the same method estimates.
 pub(super) fn noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -99,7 +99,7 @@ pub(super) fn noise(
     else {
         return Vec::new();
     };
-    // Share of the readings that the fit leaves.
+    // Degrees of freedom as a share of the readings.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let found = [
         Some(found.position_std),
@@ -110,7 +110,7 @@ pub(super) fn noise(
     let all = stated.into_iter().zip(found).zip(names).zip(each);
     all.filter_map(|(((stated, found), (what, unit)), readings)| {
         let (stated, found) = stated.zip(found)?;
-        // The standard deviation of what is found is about 1/√(2 freedom) of it.
+        // The estimated noise has a relative standard error of about 1/√(2 freedom).
         let freedom = (left * readings as f64).max(1.0);
         let ratio = (1.0 + 3.0 / (2.0 * freedom).sqrt()).max(LARGE_RESIDUALS);
         let near = found / ratio..=found * ratio;
@@ -128,7 +128,8 @@ pub(super) fn noise(
     .collect()
 }
 
-/// Doubts where the normals are known to be of another surface: fitted to them, places of fingers are off too.
+/// Replaces doubts about fingers and contacts by doubts about normals, for normals that are known to be wrong: a fit
+/// to them displaces the fingers too.
 pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
     for doubt in &mut doubts {
         if let Doubt::DisplacedFinger { p_value, .. } | Doubt::StrayContact { p_value, .. } = *doubt
@@ -136,12 +137,12 @@ pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
             *doubt = Doubt::ContradictingNormals { p_value };
         }
     }
-    // Of two, the one of the test of normals comes first.
+    // If there are two, keep the first, which is from the test of normals.
     doubts.dedup_by_key(|doubt| doubt.name());
     doubts
 }
 
-/// Warnings of doubts; those about the noise and about directions are left to warnings that say more, where there are such.
+/// Warnings for doubts. Doubts about noise or directions are skipped if a more specific warning exists.
 pub(super) fn words(
     doubts: &[Doubt],
     of_noise: &[Warning],

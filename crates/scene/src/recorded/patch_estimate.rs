@@ -23,7 +23,7 @@ pub struct Thresholds {
     pub(super) from: &'static str,
 }
 
-/// How far contacts are off, as found or as stated.
+/// Noise of the contacts, estimated or stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PatchNoise {
     /// Standard deviation of positions along the surface's normal.
@@ -36,15 +36,14 @@ pub struct PatchNoise {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PatchRegion {
     pub(super) class: &'static str,
-    /// How many places of the map it holds.
+    /// Number of map points in the region.
     pub(super) points: usize,
     pub(super) area: Value,
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// The direction of largest curvature that its places share, of either sign; `null` where they
-    /// share none.
+    /// Common direction of largest curvature of the region's points, of either sign; `null` if there is none.
     pub(super) direction_of_max: Option<[f64; 3]>,
-    /// How well its places agree on it, from 0 to 1.
+    /// Agreement of the points on this direction, from 0 to 1.
     pub(super) coherence: f64,
 }
 
@@ -77,21 +76,21 @@ pub struct GlideEstimate {
     /// Class by the signs of the curvatures alone.
     pub(super) sign_class: &'static str,
     pub(super) thresholds: Thresholds,
-    /// `null` where the method does not find it.
+    /// `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether two-pass has met its smoothing sums; `null` of other methods. Curvatures are of no use
-    /// where it has not: `knots-exhausted`, `unsettled`.
+    /// Whether two-pass reached its smoothing sums; `null` for other methods. If it did not (`knots-exhausted`,
+    /// `unsettled`), do not use the curvatures.
     pub(super) status: Option<&'static str>,
-    /// How many unknowns the fit has taken up.
+    /// Effective number of unknowns that the fit determined.
     pub(super) effective_unknowns: f64,
-    /// Places of the map along each side.
+    /// Map points along each side.
     pub(super) grid: usize,
-    /// The map's parts of one class, the largest first.
+    /// Connected parts of the map that have one class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
-    /// Probability that noise of the stated size takes the contacts at least as far from the surface where the model holds;
-    /// `null` where noise is found and not stated, and of two-pass.
+    /// Goodness-of-fit p-value: probability that noise of the stated size gives a worse fit if the model holds;
+    /// `null` if the noise is estimated, and for two-pass.
     pub(super) p_value: Option<f64>,
-    /// Ways in which the contacts contradict the model, each with its p-value, and other reasons to distrust the estimate.
+    /// Contradictions between the contacts and the model, each with its p-value, and other warnings.
     pub(super) warnings: Vec<Warning>,
     #[serde(skip)]
     pub(super) covariance: Option<[[f64; 2]; 2]>,
@@ -112,17 +111,17 @@ pub struct GlideMap {
     pub(super) regions: Option<Regions>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
-    /// Other fields of the readings, contact by contact, of a map at the contacts.
+    /// Other fields of the readings, contact by contact, for a map at the contacts.
     pub(super) extras: Extras,
 }
 
 impl GlideMap {
-    /// Places of the map: of a grid, along the fingers' travel slowest; else those of the contacts.
+    /// Points of the map: the contacts, or a grid whose slowest index runs along the fingers' path.
     pub fn points(&self) -> &[MapPoint] {
         &self.points
     }
 
-    /// Number of the region that each place belongs to; `None` of a map at contacts.
+    /// Index of the region that each map point belongs to; `None` for a map at the contacts.
     pub fn regions(&self) -> Option<&[usize]> {
         self.regions
             .as_ref()
@@ -134,8 +133,8 @@ impl GlideMap {
         &self.thresholds
     }
 
-    /// The map as CSV, one row per place; the regions of contacts are empty. At the contacts, the columns that palpate
-    /// does not ask for stand behind its own, those of a name that the map has itself with `readings_` before it.
+    /// The map as CSV, one row per point. A map at the contacts has empty regions, and ends with the columns of the
+    /// readings that palpate does not use; `readings_` is put before a name that the map already has.
     pub fn to_csv(&self) -> String {
         let mut map = MapTable::of_readings(self.unit);
         map.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
@@ -169,7 +168,7 @@ impl PatchRegion {
     }
 }
 
-/// Zero without a sign.
+/// Replaces −0 by 0.
 pub(super) fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z].map(|number| number + 0.0)
 }

@@ -1,4 +1,4 @@
-//! The curvature of an object from two frames of a camera sensor, fitted to what the camera sees.
+//! Estimates the curvature of an object from two frames of a camera sensor, by a fit to the markers' pictures.
 
 mod known_camera;
 mod options;
@@ -26,7 +26,7 @@ use crate::plan::PlanError;
 use crate::press::{PicturePlan, Pictures, pressed};
 use crate::tracks::errors_of;
 
-/// A press behind two frames, and the displacements of the markers in it.
+/// The press estimated from two frames, and the displacements of its markers.
 #[derive(Clone, Debug)]
 pub struct Pictured {
     sensed: Sensed,
@@ -34,8 +34,8 @@ pub struct Pictured {
 }
 
 impl Pictured {
-    /// One row per marker that was tracked: its place in the layout, and its displacement as its own picture tells it beside
-    /// the estimated press.
+    /// One row per tracked marker: its place in the layout, and its displacement, which is that of the estimated
+    /// press plus a correction from its own picture.
     pub fn readings(&self) -> Table {
         self.sensed.readings()
     }
@@ -54,20 +54,20 @@ impl Pictured {
     }
 }
 
-/// Warning of doubts about pictures that light and blur change.
-const BLEMISHED: &str = "what `light_at_rim` and `blur_px` of the study make of pictures is known of markers at rest: it changes as they move, and warnings may come of that";
+/// Text of the warning that light and blur of the pictures may cause other warnings.
+const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected as for markers at rest; they change as markers move, which may cause other warnings";
 
-/// Estimates the curvature of an object from a frame at rest and a pressed one: the markers of the first are matched with
-/// the layout, those of the second tracked, and a press is fitted to centroid, hue and size of each, by the errors that the
-/// tracker states. `tracked` is of these frames; `file` is the name of the readings, for messages, `None` where they are no
-/// file.
+/// Estimates the curvature of an object from a frame at rest and a pressed frame. The markers at rest are matched
+/// with the layout. A press is fitted to the centroid, hue and size of each tracked marker, with the errors that the
+/// tracker states. `tracked` is the tracking result of these frames. `file` names the readings in messages; `None` if
+/// they are no file.
 ///
-/// Where markers scatter by more than these errors explain, uncertainties are as much wider, with a warning. Doubts, p-value
-/// and reduced χ² of a press are those by the errors that explain how the markers scatter at rest.
+/// If markers scatter more than these errors explain, uncertainties are widened by the same factor, with a warning.
+/// Doubts, p-value and reduced χ² of a press use the errors that explain the scatter at rest.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
-/// colours, for a camera that the frame at rest contradicts, and where the frames tell no press; each with its numbers.
+/// colours, for a camera that the frame at rest contradicts, and for frames that determine no press.
 pub fn estimate_pictures(
     [rest, press]: [&Frame; 2],
     tracked: &TrackedFrames,
@@ -155,11 +155,11 @@ fn failure(frame: &Frame, message: String) -> RecordedError {
     }
 }
 
-/// Markers of a layout, matched with those that were tracked.
+/// Markers of a layout, matched with the tracked markers.
 struct Matched {
-    /// Track of each marker of the layout, by its number.
+    /// Index of the track of each marker of the layout.
     tracks: Vec<Option<usize>>,
-    /// Markers of the layout that were found again, in the order of their tracks.
+    /// Markers of the layout that were found again in the pressed frame, in the order of their tracks.
     rows: Vec<usize>,
 }
 
@@ -197,7 +197,7 @@ impl Matched {
     }
 }
 
-/// Frames of a press, with what is known of the sensor.
+/// The two frames of a press, with the stated sensor and the matched markers.
 struct Scene<'a> {
     frames: [&'a Frame; 2],
     options: &'a PictureOptions,
@@ -210,7 +210,7 @@ impl Scene<'_> {
         self.options.unit().as_str()
     }
 
-    /// The stated indentation, and the warning that goes with it.
+    /// The stated indentation, with a warning if its standard deviation is assumed.
     fn indentation(&self, wording: Wording) -> Option<(Measured, Option<Warning>)> {
         let std = self.options.press.estimator.priors().indentation_std;
         let value = self.options.indentation?;
@@ -232,7 +232,7 @@ impl Scene<'_> {
         failure(pressed, explained(message, error.name()))
     }
 
-    /// Displacements of the markers, midway between their discs: those of the press, and what their own pictures tell beyond.
+    /// Marker displacements midway between the discs: by the fitted press, plus what each picture shows beyond it.
     fn moved(&self, widened: &Widened) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
         let estimate = &widened.estimate;
         let body = self.body()?;
@@ -339,7 +339,7 @@ impl Scene<'_> {
         ))
     }
 
-    /// Body that bears the press, as its surface does.
+    /// The sensor's soft body, with displacements at the depth of the markers.
     fn body(&self) -> Result<Body, PressError> {
         let depth = self.meant.sphere.marker_depth;
         match self.options.thickness() {

@@ -19,7 +19,7 @@ pub struct PressReadings {
     pub(super) places: Vec<[f64; 2]>,
     /// Inward displacement of each marker.
     pub(super) normal: Vec<f64>,
-    /// Displacement of each along the skin, if it was sensed.
+    /// Displacement of each marker along the skin, if sensed.
     pub(super) tangential: Option<Vec<[f64; 2]>>,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
@@ -77,9 +77,8 @@ impl PressReadings {
     }
 }
 
-/// Reads a recorded press: one row per marker, with its place on the skin, its normal displacement and, if it was
-/// sensed, its displacement along the skin; or with its signed position along a row through the apex and its normal
-/// displacement.
+/// Reads a recorded press, one row per marker: place on the skin, normal displacement and, if sensed, displacement
+/// along the skin; or signed position along a row of markers through the apex, and normal displacement.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.

@@ -21,32 +21,32 @@ use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressMod
 pub struct PressOptions {
     /// Radius of the skin, length.
     pub sensor_radius: f64,
-    /// Depth of the markers under the skin, length; where it is `None`, they are taken to lie at its surface, with a warning.
+    /// Depth of the markers under the skin, length; `None` assumes the surface, with a warning.
     pub marker_depth: Option<f64>,
-    /// Model of the sensor's soft body: what the estimator leaves out is its, and a Gaussian is calibrated on it.
+    /// Model of the sensor's soft body. It completes the estimator's settings, and a Gaussian is calibrated on it.
     pub model: PressModelConfig,
-    /// The estimator. Whether it is given the indentation is told by [`Self::indentation`] and not by its own setting: a
-    /// study knows the indentation of its presses, a reading does not.
+    /// The estimator. [`Self::indentation`] replaces its own setting on whether the indentation is known, because
+    /// that setting is about the study's presses.
     pub estimator: PressEstimatorConfig,
-    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it; where that
-    /// is 0, [`INDENTATION_SHARE`](super::INDENTATION_SHARE) of the indentation, with a warning, since no indentation
-    /// that was measured is exact. (In a study, 0 is exact.) The indentation is compared with the one that the
-    /// readings tell without it; a warning says by how many standard deviations they differ, if those are many.
+    /// The indentation, if it is measured otherwise; length. Its standard deviation is the estimator's
+    /// `indentation_std`. If that is 0, [`INDENTATION_SHARE`](super::INDENTATION_SHARE) of the indentation is
+    /// assumed, with a warning, since no measured indentation is exact. (In a study, 0 is exact.) A warning reports a
+    /// large difference from the estimate by the readings alone, in standard deviations.
     pub indentation: Option<f64>,
-    /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
+    /// Standard deviation of normal displacements, length; `None` estimates it from the residuals.
     pub normal_std: Option<f64>,
-    /// Standard deviation of displacements along the skin, length; `None` finds it from the residuals.
+    /// Standard deviation of displacements along the skin, length; `None` estimates it from the residuals.
     pub tangential_std: Option<f64>,
     /// Factor on the markers' positions.
     pub radial_scale: f64,
-    /// Young's modulus of the soft body, force per length²; gives forces.
+    /// Young's modulus of the soft body, force per length²; needed for forces.
     pub young: Option<f64>,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
 impl PressOptions {
-    /// Options with nothing known but the sensor's radius: a half-space with its markers at the surface.
+    /// Options with only the sensor's radius stated: a half-space with its markers at the surface.
     pub fn new(sensor_radius: f64) -> Self {
         Self {
             sensor_radius,
@@ -71,8 +71,8 @@ impl PressOptions {
 /// Estimates the curvature of an object from a recorded press.
 ///
 /// # Errors
-/// [`RecordedError::Line`] where one marker is at fault, else [`RecordedError::Readings`]: where the options contradict
-/// the file, or the readings tell no press.
+/// [`RecordedError::Line`] if one marker is at fault, else [`RecordedError::Readings`] if the options contradict the
+/// file or the readings do not determine a press.
 pub fn estimate_press(
     recorded: &PressReadings,
     options: &PressOptions,
@@ -116,7 +116,7 @@ pub fn estimate_press(
     if let Some(contradiction) = &contradiction {
         doubts = contradiction.doubts(doubts);
     }
-    // Any other warning names the cause, so a contact that is too wide is an error only without one.
+    // A contact that is too wide is an error, unless a warning already names the cause.
     if doubts.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -178,7 +178,7 @@ pub fn estimate_press(
     ))
 }
 
-/// Warning of markers that are there twice.
+/// Warning of repeated markers.
 fn copies(recorded: &PressReadings) -> Option<String> {
     let along = recorded.tangential.as_deref();
     let each = recorded.places.iter().zip(&recorded.normal).enumerate();
@@ -189,7 +189,7 @@ fn copies(recorded: &PressReadings) -> Option<String> {
     repeated(&recorded.origin, "marker", markers, 0.0)
 }
 
-/// Readings without those that are wrong whatever the indentation is.
+/// Readings without the outliers that no indentation explains.
 struct Sound {
     markers: Markers,
     normal: Vec<f64>,
@@ -197,8 +197,8 @@ struct Sound {
 }
 
 impl Sound {
-    /// The readings without the markers that an estimate leaves out away from its contact. Those that it leaves out near
-    /// the contact may be right, and the indentation that it was told wrong.
+    /// Removes the outliers of an estimate that are far from its contact. Outliers near the contact may be right if
+    /// the stated indentation is wrong.
     fn of(reading: &Reading<'_>, estimate: Option<&PressEstimate>) -> Self {
         let markers = reading.markers;
         let mut kept: Vec<usize> = (0..reading.normal.len()).collect();
@@ -229,10 +229,10 @@ impl Sound {
 
 /// The fits of one press.
 struct Fits {
-    /// The one that is asked for.
+    /// The requested fit.
     fit: ForwardFit,
-    /// The one that tells the indentation from the readings alone. A Gaussian knows no body, and that of the sensor
-    /// stands for it.
+    /// The fit that estimates the indentation from the readings alone. A Gaussian is replaced by the sensor's elastic
+    /// body.
     alone: ForwardFit,
 }
 
@@ -265,7 +265,7 @@ impl Fits {
     }
 }
 
-/// The warning of a depth that is not stated.
+/// Warning if the depth of the markers is not stated.
 fn at_surface(options: &PressOptions, wording: Wording) -> Option<String> {
     options.marker_depth.is_none().then(|| {
         format!(
@@ -275,7 +275,7 @@ fn at_surface(options: &PressOptions, wording: Wording) -> Option<String> {
     })
 }
 
-/// The mistake of sign or unit that the readings look like.
+/// Likely mistake of sign or unit in the readings.
 fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit) -> Option<String> {
     let sensor = Sensor {
         radius: options.sensor_radius,
@@ -285,7 +285,7 @@ fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit)
     of_press(recorded, sensor, unit)
 }
 
-/// The force and the highest pressure of the estimated press, where they are known.
+/// Force and peak pressure of the estimated press, if Young's modulus is given.
 pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
@@ -312,13 +312,13 @@ pub(super) fn force_and_pressure(
     ])
 }
 
-/// Share of the variance below which the fit explains little.
+/// A fit that explains less than this share of the variance gives a warning.
 const LITTLE: f64 = 0.5;
 
-/// About the number of unknowns of a fit: curvature, place and indentation.
+/// Approximate number of unknowns of a fit: curvature, place and indentation.
 const UNKNOWNS: usize = 4;
 
-/// The warning of a contact too wide for small strains.
+/// Warning if the contact is too wide for small strains.
 pub(super) fn too_large(
     estimate: &PressEstimate,
     sensor_radius: f64,
@@ -366,13 +366,13 @@ fn warnings(
 /// Warning of a fit to a Gaussian.
 const NO_BODY: &str = "a Gaussian is no elastic body: its intervals tell of noise alone, not of how far a skin is from it";
 
-/// Largest normal displacement, either way.
+/// Largest absolute normal displacement.
 fn most_moved(recorded: &PressReadings) -> f64 {
     let moved = recorded.normal.iter();
     moved.fold(0.0, |most: f64, one| most.max(one.abs()))
 }
 
-/// Whether a few displacements are many times the median one.
+/// Whether at least three displacements exceed five times the median.
 fn stand_out(recorded: &PressReadings) -> bool {
     const FEW: usize = 3;
     const MANY_TIMES: f64 = 5.0;
@@ -386,13 +386,13 @@ fn stand_out(recorded: &PressReadings) -> bool {
         .is_some_and(|&large| large > MANY_TIMES * middle)
 }
 
-/// The error with the line of the marker that is at fault, if it is one.
+/// The error, with the line of the marker if one marker is at fault.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
     refused_for(recorded, options, error, None)
 }
 
-/// The error likewise, with what else may be wrong: a stated indentation that the readings contradict, or a mistake of
-/// sign or unit that they look like.
+/// The same error with its possible cause: a stated indentation that the readings contradict, or a likely mistake of
+/// sign or unit.
 fn refused_for(
     recorded: &PressReadings,
     options: &PressOptions,
@@ -404,7 +404,7 @@ fn refused_for(
         PressError::BadSetting(_) => (None, None),
         _ => (suspicion(recorded, options, unit), contradiction),
     };
-    // What the readings alone tell no indentation for is what the error says.
+    // If the readings alone give no indentation, the error already says why.
     let contradiction = contradiction.filter(|contradiction| contradiction.is_told());
     let origin = &recorded.origin;
     let wording = origin.wording();

@@ -26,10 +26,10 @@ pub struct Radius {
     /// Negative where concave; `null` where flat.
     value: Option<f64>,
     std: Option<f64>,
-    /// The radii that it may have if it is convex, without a sign; an end that is `null` is flat. `null` where it cannot
+    /// 95 % interval of the radius if the object is convex, unsigned; an end of `null` is flat. `null` if it cannot
     /// be convex.
     convex95: Option<[Option<f64>; 2]>,
-    /// Radii that it may have if it is concave, likewise.
+    /// The same if the object is concave.
     concave95: Option<[Option<f64>; 2]>,
     unit: &'static str,
 }
@@ -41,12 +41,12 @@ pub struct Row {
     pub(super) row: usize,
     /// Its line in the file.
     pub(super) line: Option<usize>,
-    /// Other fields of the readings in it, by the names of their columns.
+    /// Other fields of the row, by column name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }
 
-/// How far displacements are off, as given or as found from the residuals.
+/// Noise of the displacements, stated or estimated from the residuals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressNoise {
     pub(super) normal_std: Value,
@@ -54,8 +54,8 @@ pub struct PressNoise {
     pub(super) tangential_std: Option<Value>,
     /// Reduced χ² of the fit: about 1 where residuals are as large as the noise.
     pub(super) reduced_chi_squared: f64,
-    /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where
-    /// noise is found from the residuals, and of a Gaussian.
+    /// Goodness-of-fit p-value by the stated noise; `null` if the noise is estimated from the residuals, and for a
+    /// Gaussian.
     pub(super) p_value: Option<f64>,
 }
 
@@ -65,7 +65,7 @@ pub struct PressedObject {
     /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
     pub(super) format_version: u32,
     pub(super) method: &'static str,
-    /// The c of a Gaussian, given or calibrated; `null` of other methods.
+    /// The c of a Gaussian, given or calibrated; `null` for other methods.
     pub(super) c: Option<f64>,
     pub(super) markers: usize,
     pub(super) with_tangential: bool,
@@ -78,38 +78,37 @@ pub struct PressedObject {
     pub(super) object_curvature: Told,
     /// R_o.
     pub(super) object_radius: Radius,
-    /// How sensor and object touch, by the estimate.
+    /// Contact regime of the estimate.
     pub(super) regime: &'static str,
-    /// Shape of the object as far as the interval of its curvature tells: `convex`, `concave`, `flat-within-noise` or
+    /// Shape of the object by the interval of its curvature: `convex`, `concave`, `flat-within-noise` or
     /// `not-resolved`.
     pub(super) verdict: &'static str,
     pub(super) indentation: Told,
     pub(super) contact_radius: Told,
-    /// Force between the bodies; `null` without a Young's modulus, and of a Gaussian, which knows no stress.
+    /// Force between the bodies; `null` without a Young's modulus, and for a Gaussian, which has no stress.
     pub(super) force: Option<Value>,
-    /// Pressure in the middle of the contact; `null` as the force.
+    /// Pressure in the middle of the contact; `null` if the force is `null`.
     pub(super) peak_pressure: Option<Value>,
-    /// Place of the contact on the skin, as the markers'.
+    /// Place of the contact on the skin, in the coordinates of the markers.
     pub(super) contact: [f64; 2],
     pub(super) contact_std: [Option<f64>; 2],
     /// `null` where it is not fitted.
     pub(super) baseline: Option<Told>,
-    /// The factor on normal displacements, of a Gaussian its amplitude over the indentation; `null` where it is not
-    /// fitted.
+    /// Factor on normal displacements (for a Gaussian: amplitude over indentation); `null` if it is not fitted.
     pub(super) gain: Option<Told>,
     /// Readings that contradict the others and were left out.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
     /// The share of the normal displacements' variance that the fit explains.
     pub(super) r_squared: f64,
-    /// Whether the displacements show a contact of themselves. Else the interval is that of all contacts of the stated
-    /// indentation, on the markers, that they leave.
+    /// Whether the displacements alone show a contact. If not, the interval covers all contacts of the stated
+    /// indentation, on the markers, that the displacements do not exclude.
     pub(super) contact_seen: bool,
-    /// Ways in which the readings contradict the model, each with its p-value, and other reasons to distrust the estimate.
+    /// Contradictions between the readings and the model, each with its p-value, and other warnings.
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Description of readings and of what they do not tell, beside an estimate.
+/// Fields of a report that the estimate does not contain.
 pub(super) struct Described {
     pub(super) format_version: u32,
     pub(super) method: &'static str,
@@ -117,7 +116,7 @@ pub(super) struct Described {
     pub(super) markers: usize,
     pub(super) with_tangential: bool,
     pub(super) unit: LengthUnit,
-    /// Force and highest pressure, where they are known.
+    /// Force and peak pressure, if Young's modulus is given.
     pub(super) stresses: [Option<Value>; 2],
     pub(super) wrong_markers: Vec<Row>,
     pub(super) doubts: Vec<Doubt>,
@@ -130,7 +129,7 @@ impl PressedObject {
         let Described { unit, .. } = described;
         let told = |estimated, power| Told::new(&estimated, power, unit);
         let curvature = estimate.object_curvature();
-        // Radii are those of the best fit.
+        // The radius is that of the best fit: the curvature is bias-corrected.
         let most_likely = Estimated {
             value: estimate.most_likely_object_curvature(),
             ..curvature
@@ -182,7 +181,7 @@ impl PressedObject {
 }
 
 fn finite(number: f64) -> Option<f64> {
-    // Zero without a sign.
+    // Adding 0 turns −0 into 0.
     Some(number + 0.0).filter(|number| number.is_finite())
 }
 
@@ -203,7 +202,7 @@ impl Radius {
     pub(super) fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
-        // Without a bound on the curvature, the radius may be as small as can be.
+        // Without a bound on the curvature, the radius may be arbitrarily small.
         let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
         let flattest = |end: Option<f64>, is_beyond: bool| {
             end.filter(|_| is_beyond)

@@ -1,19 +1,18 @@
-//! Warning of rows that are there twice.
+//! Warning of repeated rows.
 
 use std::collections::HashSet;
 
 use super::origin::Origin;
 use super::stated::row;
 
-/// Warning of readings that say the same as one before them to the last digit, each as its numbers, where they are at least this
-/// share of all.
+/// Warning of readings that repeat all numbers of an earlier one, if they are at least `share` of all readings.
 pub(super) fn repeated<const N: usize>(
     origin: &Origin,
     what: &str,
     readings: impl Iterator<Item = [f64; N]>,
     share: f64,
 ) -> Option<String> {
-    // Adding 0 makes −0 what it equals.
+    // Adding 0 turns −0 into 0.
     let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
     let (mut known, mut again, mut all) = (HashSet::new(), Vec::new(), 0.0);
     for (place, numbers) in readings.enumerate() {
@@ -27,11 +26,11 @@ pub(super) fn repeated<const N: usize>(
     }
     let first = row(*again.first()?, origin);
     let rows = match again.len() {
-        1 => format!("{first} repeats a {what} of a row"),
-        count => format!("{count} rows, the first of them {first}, repeat {what}s of rows"),
+        1 => format!("{first} repeats the {what} of an earlier row"),
+        count => format!("{count} rows, the first of them {first}, repeat {what}s of earlier rows"),
     };
     Some(format!(
-        "{rows} before to the last digit: copies are no new readings, and make the stated uncertainty too small"
+        "{rows} to the last digit: copies are not new readings, and make the stated uncertainty too small"
     ))
 }
 
@@ -49,10 +48,10 @@ mod tests {
         assert_eq!(told(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
         let one = told(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();
         assert!(
-            one.starts_with("row 3, line 5 repeats a marker of a row before to the last digit")
+            one.starts_with("row 3, line 5 repeats the marker of an earlier row to the last digit")
         );
         let two = told(&[[0.0; 2], [0.0; 2], [1.0; 2], [0.0; 2]]).unwrap();
-        let rows = "2 rows, the first of them row 2, line 3, repeat markers of rows before";
+        let rows = "2 rows, the first of them row 2, line 3, repeat markers of earlier rows";
         assert!(two.starts_with(rows), "{two}");
     }
 }

@@ -1,4 +1,4 @@
-//! Recorded rolls, and what is told of them.
+//! Recorded rolls, and the options of their estimate.
 
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::FRAC_PI_2;
@@ -29,13 +29,13 @@ pub struct RollOptions {
     pub estimator: RollEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Noise and resolution of the readings, lengths in the same unit; standard deviations follow from the residuals
-    /// where none is stated.
+    /// Noise and resolution of the readings, lengths in the same unit. If no noise is stated, standard deviations
+    /// follow from the residuals.
     pub noise: ReadingNoise,
 }
 
 impl RollOptions {
-    /// Options with nothing known but the probe's radius.
+    /// Options with only the probe's radius stated.
     pub fn new(probe_radius: f64) -> Self {
         Self {
             probe_radius,
@@ -45,10 +45,10 @@ impl RollOptions {
         }
     }
 
-    /// Noise of pads on a probe of this radius, each roll starting anywhere on them.
+    /// Noise of pads on a probe of this radius. Each roll starts at a random place on a pad.
     ///
     /// # Errors
-    /// [`InvalidSensor`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
+    /// [`InvalidSensor`] for a pitch above the radius or below 1e-15 of it, as in a study.
     pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, InvalidSensor> {
         Pads::new(
             probe_radius,
@@ -63,7 +63,7 @@ impl RollOptions {
     /// Noise of a sensor without pads, with this standard deviation of each component of a shift.
     ///
     /// # Errors
-    /// [`InvalidSensor`] for one beyond the probe's radius, as of a pitch.
+    /// [`InvalidSensor`] for a negative standard deviation, or one larger than the probe's radius.
     pub fn noise_of_shifts(
         probe_radius: f64,
         shift_std: f64,
@@ -97,7 +97,7 @@ pub struct RollReadings {
     pub(super) rows: Vec<usize>,
     /// Other fields of the file, row by row.
     pub(super) extras: Extras,
-    /// How the probes were told, where the file does not name them.
+    /// How the rows were assigned to probes, if the file does not name the probes.
     pub(super) note: Option<String>,
 }
 
@@ -149,7 +149,7 @@ impl RollReadings {
 
 /// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. The rotation of one row per
 /// probe may be a unit quaternion, `qx,qy,qz,qw`, from the start of the roll to its end. Without a column `probe`,
-/// each row is one, or each series, which a blank line or a time that does not rise ends.
+/// each row or series counts as a probe. A new series starts after a blank line or where the time does not increase.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -234,7 +234,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     })
 }
 
-/// Whether a table has time series; where it could be both, it must be told.
+/// Whether a table has time series. If it has the columns of both kinds, `--columns` must choose.
 fn is_series(table: &Written<'_>) -> Result<bool, RecordedError> {
     let header = header(table, &columns_of("roll"))?;
     let has = |column: &Column| header.has(column);
@@ -255,7 +255,7 @@ fn is_series(table: &Written<'_>) -> Result<bool, RecordedError> {
     }
 }
 
-/// Number of the probe of each row of a table that does not name them, and how it was told, in words.
+/// Probe number of each row of a table without a column `probe`, and a note on how it was found.
 fn counted(sheet: &Sheet, is_series: bool) -> (Vec<u64>, String) {
     let rows = sheet.lines.len();
     if !is_series {
@@ -274,7 +274,7 @@ fn counted(sheet: &Sheet, is_series: bool) -> (Vec<u64>, String) {
     (parts.into_iter().map(|part| part as u64).collect(), note)
 }
 
-/// A row of numbers behind that of its probe.
+/// A row of numbers, with the number of its probe.
 struct Row<'a> {
     row: usize,
     line: usize,
@@ -292,10 +292,10 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     }
 }
 
-/// Largest difference of a quaternion's length from 1 that rounding in a file makes.
+/// Largest accepted difference of a quaternion's length from 1; a file rounds the components.
 const MAX_LENGTH_ERROR: f64 = 1e-3;
 
-/// The rotation about x and y, rad, of a unit quaternion `(x, y, z, w)` with the scalar part w: the shorter way round.
+/// Rotation vector (x and y, rad) of a unit quaternion `(x, y, z, w)` with scalar part w; at most half a turn.
 fn rotation_vector([x, y, z, w]: [f64; 4]) -> Result<[f64; 2], String> {
     let vector = libm::hypot(libm::hypot(x, y), z);
     let length = libm::hypot(vector, w);

@@ -16,14 +16,14 @@ use super::roll::{RollOptions, RollReadings};
 use super::suspicion::{of_flatness, of_pitch, of_rotation_noise, of_small_residuals};
 use crate::need::Warning;
 
-/// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
+/// Agreement of readings with their estimate, computed when first serialized: it takes longer than the estimate.
 #[derive(Clone, Debug)]
 pub(super) struct RollAgreement {
     estimated: Estimated,
     told: OnceLock<Told>,
 }
 
-/// Readings that were estimated.
+/// Readings with their estimate.
 #[derive(Clone, Debug, PartialEq)]
 struct Estimated {
     /// Numbers of the probes, as recorded.
@@ -31,7 +31,7 @@ struct Estimated {
     readings: Vec<ProbeReading>,
     probe_radius: f64,
     noise: ReadingNoise,
-    /// The fit with that noise, and its estimate.
+    /// The fit with `noise`, and its estimate.
     fit: LeastSquares,
     estimate: Estimate,
     unit: LengthUnit,
@@ -42,11 +42,10 @@ struct Estimated {
     note: Option<String>,
 }
 
-/// Agreement as it is told.
+/// Agreement as it is serialized.
 #[derive(Clone, Debug, Serialize)]
 struct Told {
-    /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where no
-    /// noise is stated.
+    /// Goodness-of-fit p-value by the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
     /// Contradictions between the readings and the model, each with its p-value, and likely mistakes in the readings.
     warnings: Vec<Warning>,
@@ -95,8 +94,8 @@ impl RollAgreement {
     }
 }
 
-/// Warning of rolls that are there twice: half of them or more, where no rolls by one rotation differ, since coarse sensors may
-/// report the same again.
+/// Warns if at least half of the rolls repeat earlier rolls. There is no warning if rolls by equal rotations have
+/// different shifts: then coarse sensors may cause the repetitions.
 fn copies(recorded: &RollReadings, noise: &ReadingNoise) -> Option<String> {
     let mut shifts = HashMap::new();
     let repeats = |reading: &ProbeReading| {

@@ -1,4 +1,4 @@
-//! The curvature that recorded rolls tell.
+//! Estimate of the curvature from recorded rolls.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -23,11 +23,11 @@ use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UnresolvedProbe {
     probe: u64,
-    /// Bound below which the object's radius of curvature lies in the direction of that roll; `null` where the pads'
-    /// pitch is not given or too coarse to say.
+    /// Upper bound of the object's radius of curvature in the direction of the roll; `null` if the pads' pitch is not
+    /// given or too coarse.
     radius_below: Option<f64>,
     unit: String,
-    /// Other fields of the readings in the row that counts, by the names of their columns.
+    /// Other fields of the probe's row, by column name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }
@@ -48,10 +48,10 @@ pub struct RollEstimate {
     principal_curvature_max: Value,
     /// Direction of the largest curvature, from +u towards +v of the readings.
     principal_direction_max_deg: f64,
-    /// How a relative error of the readings grows: 1 + 1/RCR; `null` where the object is flat.
+    /// Amplification of a relative error of the readings: 1 + 1/RCR; `null` if the object is flat.
     amplification_u: Option<f64>,
     amplification_v: Option<f64>,
-    /// Root mean square of what the fit leaves of each component of a shift.
+    /// Root mean square of the residuals of the shifts' components.
     residual_rms: Value,
     /// Origin of the standard deviations, in words.
     std_from: &'static str,
@@ -63,8 +63,8 @@ pub struct RollEstimate {
 }
 
 impl RollEstimate {
-    /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` where nothing tells the
-    /// noise.
+    /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
+    /// unknown.
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.covariance
     }
@@ -72,9 +72,9 @@ impl RollEstimate {
 
 /// Estimates the object's curvature from recorded rolls.
 ///
-/// Standard deviations follow from the noise that is stated, else from the residuals, where
-/// there are more readings than unknowns. Intervals of the latter are Student's, of 2n − 3 degrees of freedom with n probes
-/// ([`palpate_chance::student_half_width`]): of 95 %, 2.57 standard deviations to either side with 4 probes and 2.16 with 8.
+/// Standard deviations follow from the stated noise, else from the residuals if there are more readings than
+/// unknowns. In the second case, intervals are Student's with 2n − 3 degrees of freedom for n probes
+/// ([`palpate_chance::student_half_width`]): for 95 %, ± 2.57 standard deviations with 4 probes and ± 2.16 with 8.
 ///
 /// ```
 /// use palpate_scene::recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
@@ -90,8 +90,7 @@ impl RollEstimate {
 /// ```
 ///
 /// # Errors
-/// [`RecordedError::Readings`] where the options contradict the file or the readings do not tell
-/// the curvature.
+/// [`RecordedError::Readings`] if the options contradict the file or the readings do not determine the curvature.
 pub fn estimate_roll(
     recorded: &RollReadings,
     options: &RollOptions,
@@ -196,7 +195,7 @@ pub fn estimate_roll(
     })
 }
 
-/// The probes that rolled without a shift, with what that says of the object.
+/// Probes that rolled without a shift, with the bound on the object's radius that follows.
 fn unresolved(
     recorded: &RollReadings,
     probe_radius: f64,

@@ -10,7 +10,7 @@ use super::origin::same_length;
 use super::roll::{RollOptions, RollReadings};
 use crate::roll::Arch;
 
-/// Sets of readings of as many probes each, one set after the other.
+/// Sets of readings with the same number of probes each, one set after the other.
 ///
 /// ```
 /// use palpate_scene::recorded::{RollOptions, RollSets, SetRow};
@@ -32,7 +32,7 @@ pub struct RollSets<'a> {
     shifts: &'a [[f64; 2]],
 }
 
-/// Estimates of sets, as they are computed with the widest instructions that there are.
+/// Estimation of sets with the widest vector instructions of the processor.
 struct Together<'s, 'r> {
     sets: Sets<'s>,
     first: usize,
@@ -49,7 +49,7 @@ impl WithSimd for Together<'_, '_> {
 }
 
 impl<'a> RollSets<'a> {
-    /// This many sets of this many probes; rotations or shifts of one set alone are those of every set.
+    /// `sets` sets of `probes` probes each; if `rotations` or `shifts` has one set only, all sets share it.
     ///
     /// # Errors
     /// [`RecordedError::Array`] for arrays of another length.
@@ -83,14 +83,14 @@ impl<'a> RollSets<'a> {
         self.sets == 0
     }
 
-    /// Estimates of the sets from `first` on, a row each, to the last bit as [`estimate_roll`](super::estimate_roll) finds
-    /// them one by one. A set that tells no curvature has a row of NaN, and a standard deviation that nothing tells is NaN.
+    /// Estimates of the sets from `first` on, a row each, with the bits of [`estimate_roll`](super::estimate_roll). A
+    /// set that does not determine the curvature gives a row of NaN; an unknown standard deviation is NaN.
     ///
     /// # Errors
     /// [`RecordedError::Array`] for a number that is not finite.
     ///
     /// # Panics
-    /// Where there are not as many sets.
+    /// If there are fewer than `first + rows.len()` sets.
     pub fn estimate(
         &self,
         options: &RollOptions,
@@ -129,7 +129,7 @@ impl<'a> RollSets<'a> {
     /// [`RecordedError::Array`] for a number that is not finite.
     ///
     /// # Panics
-    /// Where there are not as many sets.
+    /// If there is no such set.
     pub fn readings(&self, set: usize) -> Result<RollReadings, RecordedError> {
         let [rotations, shifts] = [self.rotations, self.shifts].map(|all| self.of(all, set));
         RollReadings::new(rotations, shifts, None)

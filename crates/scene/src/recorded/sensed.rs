@@ -21,7 +21,7 @@ use crate::need::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
 
-/// The sensor, as far as a calibration does not tell it; lengths in the calibration's unit.
+/// Sensor parameters that a calibration does not contain; lengths in the calibration's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorOptions {
     /// Radius of the skin.
@@ -32,17 +32,17 @@ pub struct SensorOptions {
     pub px_per_rad: Option<f64>,
 }
 
-/// Share of the slope from which on its standard error widens what the displacements tell.
+/// Relative standard error of the calibrated slope above which a warning is given.
 const VAGUE: f64 = 0.05;
 
-/// Standard error of a calibration's slope of normal displacements, as a share of it; 0 where it is not known.
+/// Relative standard error of a calibration's slope of normal displacements; 0 if it is not known.
 fn slope_share(calibration: &Calibration) -> f64 {
     let line = calibration.normal_part().map(|part| part.line);
     line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
         .unwrap_or(0.0)
 }
 
-/// Factor between scales of a camera past which one of them is wrong.
+/// Factor between the stated and the calibrated scale of a camera above which a warning is given.
 const FAR_OFF: f64 = 1.25;
 
 /// The displacements of the markers that were tracked.
@@ -54,9 +54,9 @@ pub struct Sensed {
     has_tangential: bool,
     fates: Fates,
     field: Field,
-    /// Doubt about the camera's scale.
+    /// Warning about the camera's scale.
     scale: Option<String>,
-    /// Standard error of the slope of normal displacements, as a share of it.
+    /// Relative standard error of the slope of normal displacements.
     slope_share: f64,
 }
 
@@ -72,12 +72,12 @@ pub struct TrackedPress {
 }
 
 impl Sensed {
-    /// Reads the markers that were tracked with a calibration. `file` is the name of the readings, for messages; `None`
-    /// where they are no file.
+    /// Converts the changes of tracked markers to displacements by a calibration. `file` is the name of the readings,
+    /// for messages; `None` if they are not in a file.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] for a calibration of a sensor with other markers or of no normal displacements, a
-    /// camera of unknown scale, and where no marker was tracked.
+    /// [`RecordedError::Readings`] if the calibration has other markers or no normal displacements, if the camera's
+    /// scale is unknown, or if no marker was tracked.
     pub fn read(
         frames: &TrackedFrames,
         (calibration, unit): (&Calibration, LengthUnit),
@@ -146,8 +146,8 @@ impl Sensed {
         })
     }
 
-    /// Displacements of the markers of two frames that were read otherwise, in the order of their tracks; with the radius of
-    /// the skin and the unit of lengths.
+    /// Readings from displacements that another method computed, in the order of the tracks; with the radius of the
+    /// skin and the unit of lengths.
     pub(super) fn of(
         frames: &TrackedFrames,
         displaced: &[Displaced],
@@ -177,17 +177,17 @@ impl Sensed {
         }
     }
 
-    /// Warnings of doubts about a press of the markers in these rows.
+    /// Warnings of doubts about a press; the doubts number markers by row.
     pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<Warning> {
         stated::doubts(doubts, is_contradicted, &self.origin).collect()
     }
 
-    /// Wording of the settings that go with the readings.
+    /// How messages name the settings of these readings.
     pub(super) fn wording(&self) -> Wording {
         self.origin.wording()
     }
 
-    /// The object that pressed the markers, with what the markers themselves tell.
+    /// Report of the object, with the tracking statuses and the outward displacement of the markers.
     pub(super) fn pressed_by(&self, object: PressedObject) -> TrackedPress {
         let outward = self.field.outward().mean.filter(|_| self.has_tangential);
         TrackedPress {
@@ -198,16 +198,16 @@ impl Sensed {
         }
     }
 
-    /// One row per marker that was tracked: what `estimate press` accepts.
+    /// Table with one row per tracked marker, as `estimate press` accepts it.
     pub fn readings(&self) -> Table {
         self.table(self.field.markers())
     }
 
-    /// The field on a grid over the rectangle of the markers, without the places outside their hull; filtered by a
-    /// Gaussian of this standard deviation along the skin, length.
+    /// Displacements on a grid over the rectangle of the markers, without the places outside their convex hull;
+    /// filtered by a Gaussian of standard deviation `filter_std`, length along the skin.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] for a filter of no width.
+    /// [`RecordedError::Readings`] for a negative or infinite `filter_std`.
     pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
         let smooth = smooth.map_err(|error| self.origin.fail(error.to_string()))?;
@@ -234,7 +234,7 @@ impl Sensed {
         table
     }
 
-    /// The warning where the calibration tells the displacements' scale only roughly, and the estimator is not told so.
+    /// Warning if the calibrated slope is less certain than the estimator's `gain_std` allows.
     fn gain(&self, options: &PressOptions) -> Option<String> {
         let told = options.estimator.priors().gain_std?;
         (self.slope_share > VAGUE.max(told)).then(|| {
@@ -277,7 +277,7 @@ impl Sensed {
 fn origin(frames: &TrackedFrames, file: Option<String>) -> Origin {
     file.map_or(Origin::Arrays, |name| Origin::File {
         name,
-        // A header stands before them.
+        // Line 1 is the header.
         lines: (2..frames.tracks.len() + 2).collect(),
     })
 }

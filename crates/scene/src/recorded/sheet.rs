@@ -1,4 +1,4 @@
-//! A table's numbers in palpate's units, with errors that say where.
+//! Numbers of a table in palpate's units; errors name the line and the column.
 
 use std::collections::HashMap;
 
@@ -13,15 +13,15 @@ use super::header::{Header, Place};
 use super::number::{Shown, number};
 use super::written::{Written, tidy};
 
-/// Most bytes of the columns that palpate does not ask for, MiB.
+/// Maximum size of the columns that palpate does not use, MiB.
 const MOST_EXTRA_MIB: usize = 256;
 
-/// Rows of numbers, in the order of the columns asked for.
+/// Rows of numbers, in the order of the requested columns.
 pub(super) struct Sheet {
     pub(super) file: String,
     /// The line of each row.
     pub(super) lines: Vec<usize>,
-    /// Rows before which a blank line stands.
+    /// Rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
     /// Row by row.
     numbers: Vec<f64>,
@@ -33,8 +33,8 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Reads the `columns` of a table, which may stand in any order and among others but must be all. Those that it `may`
-    /// have too are named where some of these are missing.
+    /// Reads the `columns` of a table, in any order and among others. All are required; if some are missing, the
+    /// error also names the optional columns, `may`.
     pub(super) fn read(
         table: &Written<'_>,
         columns: &[Column],
@@ -85,7 +85,7 @@ impl Sheet {
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
-                    // A unit of 1 leaves even the sign of zero.
+                    // With a factor of 1, the number stays exactly as it is.
                     let converted = if factor == 1.0 {
                         number
                     } else {
@@ -168,12 +168,12 @@ impl Sheet {
     }
 }
 
-/// Words that stand for numbers of fingers or probes, in the order in which they appear.
+/// Names of fingers or probes, numbered in order of appearance.
 #[derive(Default)]
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Number of a word, from 0; `None` in a column whose first row has a number, or none.
+    /// Number of a name, from 0; `None` if the field is empty, or if the first row has no name.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {
@@ -189,7 +189,7 @@ impl Labels {
     }
 }
 
-/// Header of a table, whose told names are those of `columns`.
+/// Header of a table. Checks that `--columns` renames only these `columns`.
 pub(super) fn header<'a>(
     table: &'a Written<'_>,
     columns: &[Column],

@@ -13,18 +13,18 @@ pub struct KnownOfFrames {
     pub normal: Option<Vec<f64>>,
     /// Displacements along the skin, length, in whatever direction.
     pub tangential: Option<Vec<f64>>,
-    /// Feature that tells normal displacements, and with them which marker is under the contact: the one that changes
-    /// most.
+    /// Feature from which normal displacements are estimated. With them, the marker under the contact is the one
+    /// whose feature changes most.
     pub from: NormalFrom,
-    /// Pixels per radian of the camera, where they are known; else the frames' pixels count as those of their middle.
+    /// Pixels per radian of the camera, if known; otherwise shifts in px are not corrected for the lens.
     pub px_per_rad: Option<f64>,
 }
 
-/// The points that frames show, and how many markers the first, at rest, has.
+/// Calibration points from frames, and the number of markers in the frame at rest.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for a frame without markers, of another size or of another sensor, where there are not
-/// as many displacements as pressed frames, and for a camera of no scale.
+/// [`RecordedError::Readings`] for a frame without markers, of another size or of another sensor, for fewer
+/// displacements than pressed frames, and for an invalid scale of the camera.
 pub fn calibration_points_of_frames(
     rest: &Frame,
     pressed: &[Frame],
@@ -52,14 +52,14 @@ pub fn calibration_points_of_frames(
         let strength = |track: &Track| change(track).map(|change| strength(&change, known));
         let (marker, _) = frames
             .strongest(strength)
-            .ok_or_else(|| refused("shows no marker of the frame at rest again".to_owned()))?;
+            .ok_or_else(|| refused("no marker of the frame at rest was found again".to_owned()))?;
         let change = change(&frames.tracks[marker]).unwrap_or_default();
         let of_frame = |numbers: &Option<Vec<f64>>| match numbers {
             None => Ok(None),
             Some(numbers) => match numbers.get(index) {
                 Some(number) => Ok(Some(*number)),
                 None => Err(refused(format!(
-                    "is pressed frame {}, and {} displacements are known",
+                    "is pressed frame {}, but only {} displacements are given",
                     index + 1,
                     numbers.len()
                 ))),
@@ -87,7 +87,7 @@ pub fn calibration_points_of_frames(
     Ok((CalibrationPoints::shown(source, &normal, &lateral), markers))
 }
 
-/// Strength of a change by which a marker under the contact stands out.
+/// Size of a marker's change, which is largest under the contact.
 fn strength(change: &Change, known: &KnownOfFrames) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),

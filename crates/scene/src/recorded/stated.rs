@@ -1,4 +1,4 @@
-//! Warnings where something that a user states does not agree with the readings.
+//! Warnings if stated values disagree with the readings.
 
 use std::fmt::Display;
 
@@ -11,25 +11,25 @@ use super::pressed_object::Row;
 use super::wording::Wording;
 use crate::need::Warning;
 
-/// Version of the format of the JSON that estimates from recorded readings have: it rises when a key goes, or
-/// changes its meaning, and stays when a key is added.
+/// Version of the JSON format of estimates from recorded readings. It increases when a key is removed or changes its
+/// meaning, not when a key is added.
 pub const FORMAT_VERSION: u32 = 2;
 
-/// Share of a stated indentation that is its standard deviation where none is stated.
+/// Standard deviation that is assumed for a stated indentation, as a share of it.
 pub const INDENTATION_SHARE: f64 = 0.02;
 
-/// Standard deviations by which a stated indentation and the one that the readings tell may differ. Errors that are
-/// normally distributed pass it in 2.4 % of indentations that are half a standard deviation off, and keep below it in
-/// 0.6 % of those that are 5 off; the fitted one is less exact where it is too large, which makes that up to 4.5 % and 2 %.
+/// Largest difference between the stated and the fitted indentation, in standard deviations. With normal errors,
+/// 2.4 % of indentations that are 0.5 standard deviations off give a warning, and 0.6 % of those that are 5 off give
+/// none. If the fitted indentation is too large, it is less exact, and these are up to 4.5 % and 2 %.
 const APART: f64 = 2.5;
 
-/// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
+/// Ratio of the residuals to the stated noise, or its inverse, above which the intervals are wrong.
 pub(super) const LARGE_RESIDUALS: f64 = 1.5;
 
-/// Least surplus of equations over unknowns at which residuals so much too small are no chance.
+/// Fewest degrees of freedom for a warning of small residuals: with fewer, they may be chance.
 const MANY: usize = 20;
 
-/// The stated indentation with its standard deviation, and the warning where none is stated.
+/// The stated indentation with its standard deviation, and a warning if the latter is assumed.
 pub(super) fn indentation(
     value: f64,
     std: f64,
@@ -50,16 +50,16 @@ pub(super) fn indentation(
     (Measured { value, std }, Some(warning))
 }
 
-/// Contradiction of a stated indentation by the readings alone, or why they cannot tell of one.
+/// Contradiction of a stated indentation by the readings alone, or the reason why they cannot check it.
 pub(super) struct Contradiction {
     /// The warning.
     pub(super) words: String,
-    /// Probability that chance takes the two as far apart, where both are known.
+    /// Probability of a difference at least as large by chance; `None` if the readings cannot check it.
     p_value: Option<f64>,
 }
 
 impl Contradiction {
-    /// The contradiction where a stated indentation is not that of the estimate from the readings `alone`, which are given none.
+    /// The contradiction, if the stated indentation differs from the estimate `alone`, which does not use it.
     pub(super) fn of(
         alone: Result<PressEstimate, PressError>,
         told: Measured,
@@ -114,12 +114,12 @@ impl Contradiction {
         }
     }
 
-    /// Whether the readings alone tell an indentation.
+    /// Whether the readings alone determine an indentation.
     pub(super) const fn is_told(&self) -> bool {
         self.p_value.is_some()
     }
 
-    /// Doubts with that about the indentation, where a fit by the stated one does not see it.
+    /// Adds the doubt about the indentation, if the fit with the stated indentation does not report it.
     pub(super) fn doubts(&self, doubts: Vec<Doubt>) -> Vec<Doubt> {
         let is_told = |doubt: &Doubt| matches!(doubt, Doubt::OtherIndentation { .. });
         let more = self
@@ -130,8 +130,8 @@ impl Contradiction {
     }
 }
 
-/// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact, and
-/// `is_told` says whether an indentation is stated.
+/// Warning of markers that were left out as outliers. `distances` are from the contact to all markers; `is_told` is
+/// whether an indentation is stated.
 pub(super) fn left_out(
     wrong: &[Row],
     distances: &[f64],
@@ -170,10 +170,10 @@ pub(super) fn left_out(
     Some(Warning::new("wrong-markers", text, numbers))
 }
 
-/// The warning where only the stated indentation says that there is a contact.
+/// Warning if only the stated indentation implies a contact.
 pub(super) const UNSEEN: &str = "the displacements do not show a contact of themselves: the interval is that of all objects that they leave to one of the stated indentation somewhere on the markers, whose place is not known";
 
-/// The warning where one marker alone shows the contact.
+/// Warning if only one marker shows the contact.
 pub(super) fn alone(marker: usize, origin: &Origin) -> String {
     let row = row(marker, origin);
     format!(
@@ -181,15 +181,14 @@ pub(super) fn alone(marker: usize, origin: &Origin) -> String {
     )
 }
 
-/// Words for the row of a reading.
+/// Name of a reading's row in messages.
 pub(super) fn row(reading: usize, origin: &Origin) -> String {
     let line = origin.line(reading);
     let line = line.map_or(String::new(), |line| format!(", line {line}"));
     format!("row {}{line}", reading + 1)
 }
 
-/// Warnings of doubts; the one about the indentation is left to the warning that says by how much it is off, the one about
-/// large residuals to that about the noise.
+/// Warnings of doubts, except about the indentation and large residuals where other warnings give their size.
 pub(super) fn doubts(
     doubts: &[Doubt],
     is_contradicted: bool,
@@ -211,11 +210,11 @@ pub(super) fn doubts(
     })
 }
 
-/// The warning of residuals that the stated noise does not explain, or that are smaller than it says. `freedom` is
-/// about the number of equations beyond the unknowns.
+/// Warning if the residuals are larger or much smaller than the stated noise. `freedom` is the approximate number of
+/// degrees of freedom.
 pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<Warning> {
     let ratio = estimate.reduced_chi_squared.sqrt();
-    // Where the noise of some readings is found, its standard deviation by chance is about 1/√(2 freedom).
+    // If some of the noise is estimated, the ratio varies by about 1/√(2 freedom) by chance.
     let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
     let is_large = match estimate.goodness {
         Some(goodness) => goodness.is_doubted(),

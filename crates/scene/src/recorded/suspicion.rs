@@ -1,4 +1,4 @@
-//! Mistakes of sign and unit, recognised by what the readings would otherwise mean.
+//! Likely mistakes of sign and unit, recognised by implausible readings.
 
 mod normals;
 
@@ -14,20 +14,20 @@ use palpate_study::config::LengthUnit;
 
 use super::press::PressReadings;
 
-/// Share of the largest displacement from which on a displacement has a sign to speak of, and share of the markers
-/// with such that have it all.
+/// Share of the largest displacement above which a displacement's sign counts, and share of these that must be
+/// outward for a warning.
 const SPEAKING: f64 = 0.2;
 const NEARLY_ALL: f64 = 0.9;
 
-/// Shares of the sensor's radius below which the extent of all markers, and the largest displacement, are lengths of
-/// another unit: half of what a thousandth makes of a tenth.
+/// Shares of the sensor's radius below which the extent of all markers, and the largest displacement, are likely in
+/// another unit.
 const TINY_EXTENT: f64 = 5e-3;
 const TINY_DISPLACEMENT: f64 = 1e-4;
 
-/// Turns of a probe over those on a plane, 1 + R_probe/R_object: past the first the rotations are likely in degrees or the
-/// shifts in a larger unit, past the second the shifts in one that is a thousand times as large. Below the third the
-/// rotations are likely in radians under a header that says degrees, below the fourth the shifts in a smaller unit; only in
-/// a dish hardly wider than the probe would it turn as little.
+/// Limits of a probe's rotation relative to that on a plane, 1 + R_probe/R_object. Above `DEGREES` the rotations are
+/// likely in degrees or the shifts in a larger unit; above `LARGER_UNIT` that unit is likely 1000 times as large.
+/// Below `RADIANS` the rotations are likely in rad although the header says degrees; below `SMALLER_UNIT` the shifts
+/// are in a smaller unit. Only a dish hardly wider than the probe gives so small a ratio.
 const DEGREES: f64 = 25.0;
 const LARGER_UNIT: f64 = 400.0;
 const RADIANS: f64 = 1.0 / 30.0;
@@ -42,7 +42,7 @@ pub(super) struct Sensor {
     pub(super) has_baseline: bool,
 }
 
-/// The mistake that readings of a press look like.
+/// Likely mistake in the readings of a press.
 pub(super) fn of_press(
     recorded: &PressReadings,
     sensor: Sensor,
@@ -84,19 +84,19 @@ pub(super) fn of_press(
         (outward + f64::from(u8::from(*one < 0.0)), all + 1.0)
     });
     (sensor.has_baseline && all > 1.0 && outward >= NEARLY_ALL * all).then(|| {
-        "the displacements point outward, and positive is inward: is the sign wrong?".to_owned()
+        "the displacements point outward, but inward is positive: is the sign wrong?".to_owned()
     })
 }
 
-/// Ratio of sums of squares from which on displacements along the skin fit better with their columns changed, and share of the
-/// largest of them past which noise that is found is none.
+/// Least factor by which changed columns must reduce the sum of squares, and largest estimated noise along the skin
+/// that is not suspicious, as a share of the largest displacement.
 const FIT_BETTER: f64 = 4.0;
 const NO_NOISE: f64 = 0.2;
 
-/// Change of a displacement along the skin.
+/// Swap or change of sign of a displacement's components along the skin.
 type Change = fn([f64; 2]) -> [f64; 2];
 
-/// The mistake of signs or columns that displacements along the skin look like, where the fit does not follow them.
+/// Likely mistake of signs or columns in the displacements along the skin, if the fit does not explain them.
 pub(super) fn along_skin(
     fit: &ForwardFit,
     reading: &Reading<'_>,
@@ -128,9 +128,9 @@ pub(super) fn along_skin(
     };
     let changes: [(&str, Change); 4] = [
         ("tangential_x and tangential_y swapped", |[x, y]| [y, x]),
-        ("the sign of tangential_x turned", |[x, y]| [-x, y]),
-        ("the sign of tangential_y turned", |[x, y]| [x, -y]),
-        ("both signs turned", |[x, y]| [-x, -y]),
+        ("the sign of tangential_x reversed", |[x, y]| [-x, y]),
+        ("the sign of tangential_y reversed", |[x, y]| [x, -y]),
+        ("both signs reversed", |[x, y]| [-x, -y]),
     ];
     let all = changes.map(|(name, change)| (name, changed(change)));
     let (name, least) = all
@@ -145,7 +145,7 @@ pub(super) fn along_skin(
     })
 }
 
-/// The mistake that readings of a roll look like.
+/// Likely mistake in the readings of a roll.
 pub(super) fn of_roll(
     readings: &[ProbeReading],
     probe_radius: f64,
@@ -199,13 +199,13 @@ pub(super) fn of_roll(
     }
 }
 
-/// Probability of residuals of rolls as small by chance, below which they are too small for the noise that is stated.
+/// Significance level at which residuals of rolls are too small for the stated noise.
 const TOO_SMALL: f64 = 3e-5;
 
-/// Ratio of the stated noise to the residuals from which on the one is far too large.
+/// Ratio of the stated noise to the residuals above which the noise is far too large.
 const FAR_TOO_LARGE: f64 = 4.0;
 
-/// The warning of noise of rotations that is stated larger than any of them.
+/// Warning if the stated noise of rotations exceeds every rotation.
 pub(super) fn of_rotation_noise(
     readings: &[ProbeReading],
     stated: &ReadingNoise,
@@ -221,8 +221,8 @@ pub(super) fn of_rotation_noise(
     })
 }
 
-/// The warning of residuals of rolls that are far smaller than the noise of shifts that is stated. Errors of pads are no
-/// noise: they may all be the same, or none at all.
+/// Warning if the residuals of rolls are far smaller than the stated noise of shifts. Pads give no warning: their
+/// errors may all be equal or zero.
 pub(super) fn of_small_residuals(
     residual: f64,
     goodness: GoodnessOfFit,
@@ -243,12 +243,12 @@ pub(super) fn of_small_residuals(
     })
 }
 
-/// Share of the pitch below which pads report no shift: neighbours on a fingertip are hardly nearer than 0.8 of it. A shift
-/// below the second share is rounding of none.
+/// Shares of the pitch. Pads report no shift below the first, since pads are hardly closer than 0.8 pitches; a shift
+/// below the second is a rounded zero.
 const NEAREST: f64 = 0.5;
 const ROUNDING: f64 = 1e-9;
 
-/// The warning of an object so flat that rounding of the readings is a part of its curvature.
+/// Warns of an object so flat that rounding of the readings affects its estimated curvature.
 pub(super) fn of_flatness(
     estimate: &Estimate,
     probe_radius: f64,
@@ -266,7 +266,7 @@ pub(super) fn of_flatness(
     })
 }
 
-/// The warning of shifts that are shorter than pads of this resolution report any.
+/// Warning of shifts that are shorter than pads of this resolution can report.
 pub(super) fn of_pitch(
     readings: &[ProbeReading],
     resolution: f64,

@@ -25,7 +25,7 @@ pub struct Frame {
 /// Tracks of the markers from a rest frame to a pressed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedFrames {
-    /// Tracks of the markers of the rest frame, from its middle outward; then of those that are new.
+    /// Tracks of the rest frame's markers, from its middle outward; then of new markers.
     pub tracks: Vec<Track>,
     /// Markers of the rest frame that are cut off by its rim, which are not tracked.
     pub cut: Vec<Marker>,
@@ -37,7 +37,7 @@ pub struct TrackedFrames {
     files: [String; 2],
 }
 
-/// How many markers had which fate.
+/// Number of markers by status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Fates {
     /// Markers of the rest frame.
@@ -46,7 +46,7 @@ pub struct Fates {
     pub tracked: usize,
     /// Not found again.
     pub lost: usize,
-    /// Found grown together with another.
+    /// Merged with another marker in the pressed frame.
     pub merged: usize,
     /// Found in pieces.
     pub split: usize,
@@ -56,7 +56,7 @@ pub struct Fates {
     pub cut_at_rest: usize,
 }
 
-/// Share of the markers that may get lost without a word.
+/// Share of lost markers above which a warning is given.
 const FEW_LOST: f64 = 0.1;
 
 impl Fates {
@@ -78,13 +78,13 @@ impl Fates {
     }
 }
 
-/// Median shift of markers past which they moved, px, and how many times the scatter about it makes it one of all alike.
+/// Least median shift, px, and its least ratio to the scatter about it, for a warning that all markers moved alike.
 const ALIKE_PX: f64 = 0.5;
 const ALIKE: f64 = 2.5;
-/// Fewest markers that tell what all have in common.
+/// Fewest markers that determine a common motion.
 const FEWEST: usize = 8;
 
-/// Difference of green, of 255 levels, that has the full colour in a difference image.
+/// Difference of green levels, of 255, that is drawn in full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 /// The markers of a frame.
@@ -137,7 +137,7 @@ pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, Recor
 }
 
 impl TrackedFrames {
-    /// How many markers had which fate.
+    /// Number of markers by status.
     pub fn fates(&self) -> Fates {
         let count = |status| {
             let of_status = self.tracks.iter().filter(|track| track.status == status);
@@ -160,7 +160,7 @@ impl TrackedFrames {
         at_rest.count()
     }
 
-    /// The marker whose sight changed the most, by the size of `strength`.
+    /// The marker whose picture changed the most, by the absolute value of `strength`.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -172,7 +172,7 @@ impl TrackedFrames {
             .max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()))
     }
 
-    /// One row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they did.
+    /// One row per marker: place and hue at rest (for a new marker: pressed), and their changes if it was tracked.
     pub fn table(&self) -> Table {
         of_tracks(self.tracks.iter().map(Some))
     }
@@ -227,7 +227,7 @@ impl TrackedFrames {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift and the distance between neighbours, where the former is no small part of the latter.
+    /// The median shift and the distance between neighbours, if the shift exceeds a quarter of the distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -250,7 +250,7 @@ impl TrackedFrames {
         (shift > 0.25 * spacing).then_some((shift, spacing))
     }
 
-    /// The way in which all markers moved alike, as a camera that moved shows them: shifted, or turned about the middle.
+    /// Common motion of all markers, as if the camera moved: a shift, or a turn about the middle.
     fn moved_alike(&self) -> Option<String> {
         let shifts: Vec<([f64; 2], [f64; 2])> = self
             .tracks
@@ -286,7 +286,7 @@ impl TrackedFrames {
         })
     }
 
-    /// The growth of the marker that grew or shrank the most, where it shrank by more than the others scatter.
+    /// Growth of the marker whose size changed the most, if it shrank by more than the scatter of the others.
     fn looks_swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

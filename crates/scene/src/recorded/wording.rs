@@ -1,10 +1,10 @@
-//! Words by which messages name settings.
+//! Names of settings in messages.
 
 use palpate_number::Number;
 use palpate_study::config::{Range, SettingError};
 use thiserror::Error;
 
-/// Way in which settings are given, and so how messages name them.
+/// How a user gives settings, and therefore how messages name them.
 ///
 /// ```
 /// use palpate_scene::recorded::Wording;
@@ -22,7 +22,7 @@ pub enum Wording {
     Arguments,
 }
 
-/// Settings of an estimate that cannot be, or do not go together.
+/// Error of settings that are invalid or that exclude each other.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{message}")]
 pub struct GivenError {
@@ -30,12 +30,12 @@ pub struct GivenError {
     pub setting: String,
     /// Its value, where it is a number.
     pub value: Option<f64>,
-    /// Problem in words, with the names that the settings have where they are given.
+    /// Description of the problem, with settings named as the user gives them.
     pub message: String,
 }
 
 impl Wording {
-    /// Name of the setting with this key; `kind` of an estimator is its method.
+    /// Name of the setting with this key; the key `kind` has the name `method`.
     pub fn name(self, key: &str) -> String {
         let key = match key {
             "kind" => "method",
@@ -47,7 +47,7 @@ impl Wording {
         }
     }
 
-    /// A setting with what stands for its value, or with a word that is its value.
+    /// A setting with its value: a placeholder such as `R`, or a word.
     pub fn with(self, key: &str, value: &str) -> String {
         let name = self.name(key);
         let is_word = value
@@ -82,7 +82,7 @@ impl Wording {
         }
     }
 
-    /// Checks numbers that settings are given as.
+    /// Checks that numeric settings are within their ranges.
     pub(super) fn check<const N: usize>(
         self,
         numbers: [(&str, Option<f64>, Range); N],

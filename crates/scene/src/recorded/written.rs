@@ -11,56 +11,56 @@ use super::form::Delimiter;
 use super::header::bracketed;
 use palpate_study::readings::Measure;
 
-/// Most lines of a table.
+/// Maximum number of lines of a table.
 const MOST_LINES: usize = 5_000_000;
-/// Most columns of a table of JSON, whose rows need not have them all.
+/// Maximum number of columns of a JSON table, whose rows may lack some of them.
 const MOST_KEYS: usize = 1_000;
-/// Rows that tell the delimiter where the header does not.
+/// Number of rows that decide the delimiter if the header does not.
 const ROWS_THAT_TELL: usize = 100;
 
 /// A row of fields.
 pub(super) struct Record<'a> {
     /// Line, from 1.
     pub(super) line: usize,
-    /// Whether a blank line stands before it.
+    /// Whether a blank line precedes the row.
     pub(super) is_after_gap: bool,
     pub(super) fields: &'a StringRecord,
 }
 
-/// A table as it is written.
+/// A table as text, with its header.
 pub(super) struct Written<'a> {
     pub(super) file: &'a RecordedFile,
     text: Text<'a>,
-    /// Character between fields; of JSON, `None`.
+    /// Character between fields; `None` for JSON.
     delimiter: Option<Delimiter>,
     /// Names of the columns.
     pub(super) header: Vec<String>,
     /// Line of the header.
     pub(super) header_line: usize,
-    /// Whether the row behind the header has the units of its columns.
+    /// Whether the row after the header has the units of the columns.
     has_units: bool,
 }
 
 type Taken = Result<(), RecordedError>;
 
-/// A text and what ends its lines.
+/// A text and its line terminator.
 #[derive(Clone, Copy)]
 struct Text<'a> {
     all: &'a str,
     end: char,
-    /// Line of the file that it begins with, from 1.
+    /// Line of the file where the text begins, from 1.
     line: usize,
 }
 
 impl<'a> Text<'a> {
-    /// Carriage returns end lines where nothing else does; else they are blanks.
+    /// A text whose lines end with line feeds or, if it has none, with carriage returns.
     fn of(all: &'a str) -> Self {
         let end = if all.contains('\n') { '\n' } else { '\r' };
         Self { all, end, line: 1 }
     }
 
-    /// The text from its header on, and the delimiter that a line of Excel before it states. Lines that begin with # are
-    /// comments; the last of them is the header where numbers follow, as NumPy writes it.
+    /// The text from its header on, and the delimiter from a line `sep=` that Excel writes before it. Lines that
+    /// begin with # are comments; but if numbers follow, the last of them is the header, as NumPy writes it.
     fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut line) = (0, 1);
         let (mut comment, mut stated) = (None, None);
@@ -110,7 +110,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Fields of a text between commas, which stand in quotation marks where they hold one.
+/// Fields of a text, separated by commas. A field that contains a comma is in quotation marks.
 pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     let mut fields = Vec::new();
     for record in Text::of(text).reader(text, Delimiter::Comma).records() {
@@ -187,7 +187,7 @@ impl<'a> Written<'a> {
         self.text.all.contains(sign)
     }
 
-    /// Gives every row to a function, until that fails.
+    /// Calls `take` with every row until it fails.
     pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> Taken) -> Taken {
         match self.delimiter {
             Some(delimiter) => {
@@ -238,8 +238,8 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// Gives every row that is not blank to a function, the header first. No row spans lines, or a quotation mark would be
-/// open at the end of one.
+/// Calls `take` with every row that is not blank, the header first. No row spans lines, because open quotation marks
+/// are refused before.
 fn delimited(
     text: Text<'_>,
     delimiter: Delimiter,
@@ -280,7 +280,7 @@ fn delimited(
     Ok(())
 }
 
-/// Delimiter that header and rows show.
+/// Delimiter, recognised from header and rows.
 fn found(
     file: &RecordedFile,
     text: Text<'_>,
@@ -324,7 +324,7 @@ fn found(
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
-/// Refuses a table whose fields are separated by spaces; else it has one column.
+/// Refuses a table with fields separated by spaces. Any other table without a delimiter has one column.
 fn spaced(
     file: &RecordedFile,
     text: Text<'_>,
@@ -345,7 +345,7 @@ fn spaced(
     }
 }
 
-/// Units in a row behind the header, without brackets, where it has nothing else.
+/// Units from the row after the header, without brackets, if that row has only units.
 fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     const MEASURES: [Measure; 5] = [
         Measure::Length,
@@ -363,7 +363,7 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     };
     let units: Vec<String> = row.iter().map(bare).collect();
     let is_unit = |text: &String| MEASURES.iter().any(|one| one.unit(text).is_some());
-    // Units of columns that are not asked for may be any words, as N.
+    // Columns that are not used may have any unit, such as N.
     let is_word = |text: &String| text.len() <= 6 && text.parse::<f64>().is_err();
     let has_unit = units.iter().any(is_unit);
     let is_row = units.len() == columns && has_unit && units.iter().all(is_word);
@@ -414,7 +414,7 @@ fn unclosed(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     (at == At::Quoted).then_some(line)
 }
 
-/// Names of the values of the first line of JSON, in their order.
+/// Column names from the first line of JSON, in their order.
 fn keys(file: &RecordedFile, line: usize, text: &str) -> Result<Vec<String>, RecordedError> {
     let keys: Vec<String> = pairs(file, line, text)?
         .into_iter()
@@ -430,7 +430,7 @@ fn keys(file: &RecordedFile, line: usize, text: &str) -> Result<Vec<String>, Rec
     }
 }
 
-/// Names and values of an object, those of objects and lists within it joined by points: `position.0`.
+/// Names and values of an object; nested names are joined by points: `position.0`.
 fn pairs(
     file: &RecordedFile,
     line: usize,

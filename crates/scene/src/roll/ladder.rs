@@ -1,4 +1,4 @@
-//! The ladder of a roll.
+//! The fidelity ladder of a roll.
 
 use palpate_rolling::{Chart, Model, Motion, Rolls};
 
@@ -8,7 +8,7 @@ use crate::ladder::{Ladder, Rung};
 use palpate_study::config::{self, ModelConfig, RollModelConfig};
 
 impl RollScene {
-    /// Commanded motion of each probe without noise, in as many pieces as noise would change it.
+    /// Commanded motion of each probe without noise, cut into the pieces in which noise acts.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.pieces();
         self.commands()
@@ -16,7 +16,7 @@ impl RollScene {
             .collect()
     }
 
-    /// The rungs of this scene.
+    /// Measures the error of each rung of this scene.
     pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
         let measured = self.roller.ladder(self.chart, Rolls { rolls: &rolls });
@@ -36,7 +36,7 @@ impl RollScene {
     }
 }
 
-/// The model as it stands in a config.
+/// The model in the form of a config.
 fn named(model: Model) -> RollModelConfig {
     let of = |chart: Chart| match chart {
         Chart::Free => config::Chart::Free,

@@ -1,4 +1,4 @@
-//! Rolls in closed form, where the contact's path is a constant matrix times the rotation.
+//! Rolls in closed form: the contact's path is a constant matrix times the rotation.
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{MOST, ManyMoments, Moments, ProbeRotation};
@@ -7,7 +7,7 @@ use palpate_sensing::{Channel, Distribution, Stream, Streams};
 
 use super::noise::{MotionNoise, Roll};
 
-/// Steady rolls on a plane, sphere, dish or cylinder, whose reported rotations do not err.
+/// Steady rolls on a plane, sphere, dish or cylinder; their reported rotations have no errors.
 #[derive(Clone, Debug)]
 pub(super) struct LinearRolls {
     radius: f64,
@@ -38,7 +38,7 @@ impl LinearRoll {
         }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
-        // A contact is driven by (−Δθ_y, Δθ_x).
+        // The contact's path is `mobility` times (−Δθ_y, Δθ_x).
         let path = |rotation: Vector2<f64>| -> [f64; 2] {
             (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };
@@ -50,10 +50,10 @@ impl LinearRoll {
         }
     }
 
-    /// The path with an error of the rotation in units of its size.
+    /// The path with these errors of the rotation, in units of the errors' size.
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
-        // No closure: one that is not inlined lacks the vector instructions of what calls it.
+        // Not a closure: if it were not inlined, it would lack the vector instructions of its caller.
         let ([u, v], [u_x, v_x], [u_y, v_y]) = (self.commanded, self.per_error_x, self.per_error_y);
         [
             u + u_x * error_x + u_y * error_y,
@@ -63,8 +63,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls are not linear. This is so on
-    /// other objects, if the motion changes on the way, and if it is measured with errors.
+    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls have no linear closed form,
+    /// if noise changes the motion during a roll, or if the noise is an error of measurement.
     pub(super) fn new(roller: &Roller, rolls: &[Roll], noise: &MotionNoise) -> Option<Self> {
         let error = match noise {
             MotionNoise::None => None,
@@ -84,7 +84,7 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe. `None` where a contact passes half way round its probe, so that the shift is not the path.
+    /// Rolls every probe. `None` if a contact passes half way round its probe: its shift then differs from its path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();
@@ -99,10 +99,10 @@ impl LinearRolls {
         are_short.then_some(moments)
     }
 
-    /// Rolls of up to [`MOST`] trials from `first` on, as [`LinearRolls::short`] has each, in `many`; tells how many
-    /// there are before the first of which it says nothing.
+    /// Rolls up to [`MOST`] trials from `first` on and stores their moments in `many`. Returns the number of trials
+    /// before the first for which [`LinearRolls::short`] returns `None`.
     ///
-    /// Compiled for the vectors of whoever calls it.
+    /// Inlined, so that it uses the vector instructions of its caller.
     #[inline(always)]
     pub(super) fn side_by_side(
         &self,
@@ -115,7 +115,7 @@ impl LinearRolls {
         let half_turn = self.half_turn_squared();
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
         for (number, &probe) in self.probes.iter().enumerate() {
-            // Drawn apart from what is made of them: short loops are those that a processor overlaps best.
+            // Draw first and compute in a second loop: processors overlap short loops best.
             many.draw(self.error, &mut streams, count);
             match number {
                 0 => many.add::<true>(probe, half_turn, count),
@@ -123,7 +123,7 @@ impl LinearRolls {
             }
         }
         let long = &many.long[..count];
-        // Nearly always none.
+        // Almost always 0.
         match long.iter().sum::<u64>() {
             0 => long.len(),
             _ => long.iter().take_while(|&&long| long == 0).count(),
@@ -144,8 +144,8 @@ impl LinearRolls {
         }
     }
 
-    /// Rolls every probe; `read` turns the contact's displacement on the probe (logarithm map) into
-    /// what the sensor tells.
+    /// Rolls every probe; `read` converts the contact's displacement on the probe (logarithm map) to the sensor's
+    /// reading.
     pub(super) fn sensed<E>(
         &self,
         seed: u64,
@@ -191,10 +191,10 @@ impl Default for ManyRolls {
 }
 
 impl ManyRolls {
-    /// Draws the errors of a probe's rotation in each of the first `count` trials; there are none without a distribution.
+    /// Draws the errors of a probe's rotation in the first `count` trials, or none without a distribution.
     #[inline(always)]
     fn draw(&mut self, error: Option<Distribution>, streams: &mut Streams<MOST>, count: usize) {
-        // The distribution is known where errors are drawn.
+        // Matched outside the loops, so that each loop has one fixed distribution.
         match error {
             None => (),
             Some(Distribution::Uniform) => {
@@ -212,7 +212,7 @@ impl ManyRolls {
         }
     }
 
-    /// Adds the roll of a probe to those before it, or makes it the first.
+    /// Adds the roll of a probe to the moments; the first probe replaces them.
     #[inline(always)]
     fn add<const IS_FIRST: bool>(
         &mut self,

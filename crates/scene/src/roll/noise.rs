@@ -9,7 +9,7 @@ use palpate_sensing::{AngularVelocityError, Channel, Distribution, Stream};
 pub(super) enum MotionNoise {
     /// No error: nothing is drawn.
     None,
-    /// The probe moves otherwise than commanded; the command is reported.
+    /// The motion differs from the command; the command is reported.
     Motion {
         error: AngularVelocityError,
         instants: u32,
@@ -29,7 +29,7 @@ pub(super) struct Roll {
     pub(super) rotation: Vector2<f64>,
     /// The contact's displacement on the probe.
     pub(super) displacement: Vector2<f64>,
-    /// The relief along the roll, where noise may carry the probe into the object.
+    /// The relief along the roll, if noise may move the probe into the object.
     pub(super) terrain: Option<Terrain>,
 }
 
@@ -53,7 +53,7 @@ impl MotionNoise {
         !matches!(self, Self::None)
     }
 
-    /// Number of motions into which a roll falls.
+    /// Number of pieces into which noise cuts a roll.
     pub(super) fn pieces(&self) -> u32 {
         match self {
             Self::Motion { instants, .. } => *instants,
@@ -71,8 +71,8 @@ impl MotionNoise {
             Distribution::Uniform => error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
-        // The centre moves by the radius times the rotation. Both components of the noise turn it, and the object bends its
-        // path.
+        // The centre moves by the radius times the rotation. The factor √2 is for the two components of the noise,
+        // the factor 2 for the curvature of the path on the object.
         let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
         share * radius * rotation.norm()
     }
@@ -109,12 +109,12 @@ impl MotionNoise {
         let (error, instants, side) = match self {
             Self::None => return None,
             Self::Motion { error, instants } => {
-                (error, *instants, "the motion errs, the command is reported")
+                (error, *instants, "noisy motion; the command is reported")
             }
             Self::Measurement { error, instants } => (
                 error,
                 *instants,
-                "the motion is perfect, its measurement errs",
+                "exact motion; a noisy measurement is reported",
             ),
         };
         let when = if instants == 1 {
@@ -130,8 +130,8 @@ impl MotionNoise {
 }
 
 impl NoiseTrial {
-    /// The contact's displacement on a probe and the probe's rotation, of which the motion's error is part only if it is
-    /// one of its measurement.
+    /// The contact's displacement on a probe, and the reported rotation of the probe. The reported rotation contains
+    /// the noise only if the noise is an error of measurement.
     #[inline]
     pub(super) fn roll(
         &mut self,
@@ -170,7 +170,7 @@ impl NoiseTrial {
         }
     }
 
-    /// The motions that the probe really makes when told `command`.
+    /// The actual motions of the probe for `command`.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         match self {
             Self::None | Self::Measurement { .. } => vec![*command],
@@ -192,7 +192,7 @@ impl NoiseTrial {
     }
 }
 
-/// Displacement of the contact on a probe that must not overlap the terrain, if there is one.
+/// Displacement of the contact on a probe, or an error if the probe overlaps the terrain.
 #[inline]
 fn cleared_shift(
     roller: &Roller,

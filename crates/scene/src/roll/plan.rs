@@ -1,4 +1,4 @@
-//! Plan of a roll: from its config to a [`RollScene`].
+//! Builds a [`RollScene`] from its config.
 
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
@@ -35,10 +35,10 @@ impl PlanError {
 }
 
 impl RollScene {
-    /// The scene that a config describes, with the random numbers of `seed`.
+    /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the field that makes no scene.
+    /// [`PlanError`] with the path of the invalid field.
     pub fn new(config: &RollConfig, seed: u64) -> Result<Self, PlanError> {
         let ProbeConfig::Sphere { radius } = config.probe;
         let probe = Probe::new(radius).map_err(|error| {
@@ -55,7 +55,7 @@ impl RollScene {
 
         let (roller, commands) = roller(config, probe, object, noise.pieces())?;
         let reading_noise = ReadingNoise {
-            // The error is a fraction of the whole rate, of which only the tangential part is summed.
+            // The error is a fraction of the whole rate, but the ratio refers to its tangential part.
             relative_rotation_std: noise.relative_rotation_std()
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
@@ -131,7 +131,7 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     }
 }
 
-/// Chart of the integrators on the ladder: that of the model, else the one that keeps the axis as the motion does.
+/// Chart of the ladder's integrators: the model's own, or else the chart that holds the axis as the motion does.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -177,8 +177,8 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
     }
 }
 
-/// The roller and the commands. Where the config gives an arc length, the durations are those of
-/// the noiseless rolls that are so long.
+/// The roller and the commands. If the config gives an arc length, the noiseless rolls of the commands have this
+/// length.
 fn roller(
     config: &RollConfig,
     probe: Probe,
@@ -218,12 +218,12 @@ fn roller(
     Ok((roller, commands))
 }
 
-/// Rate of rotation, rad/s; where the config leaves it out, nothing that is estimated depends on it.
+/// Rate of rotation, rad/s. If the config omits it, no estimate depends on it.
 fn rate(config: &RollMotionConfig) -> f64 {
     config.rate_rad_per_s.unwrap_or(1.0)
 }
 
-/// The commands, as long as the config says, or a radian long where it gives an arc length.
+/// The commands: as long as the config states, or 1 rad if it gives an arc length.
 fn commands(config: &RollMotionConfig) -> Vec<Motion> {
     let rate = rate(config);
     let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
@@ -250,7 +250,7 @@ pub(super) fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
     ]
 }
 
-/// The rolls as commanded, and what is true of them.
+/// The commanded rolls without noise, and the true values.
 fn noiseless(
     roller: &Roller,
     commands: &[Motion],
@@ -299,7 +299,7 @@ fn noiseless(
     ))
 }
 
-/// The terrain that noisy rolls have to clear, where noise strays further than the commanded roll clears it.
+/// The terrain that noisy rolls might overlap; `None` if the commanded roll clears it by at least `stray`.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
     if !roller.may_touch_twice() {
         return Ok(None);

@@ -40,7 +40,7 @@ impl RotationSensor {
         self.error.is_random() || self.encoder.is_some()
     }
 
-    /// Path of the larger error in the config.
+    /// Config path of the larger of the two errors.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
@@ -80,7 +80,7 @@ impl RotationSensor {
 }
 
 impl RotationTrial<'_> {
-    /// The rotation that is reported of a probe's `rotation`, rad.
+    /// The rotation (rad) that the sensor reports for a true `rotation`.
     pub(super) fn read(&mut self, rotation: Vector2<f64>) -> Vector2<f64> {
         let RotationSensor { error, encoder } = self.sensor;
         let measured = rotation.map(|angle| angle + error.draw(&mut self.errors));

@@ -45,15 +45,15 @@ pub struct RollScene {
     pub(super) sensor: RollSensor,
     pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
-    /// The fit for the commanded rotations. It is an error if they do not determine the curvature, which `trace` does
-    /// not need.
+    /// The fit for the commanded rotations, or an error if they do not determine the curvature. `trace` works without
+    /// the fit.
     pub(super) fit: Result<LeastSquares, Ep1Error>,
-    /// Set where all rolls are linear and report the same rotations in every trial.
+    /// Set if all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
     /// Tolerance of `auto`; `None` where the config names a rung.
     pub(super) tolerance: Option<f64>,
-    /// Coordinates in which integrators of the ladder run.
+    /// Chart of the ladder's integrators.
     pub(super) chart: Chart,
 }
 
@@ -64,18 +64,18 @@ pub(super) struct Truth {
     pub(super) arc_length: f64,
 }
 
-/// Outcomes of one quantity in trials side by side, trial by trial.
+/// Outcomes of one quantity in a batch of trials, one per trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideBySide<'a> {
     /// The estimates.
     pub estimates: &'a [f64],
-    /// The true value in all of them.
+    /// The true value in all trials.
     pub truth: f64,
     /// The standard deviations that the estimator claims, one per estimate; `None` if no noise was stated.
     pub stds: Option<&'a [f64]>,
 }
 
-/// Trials side by side, compiled once for every width of vectors.
+/// A batch of trials, compiled for every vector width.
 struct Together<'a> {
     seed: u64,
     linear: &'a LinearRolls,
@@ -103,8 +103,8 @@ impl WithSimd for Together<'_> {
 }
 
 impl Together<'_> {
-    /// Runs the trials; returns the number before the first that failed. It must be compiled in this crate, because
-    /// crates that call [`RollScene::side_by_side`] are optimised less and would not be vectorised.
+    /// Runs the trials and returns how many succeeded before the first failure. It must be compiled in this crate:
+    /// crates that call [`RollScene::side_by_side`] are optimised less, so the compiler would not vectorise it there.
     #[inline(never)]
     fn run(self, arch: Arch) -> usize {
         arch.dispatch(self)
@@ -128,12 +128,12 @@ fn outcomes(
 }
 
 impl RollScene {
-    /// Noise of the readings, as the estimator is told it.
+    /// Noise of the readings that the estimator assumes.
     pub(crate) const fn reading_noise(&self) -> ReadingNoise {
         self.reading_noise
     }
 
-    /// The forward law, on the rung that was taken.
+    /// The forward law, with the chosen model.
     pub const fn roller(&self) -> &Roller {
         &self.roller
     }
@@ -162,7 +162,7 @@ impl RollScene {
     /// The outcomes of one trial, in the order of [`Trials::quantities`].
     ///
     /// # Errors
-    /// The stable name of what went wrong.
+    /// The stable name of the failure.
     #[inline(always)]
     pub fn outcomes(&self, trial: u64) -> Result<[Outcome; QUANTITIES.len()], &'static str> {
         if let Some(linear) = &self.linear
@@ -177,10 +177,10 @@ impl RollScene {
             .map(|estimate| self.compare(&estimate))
     }
 
-    /// Runs the first of `trials`, [`MOST`] at a time, and gives what they say to `take`, batch by batch in the order of
-    /// [`Trials::quantities`]: to the last bit what [`RollScene::outcomes`] says, only quicker, and quicker still on a
-    /// processor with wide vectors. `take` tells how many of them it takes. Goes on until a trial can only be run alone, or
-    /// `take` leaves some; tells how many were taken.
+    /// Runs trials in batches of at most [`MOST`] and passes their outcomes to `take`, in the order of
+    /// [`Trials::quantities`]. They equal those of [`RollScene::outcomes`] to the last bit, but are faster, most of
+    /// all on a processor with wide vectors. `take` returns how many trials it accepts. Stops if it accepts too few,
+    /// or if a trial cannot run in a batch; returns the number of accepted trials.
     pub fn side_by_side(
         &self,
         arch: Arch,
@@ -219,7 +219,7 @@ impl RollScene {
         }
     }
 
-    /// An estimate beside the truth.
+    /// Compares an estimate with the true values.
     #[inline(always)]
     fn compare(&self, estimate: &Estimate) -> [Outcome; QUANTITIES.len()] {
         let outcome = |measured: Measured, truth: f64| Outcome {
@@ -240,7 +240,7 @@ impl RollScene {
         ]
     }
 
-    /// A trial of any scene.
+    /// Runs a trial of any kind of roll.
     #[inline(never)]
     fn sensed_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = matches!(self.noise, MotionNoise::Measurement { .. })
@@ -252,7 +252,7 @@ impl RollScene {
         }
     }
 
-    /// All rolls are linear: no motion is made up, no state carried.
+    /// Runs a trial in which all rolls are linear: it computes neither motions nor states.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
         let mut sensor = self.sensor.begin(self.seed, trial);
@@ -262,7 +262,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// The rotations that are reported are the same in every trial.
+    /// Runs a trial whose reported rotations are the same in every trial.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
         let mut moments = Moments::default();
@@ -272,7 +272,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// The rotations that are reported err.
+    /// Runs a trial whose reported rotations have errors.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
@@ -307,7 +307,7 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // A flatter object counts as a plane.
+        // At a larger error the object counts as a plane, which needs no warning.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

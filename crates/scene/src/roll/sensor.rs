@@ -18,7 +18,7 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads on which each roll starts at a place of its own.
+    /// Pads on which each roll starts at its own random place.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }
@@ -93,7 +93,7 @@ impl RollSensor {
         }
     }
 
-    /// The sensor without its noise: pads still quantise, from a pad's centre.
+    /// The sensor without noise. Pads still quantise; one is centred on the first contact.
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,

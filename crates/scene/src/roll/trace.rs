@@ -1,4 +1,4 @@
-//! One pass of a roll, written down.
+//! Tables of one pass of a roll.
 
 use palpate_ep1::ProbeReading;
 use palpate_rolling::{Contact, Motion};
@@ -11,11 +11,11 @@ use crate::trace::{Trace, TraceError, counted};
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 
-/// How many samples of each roll are written, besides the first contact.
+/// Number of samples of each roll in the table, besides the first contact.
 const SAMPLES: usize = 100;
 
 impl RollScene {
-    /// Follows every probe: noiseless, or as in trial number `trial`.
+    /// Records one roll of every probe: in trial number `trial`, or without noise if it is `None`.
     pub(super) fn followed(
         &self,
         trial: Option<u64>,
@@ -40,7 +40,7 @@ impl RollScene {
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
             let (motions, rotation) = match self.noise {
-                // The measurement's draws, without rolling.
+                // Draws the measured rotation without rolling the probe.
                 MotionNoise::Measurement { .. } => {
                     let (_, rotation) = noise
                         .roll(&self.roller, roll)

@@ -61,8 +61,8 @@ fn layered(thickness: f64) -> String {
     press(1.0, PLANE, 0.02, &lines)
 }
 
-/// Estimates and true values of the first trials, relative to the largest true value of their quantity, without quantities
-/// whose true values are all 0. The error is the name of a failure, or the path of a field.
+/// Estimates and true values of the first trials, divided by the largest true value of their quantity. Quantities
+/// whose true values are all 0 are left out. The error is the name of a failure, or the path of a field.
 fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let study = parse("study.toml", text);
     let scene = study.and_then(|study| study.estimable_scene(0));
@@ -104,12 +104,12 @@ fn scenes_without_noise_are_exact() {
         (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
         (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
         (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
-        // Errors of the shift grow by 1 + 1/RCR. Here 1/RCR is the object's radius over the probe's.
+        // Errors of the shift are amplified by 1 + R₂/R₁: the object's radius over the probe's.
         (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
         (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
-        // Rounding of the places is most of the estimated curvature.
+        // The estimated curvature is mostly rounding error of the positions.
         (glide(1.0, &sphere(2e9), ""), 1e10),
         (roll(1.0, PLANE, 1e-12, ""), 1.0),
         (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),
@@ -156,7 +156,7 @@ fn impossible_scenes_have_named_errors() {
     }
 }
 
-/// A power of two as a unit of length changes no error by more than a billionth of the quantity.
+/// Scaling all lengths by a power of two changes no error by more than a billionth of the quantity.
 #[test]
 fn errors_are_the_same_in_any_unit() {
     let noisy_press = |unit: f64, noise: f64| {
@@ -188,8 +188,11 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    for noise in [1e-9, 0.1, 10.0] {
+    // A press with noise of 10 has no visible contact.
+    for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
+    }
+    for noise in [1e-9, 0.1, 10.0] {
         same(&|unit| noisy_glide(unit, noise));
     }
     for pitch in [1e-6, 0.1] {

@@ -296,7 +296,7 @@ fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() 
     assert_eq!(of(r#"{ kind = "gaussian" }"#), None);
 }
 
-/// Lines of what a scene needs.
+/// The needs of a scene, one per line.
 fn needs_of(scene: &Scene) -> String {
     let needs = scene.needs().into_iter().map(|need| need.to_string());
     needs.collect::<Vec<_>>().join("\n")
@@ -395,7 +395,7 @@ fn what_a_scene_needs_is_told() {
         wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
         "{wide}"
     );
-    // a = 1.35 mm on a ball of 2 mm: δ of Sneddon is (a/2) ln((R + a)/(R − a)).
+    // Contact radius a = 1.35 mm, ball radius R = 2 mm: Sneddon's indentation is (a/2) ln((R + a)/(R − a)).
     let sharp = needs(r#"{ kind = "sphere", radius = 2 }"#, "1.0", "");
     assert!(
         sharp.contains("warning: the contact's radius is 0.67 of the object's, past 0.3: by Sneddon's relation it takes an indentation 21.4 % larger than by Hertz's"),
@@ -493,7 +493,7 @@ fn bad_scenes_are_refused_at_their_field() {
         ),
         (
             probe("indentation = 1.0", "indentation = 1.0, shift = 100"),
-            "scene.motion.shift: must be less than the sensor's radius 20, either way, is 100",
+            "scene.motion.shift: |shift| must be less than the sensor's radius 20, is 100",
         ),
         (
             with("model = { kind = \"half-space\", poisson = 0.6 }"),

@@ -21,7 +21,7 @@ fn kind<T>(result: Result<T, RecordedError>) -> &'static str {
     }
 }
 
-/// Mean curvature from four rolls of a probe, two of which have this shift of the contact.
+/// Mean curvature from four rolls of a probe. Two of the rolls have this shift of the contact.
 fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
     let other = if radius.is_normal() { -radius } else { -1.0 };
     let text = format!(
@@ -32,7 +32,7 @@ fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
     Ok(mean_curvature(&estimate))
 }
 
-/// Mean curvature of a paraboloid, one of whose heights is replaced.
+/// Mean curvature from 36 contacts on a paraboloid. `height` replaces the height of one contact.
 fn glide(height: Option<&str>, scale: f64) -> Result<f64, RecordedError> {
     let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
     for index in 0..36_u32 {
@@ -52,7 +52,7 @@ fn mean_curvature(estimate: &impl serde::Serialize) -> f64 {
     json["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// Estimated curvature of the object from 25 markers, one of which has this displacement.
+/// Estimated curvature of the object from 25 markers. One of the markers has this displacement.
 fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
     let mut text = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for index in 0..25_i32 {

@@ -254,7 +254,7 @@ fn garbage() {
     }
 }
 
-/// A table of two rolls of a probe of radius 10 on a ball of radius 40, with rotations as the quaternions that `write` makes.
+/// A table of two rolls of a probe of radius 10 on a ball of radius 40. `write` arranges the quaternion components.
 fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
     let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
     let (sine, cosine) = libm::sincos(half);
@@ -288,7 +288,7 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    // By their letters, where all four stand together.
+    // Names that only show by their last letters, all four together, that they are a quaternion.
     let lettered = [
         "rotation.x,rotation.y,rotation.z,rotation.w",
         "rx,ry,rz,rw",

@@ -144,7 +144,7 @@ sensor = { kind = "wrist", std = 0.001 }"#;
         std::fs::write(&path, trace.readings.to_csv()).unwrap();
         let options = RollOptions {
             length_unit: Some(LengthUnit::Cm),
-            // The standard deviation of steps of 0.001 rad, which the trial's estimator knows too.
+            // The standard deviation of encoder steps of 0.001 rad. The trial's estimator uses it too.
             noise: ReadingNoise {
                 rotation_std_rad: 0.001 / 12.0_f64.sqrt(),
                 ..ReadingNoise::default()
@@ -251,8 +251,8 @@ fn a_roll_is_as_long_as_its_time_its_angle_or_its_path_says() {
     assert!((twice[4].1 - 2.0 * of_time[4].1).abs() < 1e-14);
 }
 
-/// Rms error, mean error and mean reported standard deviation of the normal curvature along u in 500 trials of stars of four
-/// rolls of 20° by a probe of radius 9 on a cylinder of radius 20.
+/// Rms error, mean error and mean reported standard deviation of the normal curvature along u, in 500 trials. A star
+/// is four rolls of 20° by a probe of radius 9 on a cylinder of radius 20.
 fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
     let directions = [[0, 90, 180, 270]].repeat(stars).concat();
     let text = format!(

@@ -141,8 +141,8 @@ impl Case {
     }
 }
 
-/// Number of presses, one of each `step`-th case, whose stated indentation is so many standard deviations too large or too small,
-/// and warned of.
+/// Number of presses with a warning, one press for every `step`-th case. The stated indentation of each press is
+/// `off` standard deviations too large or too small.
 fn warned(off: f64, step: usize) -> usize {
     let cases = Case::all();
     let is_warned = |press: &usize| {
@@ -164,7 +164,7 @@ fn indentations_seven_standard_deviations_off_are_told() {
 #[test]
 fn indentations_five_standard_deviations_off_are_told() {
     let warned = warned(5.0, 2);
-    // Of 60 that are told with 98 %, 55 or fewer are in one of 120 cases.
+    // If each of 60 presses gives a warning with 98 % probability, 55 or fewer warnings have a probability of 0.7 %.
     assert!(warned >= 56, "{warned}");
 }
 

@@ -208,8 +208,8 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
     }
 }
 
-/// Sets whose noise is what is stated are never doubted, of 2,000; of 250 with a noise that is stated eight times too large, or
-/// with shifts in cm, every one.
+/// Correctly stated noise gives no warning in 2,000 sets. Noise that is stated eight times too large gives one in all
+/// of 250 sets, and so do shifts in cm.
 #[test]
 fn a_noise_that_is_stated_far_too_large_is_told() {
     let (mut honest, mut large, mut in_cm) = (0, 0, 0);
@@ -352,9 +352,9 @@ type Change = fn([f64; 3]) -> [f64; 3];
 #[test]
 fn normals_that_are_mirrored_or_swapped_are_told() {
     let changes: [(Change, &str); 6] = [
-        (|[x, y, z]| [-x, y, z], "the sign of normal_x turned"),
-        (|[x, y, z]| [x, -y, z], "the sign of normal_y turned"),
-        (|[x, y, z]| [x, y, -z], "the sign of normal_z turned"),
+        (|[x, y, z]| [-x, y, z], "the sign of normal_x reversed"),
+        (|[x, y, z]| [x, -y, z], "the sign of normal_y reversed"),
+        (|[x, y, z]| [x, y, -z], "the sign of normal_z reversed"),
         (|[x, y, z]| [y, x, z], "normal_x and normal_y swapped"),
         (|[x, y, z]| [z, y, x], "normal_x and normal_z swapped"),
         (|[x, y, z]| [x, z, y], "normal_y and normal_z swapped"),

@@ -8,7 +8,7 @@ use palpate_sensing::{
 };
 use proptest::prelude::*;
 
-/// Any double at all, or one of everyday size.
+/// A double with any bit pattern, or a number of ordinary size.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -38,13 +38,13 @@ fn is_tame(value: f64) -> bool {
     value.abs() <= 1e150
 }
 
-/// Whether so wide pads, rad, make a lattice of 2 pads or more, and not more than can be counted.
+/// Whether pads of this pitch (rad) make a lattice of 2 to 1e15 pads.
 fn is_lattice(pitch_rad: f64) -> bool {
     let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// What was made where the settings are good; a refusal is due where they are not.
+/// Returns the sensor, if any. Panics unless a sensor was made exactly if the settings are good.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()
@@ -130,7 +130,7 @@ proptest! {
             let turned = Vector2::new(place[0], place[1]);
             let read = encoder.read(&mut stream, &turned);
             for (read, angle) in read.iter().zip(&turned) {
-                // If the step is finer than the last place of the angle, the reading is the angle itself.
+                // If the step is smaller than the rounding error of the angle, the reading is the angle itself.
                 let bound = size + 2.0 * f64::EPSILON * angle.abs();
                 prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
             }

@@ -93,7 +93,7 @@ proptest! {
     ) {
         let pitch = libm::pow(10.0_f64, exponent);
         let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * (10.0 * angle);
-        // The chart of the sphere stretches errors across the displacement.
+        // The chart of the sphere stretches errors perpendicular to the displacement.
         let stretch = angle / libm::sin(angle).max(1e-300);
         for (layout, offset, bound) in [
             (PadLayout::Square, PadOffset::Centred, 0.5),

@@ -370,7 +370,7 @@ fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> 
 }
 
 impl Study {
-    /// The study's title, or its name where it has none.
+    /// The study's title, or its name if it has no title.
     pub fn heading(&self) -> &str {
         match self.config.title.as_str() {
             "" => &self.config.name,

@@ -23,7 +23,7 @@ pub enum PadOffset {
     Centred,
     /// Anywhere within a pad, drawn for each roll.
     Random,
-    /// Anywhere within a pad, drawn once for all rolls of a trial: they start from one place.
+    /// Anywhere within a pad, drawn once per trial: all rolls of the trial start at the same place.
     RandomPerTrial,
 }
 

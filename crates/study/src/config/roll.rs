@@ -359,7 +359,7 @@ impl RotationNoise {
     }
 }
 
-/// Distribution of an error that is always Gaussian.
+/// Distribution of the error; it is always Gaussian.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GaussianKind {
@@ -389,7 +389,7 @@ impl EncoderConfig {
     }
 }
 
-/// An angle (rad) that is given in either unit.
+/// An angle in rad, from a value in degrees or in rad.
 fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
     deg.map(f64::to_radians).or(rad).unwrap_or_default()
 }

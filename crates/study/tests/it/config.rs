@@ -47,8 +47,8 @@ fn error(text: &str) -> ConfigError {
     }
 }
 
-/// Checks that edits of a base are refused. A row of the table is `edit | line:column path | words of the reason`, and an
-/// edit is `text => replacement` or lines that follow the base; `\n` ends a line. A row without a column checks no place.
+/// Checks that edits of a base config are rejected. A row is `edit | line:column path | words of the reason`.
+/// An edit is `text => replacement` or lines to append; `\n` ends a line. Without `line:column`, no place is checked.
 fn refuses(base: &str, table: &str) {
     let mut wrong = Vec::new();
     for row in table.trim().lines() {

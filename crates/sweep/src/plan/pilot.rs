@@ -173,7 +173,7 @@ fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Fi
     })
 }
 
-/// The relative variance v of a trial's squared error; 0 where no estimate errs.
+/// The relative variance v of a trial's squared error; 0 if all errors are 0.
 fn relative_variance(all: &CellStatistics, quantity: usize) -> f64 {
     let summary = &all.quantities[quantity];
     let successes = (all.trials - all.failed()) as f64;

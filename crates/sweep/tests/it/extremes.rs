@@ -1,4 +1,4 @@
-//! Statistics of trials whose numbers are extreme, and searches in ranges of any size.
+//! Statistics of trials with extreme values, and searches in ranges of any size.
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -20,7 +20,7 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
     for unit in [1e-320, 1e-150, 1e300] {
-        // Subnormal numbers are whole multiples of the least one.
+        // Subnormal numbers are whole multiples of the smallest one.
         let bound = f64::max(1e-13, 2.0 * f64::from_bits(1) / unit);
         let close = |found: Option<f64>, due: f64| {
             let found = found.unwrap() / unit;
@@ -50,7 +50,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
         let found = summary(2001, |trial| {
             observation((trial as f64 - 1000.0) * unit, 0.0, None)
         });
-        // Below 2.3e-308 numbers count as 0.
+        // Quantiles count numbers below 2.3e-308 as 0.
         let side = if unit < 1e-310 { 0.0 } else { 900.0 };
         for (found, due) in [(found.q05, -side), (found.q50, 0.0), (found.q95, side)] {
             assert_abs_diff_eq!(found.unwrap() / unit, due, epsilon = 3.6);
@@ -123,7 +123,7 @@ fn no_trials_define_nothing_and_too_many_are_refused() {
     assert!(matches!(error, SweepError::TooManyTrials { .. }), "{error}");
 }
 
-/// Meets its target below 1, and scores more with more trials.
+/// Meets its target below 1; its scores grow with the number of trials.
 struct BelowOne;
 
 impl Curves for BelowOne {

@@ -109,7 +109,7 @@ fn statistics(
     all
 }
 
-/// Tasks of cells of so many trials each.
+/// One task per cell, with these numbers of trials.
 fn tasks(trials: &[u64]) -> Vec<Task> {
     let task = |(cell, &trials)| Task {
         cell,

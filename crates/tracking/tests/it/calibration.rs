@@ -267,7 +267,7 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// The displacement is 10 times the hue in turns, and 5 times the nearness, which is at most 1.
+/// The displacement is 10 times the hue in turns, and 5 times the nearness 1 − exp(−growth), which is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

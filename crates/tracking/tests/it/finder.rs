@@ -284,7 +284,7 @@ fn frames_without_markers_have_names() {
         assert_eq!(name(&flat(width, height, 7), auto), "too-small");
     }
     assert_eq!(name(&flat(40_000, 16, 7), auto), "too-large");
-    // Rows of discs that touch, and a disc that fills all but the corners.
+    // A grid of discs that touch, and one disc that fills the frame except its corners.
     let discs = |pitch: f64, share: f64| {
         let is_in = move |x: u32, y: u32| {
             let off = [x, y].map(|at| {

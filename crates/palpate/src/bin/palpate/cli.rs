@@ -196,7 +196,7 @@ pub(crate) struct RunArgs {
     /// Run only every N-th cell, from the first; the rows keep their cell numbers.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
-    /// Run only shard K of N: every N-th cell, from the K-th on.
+    /// Run only shard K of N: every N-th cell, beginning with the K-th.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
     /// Format of the tables; with --shard, `palpate merge` has it.
@@ -207,7 +207,7 @@ pub(crate) struct RunArgs {
     /// are in the journal, and `palpate merge` writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
-    /// Do not show the warnings of cells; warnings.txt, or the journal of a shard, has them.
+    /// Do not print the warnings of cells. They are in warnings.txt or, with --shard, in the journal.
     #[arg(long)]
     pub(crate) quiet: bool,
     /// Begin anew where a run that has not ended left its journal.

@@ -61,7 +61,7 @@ enum Record {
     Header(Box<Header>),
     /// Cells that are done, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
-    /// Rows of trials of the next cell in the journal.
+    /// Trial rows of the cell that the journal records next.
     Trials(TrialRows),
     End,
 }
@@ -267,7 +267,7 @@ impl Journal {
         }
     }
 
-    /// Adds rows of trials of a cell that has not ended.
+    /// Adds trial rows of an unfinished cell.
     pub(crate) fn trials(&mut self, trials: TrialRows) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::Trials(trials))
@@ -432,7 +432,7 @@ impl Reader {
         Some(record)
     }
 
-    /// The next cell, or rows of its trials.
+    /// Reads the next cell, or the next trial rows of a cell.
     pub(crate) fn item(&mut self) -> Option<Item> {
         loop {
             if let Some(cell) = self.waiting.next() {

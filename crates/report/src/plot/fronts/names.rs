@@ -5,19 +5,19 @@ use crate::plot::sheet::Point;
 
 /// Size of a name.
 pub(super) const NAME: i32 = 45;
-/// Distances from its point at which a name may stand.
+/// Possible distances of a name from its point.
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// Distance from which on a line leads from the point to its name.
+/// A name farther than this from its point gets a line to the point.
 const LED: i32 = 60;
 /// Number of these distances for names of points that are not on the front.
 const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
 /// Half the height of a name with the space around it.
 const HALF: i32 = 28;
-/// Half the side of the square around a point that names should leave free.
+/// Half the side of the square around a point that names should not cover.
 const POINT: i32 = 18;
 
-/// Costs of a place at which a name hides or crosses something, in distance from its point.
+/// Cost of a place if the name there hides or crosses something, in units of distance from its point.
 const HIDES_NAME: i32 = 3_000_000;
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
 const HIDES_POINT: i32 = 300_000;

@@ -10,7 +10,7 @@ use crate::plot::sheet::{MARKER, Words};
 use crate::plot::style::{Marker, Style};
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// The plots, the normal displacement on top.
+/// Draws the plots below each other, the normal displacement on top.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
     let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();

@@ -109,7 +109,7 @@ struct Quiver<'a> {
     radius: f64,
     /// Length of the longest displacement along the skin.
     longest: f64,
-    /// Length per unit of displacement; none if nothing moves along the skin.
+    /// Arrow length per unit of displacement; `None` if no marker moves along the skin.
     stretch: Option<f64>,
 }
 
@@ -185,7 +185,7 @@ impl Quiver<'_> {
         Ok(())
     }
 
-    /// The shades with their values.
+    /// Draws the strip of shades and its scale of values.
     fn strip(&self, left: i32, sheet: &Sheet) -> Drawn {
         let (right, bottom) = (left + STRIP.0, sheet.top + STRIP.1);
         for at in 0..SHADES {

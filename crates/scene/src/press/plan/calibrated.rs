@@ -16,7 +16,7 @@ use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers}
 
 const PATH: &str = "scene.sensor.calibration";
 
-/// A calibration, and what displacements err by with it.
+/// A calibration, and the errors of the displacements that it yields.
 pub(super) struct CalibratedCamera {
     pub(super) calibration: Calibration,
     /// Standard deviations of normal and tangential displacements near a contact.
@@ -38,12 +38,12 @@ pub(super) struct CalibrationPresses<'a> {
     pub(super) look: &'a RestLook,
     /// Markers at rest.
     pub(super) rest: &'a [Option<Marker>],
-    /// Indentation of the deepest press where the config gives none.
+    /// Indentation of the deepest press, if the config does not state it.
     pub(super) indentation: f64,
 }
 
 impl CalibrationPresses<'_> {
-    /// Presses on a plane, apex down, whose displacements are known, calibrate the sensor.
+    /// Calibrates the sensor by presses of its apex on a plane, with known displacements.
     pub(super) fn calibrated(&self) -> Result<CalibratedCamera, PlanError> {
         let shown = self.shown()?;
         let calibration = self
@@ -53,7 +53,7 @@ impl CalibrationPresses<'_> {
         Ok(CalibratedCamera { calibration, stds })
     }
 
-    /// Markers of each of the presses, with the changes of their pictures.
+    /// Tracked markers of each press, with the changes of their pictures.
     fn shown(&self) -> Result<Vec<Vec<Shown>>, PlanError> {
         let presses = planes(&self.camera.calibration, self.indentation);
         let motions = presses.iter().map(|plane| {
@@ -118,7 +118,7 @@ impl CalibrationPresses<'_> {
     }
 }
 
-/// Presses on a plane that calibrate a sensor; `indentation` is that of the deepest where the config gives none.
+/// Calibration presses on a plane; `indentation` is the deepest one if the config states none.
 pub(super) fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<Pressed> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -135,8 +135,8 @@ fn refused(plane: &Pressed, error: PressError) -> PlanError {
     PlanError::at(PATH, message)
 }
 
-/// Rms errors of the calibrating presses' displacements near the contact, where these are at least half of the press's
-/// greatest: there the discs of a marker move most unlike a marker midway, and there the object's shape is told.
+/// Rms errors of displacements in the calibration presses, over markers that move at least half as much as the
+/// largest. There a marker's two discs move most differently, and the readings show the object's shape.
 fn residuals(calibration: &Calibration, presses: &[Vec<Shown>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for shown in presses {

@@ -1,4 +1,4 @@
-//! Plan of a press before a camera: the optics, the markers at rest, and what the press shows.
+//! Builds a press with a camera: its optics, markers at rest, calibration and readings.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Lens, MarkerMotion, OddTerms, Optics, Pose,
@@ -23,7 +23,7 @@ use super::discs::DiscMarkers;
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
 
-/// A camera and markers with discs, ready to be looked at.
+/// A camera, and the markers with discs that it images.
 pub(super) struct CameraPlan<'a> {
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) camera: &'a CameraConfig,
@@ -39,7 +39,7 @@ pub(super) struct CameraPlan<'a> {
 }
 
 impl CameraPlan<'_> {
-    /// The press before the camera. The outer error is the config's; the inner one where there is no press.
+    /// Builds the press with a camera. The outer error is for the config, the inner one for an impossible press.
     pub(super) fn press(
         &self,
         pressed: &Pressed,
@@ -156,7 +156,7 @@ impl CameraPlan<'_> {
     }
 }
 
-/// Picture of a marker without errors and pixels, as it changed in the press.
+/// Change of a marker's picture in the press, without noise and pixels.
 fn exact(eye: &Eye, motions: &[MarkerMotion], marker: usize) -> Option<Shows> {
     let none = GaussianError::new(0.0).ok()?;
     let exact = Eye {

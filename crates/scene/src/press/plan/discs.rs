@@ -14,11 +14,11 @@ use crate::plan::PlanError;
 /// Markers of two discs, and the bodies that move them.
 pub(super) struct DiscMarkers<'a> {
     pub(super) markers: &'a Markers,
-    /// Body that moves the markers, midway between their discs.
+    /// Soft body at the depth of the markers, midway between their discs.
     midway: &'a SoftBody,
     magenta: SoftBody,
     yellow: SoftBody,
-    /// Skin about the magenta and the yellow discs, where it strains them.
+    /// Strain of the magenta and the yellow discs; `None` if the skin does not strain them.
     straining: Option<[Straining; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Plan of the estimator of a press.
+//! Builds the estimator of a press.
 
 use palpate_chromatouch::Departure;
 use palpate_press::{Bounds, Contact, ForwardFit, Markers};
@@ -22,14 +22,14 @@ use super::super::soft_body::{SoftBody, of_body, within_sensor};
 use crate::marker_sphere::MarkerSphere;
 use crate::plan::PlanError;
 
-/// Settings of an estimator, and the press and the sensor that it is used on.
+/// Settings of an estimator, with the press and the sensor whose readings it uses.
 pub(super) struct EstimatorPlan<'a> {
     pub(super) estimator: &'a PressEstimatorConfig,
     /// Model of the config, which may be `auto`.
     pub(super) model: &'a PressModelConfig,
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) body: &'a SoftBody,
-    /// Thickness of its layer, where that has tables for fits to share.
+    /// Thickness of the body's layer, if fits can share its tables.
     pub(super) shared: Option<f64>,
     pub(super) markers: &'a Markers,
     pub(super) pressed: &'a Pressed,
@@ -38,14 +38,14 @@ pub(super) struct EstimatorPlan<'a> {
     pub(super) sensed: [Option<f64>; 2],
     pub(super) parts: &'a Parts,
     pub(super) sensor: &'a PressSensor,
-    /// How roughly the sensor is known.
+    /// Uncertainty of the sensor's parameters.
     pub(super) of_sensor: Option<&'a SensorNoise>,
-    /// Frames at rest that are averaged.
+    /// Number of frames at rest that are averaged.
     pub(super) rest_frames: u32,
 }
 
 impl EstimatorPlan<'_> {
-    /// The method that follows from the settings and from what is known of the sensor.
+    /// Builds the method from the settings and the sensor's parameters.
     pub(super) fn method(&self) -> Result<PressMethod, PlanError> {
         let Self {
             estimator, model, ..
@@ -89,7 +89,7 @@ impl EstimatorPlan<'_> {
         })
     }
 
-    /// The fit of pictures, where that is asked for and there is a camera.
+    /// The fit of pictures; `None` if the config uses another estimator or there is no camera.
     fn of_pictures(&self) -> Result<Option<PictureMethod>, PlanError> {
         let PressSensor::Camera(Ok(camera)) = self.sensor else {
             return Ok(None);
@@ -116,7 +116,7 @@ impl EstimatorPlan<'_> {
         Ok(Some(PictureMethod::new(fit, rest.collect())))
     }
 
-    /// The bounds on what the readings can tell by the model's own body.
+    /// Cramér–Rao bounds for the readings, assuming the model's own body.
     pub(super) fn bounds(&self, contact: &Contact<'_>, tangential: bool) -> Option<Bounds> {
         let priors = self.estimator.priors();
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());

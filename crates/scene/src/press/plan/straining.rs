@@ -6,21 +6,21 @@ use super::super::pressed::Pressed;
 use super::super::soft_body::SoftBody;
 use crate::plan::PlanError;
 
-/// How far from a disc the skin is looked at, as a share of the sensor's radius.
+/// Distance above and below a disc at which the skin's displacement is computed, in sensor radii.
 const BESIDE: f64 = 0.0025;
 
-/// Skin just above and below the discs of one colour, which strains them.
+/// Skin just above and below the discs of one colour; its displacements yield the strain.
 pub(super) struct Straining {
-    /// Share of the strain that the discs take part in.
+    /// Fraction of the skin's strain that the discs follow.
     share: f64,
     above: SoftBody,
     below: SoftBody,
-    /// Distance of the two, length.
+    /// Distance between `above` and `below`, length.
     apart: f64,
 }
 
 impl Straining {
-    /// Skin about discs at this depth, no deeper than `deepest`, by bodies at depths.
+    /// Skin around discs at `depth`, no deeper than `deepest`; `body` builds the body at a depth.
     pub(super) fn of(
         share: f64,
         depth: f64,
@@ -37,8 +37,8 @@ impl Straining {
         })
     }
 
-    /// Share by which each disc is wider in a press. An incompressible skin that is squeezed along its normal widens by half of
-    /// that each way along itself.
+    /// Relative widening of each disc in a press. If an incompressible skin is compressed along its normal, it widens
+    /// in both tangential directions by half that strain.
     pub(super) fn stretches(
         &self,
         markers: &Markers,
@@ -59,7 +59,7 @@ mod tests {
     use palpate_press::{Body, Skin};
     use palpate_study::config::PressModelConfig;
 
-    /// Half the strain of areas along a half-space by differences of the displacement along it: (r u_r)′ / 2r.
+    /// Half the area strain of a half-space, by finite differences of its radial displacement: (r u_r)′ / 2r.
     fn widened(markers: &[[f64; 2]], depth: f64, pressed: &Pressed) -> Vec<f64> {
         const STEP: f64 = 1e-3;
         let body = half_space(depth);

@@ -1,4 +1,4 @@
-//! Markers of a frame at rest, matched with those of a layout, and the camera that they tell.
+//! Matches the markers of a frame at rest with a layout, and fits the camera to them.
 
 use nalgebra::DMatrix;
 use palpate_chromatouch::{Departure, Optics};
@@ -12,9 +12,9 @@ use super::nearest::{closest, nearest};
 use super::report::{Residual, RestCamera};
 use crate::press::{PictureLaw, seen_of};
 
-/// Standard deviations by which discs may depart from what is known of them.
+/// Largest departure of the discs from their nominal values, in prior standard deviations.
 const MOST_DEPARTED: f64 = 6.0;
-/// Numbers of a departure that are the discs', in words.
+/// Indices of the discs' numbers in a [`Departure`], and their names for messages.
 const DISCS: [(usize, &str); 10] = [
     (0, "depth of the magenta discs"),
     (1, "depth of the yellow discs"),
@@ -27,38 +27,38 @@ const DISCS: [(usize, &str); 10] = [
     (17, "green light through yellow discs"),
     (18, "blue light through yellow discs"),
 ];
-/// Numbers of a departure that are the camera's.
+/// Indices of the camera's numbers in a [`Departure`].
 pub(in crate::recorded) const CAMERA: [usize; 11] =
     [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
-/// Rounds in which markers are matched roughly.
+/// Number of rough matching rounds before the final one.
 const ROUNDS: usize = 4;
-/// Standard deviations that misaligned discs add meanwhile to those of centroids, px, hue, turns, and the logarithm of
-/// the size.
+/// Standard deviations that allow for misaligned discs in the rough rounds: both centroid coordinates, px; hue,
+/// turns; logarithm of the size.
 const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Least share of the layout's markers that a frame must show; at first, while it is not known which the rim cuts.
+/// Smallest share of the layout's markers that must be found: in the final round, and in the rough rounds.
 const LEAST_SEEN: f64 = 0.8;
 const LEAST_AT_FIRST: f64 = 0.5;
-/// Largest median difference of hues from those of the colours that are meant, turns.
+/// Largest median difference between seen and nominal hues, turns.
 const MOST_TURNED: f64 = 0.06;
-/// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
+/// Reduced χ² above which the frame contradicts the layout, and above which uncertainties are widened.
 pub(in crate::recorded) const CONTRADICTED: f64 = 25.0;
 pub(in crate::recorded) const DOUBTED: f64 = 1.5;
-/// Heights of the camera from which the fit starts too, beside that which is meant, in standard deviations of what is known of it.
+/// Further start heights of the camera for the fit, relative to the nominal one, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
-/// Number of a departure that is the camera's height.
+/// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Question about a frame in which the layout is not found.
-const ELSEWHERE: &str = "is it of another layout or camera, or does the camera stand elsewhere than `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` say, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
-/// Fits about the optics that the last one led to, and the gain in chi-squared that ends them.
+/// Hint in messages about a frame in which the layout is not found.
+const ELSEWHERE: &str = "is it from another layout or camera, is the camera not where `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` put it, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
+/// Largest number of repeated fits, each around the optics of the last, and the decrease of χ² below which they stop.
 const MOST_FITS: usize = 12;
 const SETTLED: f64 = 1e-3;
 
-/// Markers of the layout among those found, by number, and their pictures.
+/// For each marker of the layout: its index in the list of found markers, and its picture.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 
-/// Markers of a frame, by those of the layout.
+/// Markers of a frame, in the order of the layout.
 pub(super) struct Matched {
-    /// Number among those found of each marker of the layout.
+    /// Index of each marker of the layout in the list of found markers.
     pub(super) found: Vec<Option<usize>>,
     pub(super) seen: Vec<Option<Seen>>,
     rest: Rest,
@@ -67,8 +67,8 @@ pub(super) struct Matched {
 }
 
 impl Matched {
-    /// Matches the markers about the optics that are meant, or those of a camera that is higher or lower, where scale and lens
-    /// make up for it in a minimum that is not the least; with the optics that they are matched about.
+    /// Matches the markers, starting from the nominal optics and from higher and lower cameras, and returns the best
+    /// match with its optics. From a wrong height, a fit may end in a local minimum: scale and lens compensate it.
     pub(super) fn of(
         meant: &Meant<'_>,
         optics: &Optics,
@@ -93,7 +93,7 @@ impl Matched {
             })
     }
 
-    /// Matches the markers about optics, roughly at first.
+    /// Matches the markers, starting from `optics`: first roughly, then finally.
     fn about(meant: &Meant<'_>, optics: Optics, found: &Found) -> Result<(Self, Optics), String> {
         let mut optics = optics;
         for _ in 0..ROUNDS {
@@ -139,7 +139,7 @@ impl Matched {
         told(&expected, &seen, found, least).map(|_| (markers, seen))
     }
 
-    /// Kind of number in which the markers differ most from those that the layout makes.
+    /// Quantity (places, hues or sizes) in which the markers differ most from the fitted model.
     fn most_off(&self) -> &'static str {
         let mut squares = [0.0; 3];
         for (seen, law) in self.seen.iter().zip(&self.law) {
@@ -225,7 +225,7 @@ impl Matched {
         let camera = optics.camera();
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
-        // Their rows follow those of the rest of the camera.
+        // Rows of odd terms follow the rows of the other camera parameters.
         let std_of_term = |at: usize| (meant.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(RestCamera {
             length_unit,
@@ -256,7 +256,7 @@ impl Matched {
         self.rest.chi_squared / self.rest.freedom.max(1) as f64
     }
 
-    /// The warning where markers are missing.
+    /// The warning if markers are missing.
     pub(super) fn warning(&self) -> Option<String> {
         let all = self.seen.len();
         (self.missing > 0).then(|| {
@@ -267,7 +267,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera's numbers, with standard deviations so much wider.
+    /// Covariance of the camera's numbers; standard deviations are multiplied by `widened`.
     fn covariance(&self, meant: &Meant<'_>, widened: f64) -> Result<DMatrix<f64>, String> {
         let singular = || "leaves the camera undetermined".to_owned();
         let shares = self.rest.covariance().ok_or_else(singular)?;
@@ -285,8 +285,8 @@ impl Matched {
     }
 }
 
-/// The fit about the optics that it leads to: odd terms, scale and the camera's height almost make up for each other, so that
-/// one fit from afar ends before the least chi-squared.
+/// Repeats the fit around the optics that it found. Odd terms, scale and camera height almost compensate each other,
+/// so a single fit that starts far away stops before the smallest χ².
 fn settled(
     meant: &Meant<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -308,7 +308,7 @@ fn other_layout(error: impl std::fmt::Display) -> String {
     format!("does not show the layout: {error}; {ELSEWHERE}")
 }
 
-/// Pictures of the markers at rest, of the sensor that is meant or that a frame tells.
+/// Modelled pictures of the markers at rest: for the nominal sensor, or for the sensor that `rest` estimates.
 fn law(fit: &ImageFit<PictureLaw>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
@@ -327,7 +327,7 @@ fn law(fit: &ImageFit<PictureLaw>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     pictures.ok_or_else(|| other_layout("no such camera sees them"))
 }
 
-/// Evidence of a frame on the camera alone.
+/// The camera's part of the departure estimated from a frame.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {
@@ -336,7 +336,7 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     Ok(Departure::of(numbers))
 }
 
-/// A marker whose discs may be misaligned, as it tells the camera roughly.
+/// A marker's picture with larger errors, which allow for misaligned discs.
 fn roughly(seen: Seen) -> Seen {
     let mut covariance = seen.covariance;
     for (number, std) in ROUGHLY.into_iter().enumerate() {
@@ -350,7 +350,7 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// How many markers are missing; refuses too few of them, and other colours.
+/// Number of missing markers. Rejects frames with too many missing or additional markers, or with other colours.
 fn told(
     expected: &[Option<[f64; 4]>],
     seen: &[Option<Seen>],
@@ -379,7 +379,7 @@ fn told(
             Number::rounded(median)
         ));
     }
-    // Where no marker is seen whole, the rim may cut one.
+    // Markers that the rim cuts do not count as missing.
     let centroids = centroids(expected);
     let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
     let cut = cut.filter(|(at, _)| seen[*at].is_none()).count();

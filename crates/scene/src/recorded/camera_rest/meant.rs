@@ -1,4 +1,4 @@
-//! The sensor that a study states, as a frame at rest is held against it.
+//! The nominal sensor, as a study states it, to compare a frame at rest with.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
@@ -14,21 +14,21 @@ use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
 use crate::press::{PictureLaw, seen_of, sensor_stds};
 
-/// Standard deviations to which a camera is known beforehand: of the image's centre, px; of pixels per radian, a share; of
-/// its place, a share of the sensor's radius; of its turn, degrees.
+/// Prior standard deviations of a camera: image centre, px; pixels per radian, relative; place, a share of the
+/// sensor's radius; turn, degrees.
 const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
-/// Standard deviations to which the odd terms of a lens are known beforehand, k3 and k5: the projections that fisheyes are made
-/// to, from orthographic to stereographic, lie within two.
+/// Prior standard deviations of a lens's odd terms, k3 and k5. All usual fisheye projections, from orthographic to
+/// stereographic, lie within two of them.
 pub(super) const TERMS_BEFORE: [f64; 2] = [0.1, 0.05];
-/// Numbers of a departure that are the odd terms.
+/// Indices of the odd terms in a [`Departure`].
 pub(super) const TERMS: [usize; 2] = [19, 20];
-/// Standard deviations to which discs are known where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
-/// shares.
+/// Prior standard deviations of discs if the study states none: depth, a share of the sensor's radius; diameter and
+/// colours, relative.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
-/// Number of frames from which the change of pictures by blemishes is found: noise of pixels changes it too.
+/// Number of frames over which the effect of blemishes on pictures is averaged, because pixel noise changes it too.
 const BLEMISHED: u64 = 4;
 
-/// The sensor as it is meant to be.
+/// The nominal sensor, as the study states it.
 #[derive(Clone)]
 pub(in crate::recorded) struct Meant<'a> {
     pub(in crate::recorded) sphere: MarkerSphere<'a>,
@@ -39,18 +39,18 @@ pub(in crate::recorded) struct Meant<'a> {
     misalignment_std: f64,
     /// Standard deviation of a pixel's noise, levels of 255.
     pixel_std: f64,
-    /// Change of each marker's picture at rest by uneven light and blur; none without these.
+    /// Change of each marker's picture at rest by uneven light and blur; empty without them.
     blemished: Vec<[f64; 4]>,
 }
 
-/// Stand of a camera, and the scale of its image.
+/// Pose of a camera, with centre and scale of its image and odd terms of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::recorded) struct Stand {
     /// Middle of the image, px.
     pub(in crate::recorded) centre_px: [f64; 2],
     /// Focal length, px per radian.
     pub(in crate::recorded) px_per_rad: f64,
-    /// Place from the sensor's centre, length.
+    /// Position relative to the sensor's centre, length.
     pub(in crate::recorded) place: [f64; 3],
     /// Turn, degrees.
     pub(in crate::recorded) turn_deg: [f64; 3],
@@ -103,10 +103,10 @@ impl<'a> Meant<'a> {
         })
     }
 
-    /// This sensor with what uneven light and blur make of its pictures at rest.
+    /// This sensor with the effect of uneven light and blur on its pictures at rest.
     ///
     /// # Errors
-    /// [`PlanError`] where the camera shows no markers through them.
+    /// [`PlanError`] if the camera shows no markers with this light and blur.
     pub(in crate::recorded) fn through_blemishes(self) -> Result<Self, PlanError> {
         let CameraConfig {
             light_at_rim,
@@ -149,8 +149,8 @@ impl<'a> Meant<'a> {
         })
     }
 
-    /// Pictures of the markers at rest, as they are found in some frames with these blemishes; the noise of each frame's
-    /// pixels is the same whatever else they are.
+    /// Pictures of the markers at rest, found in several frames with these blemishes. Each frame's pixel noise is the
+    /// same for all blemishes.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, PlanError> {
         let optics = self.shown(&self.stand()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
@@ -185,7 +185,7 @@ impl<'a> Meant<'a> {
         !self.blemished.is_empty()
     }
 
-    /// Picture of a marker without what light and blur make of it at rest.
+    /// A marker's picture, corrected for the effect of light and blur at rest.
     pub(in crate::recorded) fn clear(&self, marker: usize, seen: Seen) -> Seen {
         let change = self.blemished.get(marker).copied().unwrap_or_default();
         Seen {
@@ -194,7 +194,7 @@ impl<'a> Meant<'a> {
         }
     }
 
-    /// This sensor with the first so many odd terms of its lens unknown.
+    /// This sensor with the first `unknown` odd terms of its lens unknown.
     pub(in crate::recorded) fn with_terms(&self, unknown: usize) -> Self {
         let mut other = self.clone();
         for (number, std) in TERMS.into_iter().zip(TERMS_BEFORE).take(unknown) {
@@ -208,7 +208,7 @@ impl<'a> Meant<'a> {
         TERMS.iter().all(|&number| self.stds[number] == 0.0)
     }
 
-    /// Optics with the middle of the image where the frame has it.
+    /// Nominal optics, but with the image centre of the frame.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, PlanError> {
         self.seen_from(&Stand {
             centre_px: found.mask.centre_px,
@@ -216,7 +216,7 @@ impl<'a> Meant<'a> {
         })
     }
 
-    /// Camera of the meant size and field, with a lens of these odd terms.
+    /// Camera of the nominal size and field, with a lens of these odd terms.
     fn lens(&self, odd_terms: OddTerms) -> Result<Camera, PlanError> {
         let CameraConfig {
             size_px, field_deg, ..
@@ -225,7 +225,7 @@ impl<'a> Meant<'a> {
         Camera::new(lens, size_px, field_deg).map_err(|error| of_optics(&error))
     }
 
-    /// Stand that the camera is meant to have.
+    /// Nominal pose and scale of the camera.
     pub(in crate::recorded) fn stand(&self) -> Result<Stand, PlanError> {
         let CameraConfig { k3, k5, .. } = *self.camera;
         let odd_terms = OddTerms { k3, k5 };
@@ -239,7 +239,7 @@ impl<'a> Meant<'a> {
         })
     }
 
-    /// Optics of a camera that stands so.
+    /// Optics of a camera with this pose and scale.
     pub(in crate::recorded) fn seen_from(&self, stand: &Stand) -> Result<Optics, PlanError> {
         self.shown(stand, Blemishes::default())
     }
@@ -264,7 +264,7 @@ impl<'a> Meant<'a> {
                 optics: optics.clone(),
             },
             markers: self.markers.clone(),
-            // Nothing is pressed.
+            // Without a press, the bodies have no effect.
             bodies: [body()?, body()?],
             deeper: None,
             told: None,

@@ -1,8 +1,8 @@
-//! Markers of a frame, by where those of a layout are expected.
+//! Matches markers of a frame with the expected positions of a layout's markers.
 
 use palpate_tracking::{Found, Marker};
 
-/// Number of the marker of a frame nearest to where each of the layout's is expected, if that one is the nearest to it too.
+/// For each expected position: index of the nearest marker, among the markers that have no nearer expected position.
 pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
     let mut nearest = vec![None; expected.len()];
     let mut distances = vec![f64::INFINITY; expected.len()];
@@ -17,7 +17,7 @@ pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Optio
     nearest
 }
 
-/// Number of the expected marker that is nearest to one of a frame, and its distance, px.
+/// Index of the expected position that is nearest to a marker of a frame, and its distance, px.
 pub(super) fn closest(expected: &[Option<[f64; 2]>], marker: &Marker) -> Option<(usize, f64)> {
     let [x, y] = marker.centroid_px;
     let all = expected.iter().enumerate().filter_map(|(at, centroid)| {

@@ -1,16 +1,16 @@
-//! Report of a camera that a frame at rest tells.
+//! Report of a camera that was estimated from a frame at rest.
 
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use serde::{Deserialize, Serialize};
 
-/// A camera, as its markers at rest show it.
+/// A camera, estimated from its markers at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RestCamera {
     /// Unit of lengths.
     pub length_unit: LengthUnit,
-    /// Place from the sensor's centre: along the apex's axes, and toward the apex.
+    /// Position relative to the sensor's centre: along the axes at the apex, and toward the apex.
     pub place: [f64; 3],
     /// Its standard deviations.
     pub place_std: [f64; 3],
@@ -18,11 +18,12 @@ pub struct RestCamera {
     pub turn_deg: [f64; 3],
     /// Its standard deviations.
     pub turn_std_deg: [f64; 3],
-    /// Focal length f of the fisheye, px per radian: an angle θ from its axis is seen f (θ + k3 θ³ + k5 θ⁵) from the middle.
+    /// Focal length f of the fisheye, px per radian: a ray at θ to its axis is seen f (θ + k3 θ³ + k5 θ⁵) px
+    /// off-centre.
     pub px_per_rad: f64,
     /// Its standard deviation.
     pub px_per_rad_std: f64,
-    /// Odd term of the third power; that of the study where the frame does not determine it.
+    /// Odd term of the third power; the study's value if the frame does not determine it.
     #[serde(default)]
     pub k3: f64,
     /// Its standard deviation; absent where the frame does not determine it.
@@ -36,16 +37,16 @@ pub struct RestCamera {
     pub k5_std: Option<f64>,
     /// Middle of the image, px.
     pub centre_px: [f64; 2],
-    /// Covariance of both coordinates of the centre, px; of px per radian, a share; of the place, length; of the turn, rad; of the odd
-    /// terms that the frame determines.
+    /// Covariance of, in this order: both coordinates of the image centre, px; px per radian, relative; place,
+    /// length; turn, rad; odd terms that the frame determines.
     pub covariance: Vec<Vec<f64>>,
-    /// Root mean square distance of the markers' centroids from where they should be seen, px.
+    /// Root mean square distance of the markers' centroids from their expected positions, px.
     pub residual_px: f64,
-    /// Distance of each marker of the layout; absent of those that are not seen.
+    /// Distance for each marker of the layout that is seen.
     pub residuals_px: Vec<Residual>,
-    /// Chi-squared of the frame per degree of freedom: about 1 where all is as it should be.
+    /// Chi-squared of the frame per degree of freedom: about 1 if the model is right.
     pub reduced_chi_squared: f64,
-    /// Warnings, in words.
+    /// Texts of the warnings.
     pub warnings: Vec<String>,
 }
 
@@ -83,7 +84,7 @@ impl RestCamera {
     }
 }
 
-/// Distance of a marker's centroid from where it should be seen.
+/// Distance of a marker's centroid from its expected position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Residual {

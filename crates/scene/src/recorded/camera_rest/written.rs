@@ -10,7 +10,8 @@ use super::super::file::RecordedFile;
 use super::matched::CAMERA;
 use super::report::RestCamera;
 
-/// Share by which a standard deviation and that of the covariance may differ: px per rad is divided by another scale.
+/// Largest relative difference between a standard deviation and the covariance. It is not zero, because the
+/// covariance divides px per rad by a slightly different scale.
 const ROUNDING: f64 = 0.1;
 
 /// Reads a camera from a file, as [`parse_camera`].
@@ -24,9 +25,9 @@ pub fn read_camera(path: &Path) -> Result<RestCamera, RecordedError> {
 /// A camera as [`RestCamera::to_toml`] writes it.
 ///
 /// # Errors
-/// [`RecordedError::File`] for a calibration of displacements, a field that is missing or unknown, a number that is not
-/// finite, a scale or a standard deviation that is not positive, and what is no covariance or not that of the standard
-/// deviations.
+/// [`RecordedError::File`] for a calibration of displacements, a field that is missing or unknown, a number that is
+/// not finite, a scale or a standard deviation that is not positive, and a matrix that is no covariance or
+/// contradicts the standard deviations.
 pub fn parse_camera(file: &RecordedFile) -> Result<RestCamera, RecordedError> {
     let text = file.text("a camera is needed, as `palpate sensor calibrate --rest` writes it")?;
     let kinds = kinds_of_calibration(text);
@@ -44,14 +45,14 @@ pub fn parse_camera(file: &RecordedFile) -> Result<RestCamera, RecordedError> {
     Ok(camera)
 }
 
-/// Parts of a calibration of displacements that a text has.
+/// Tables of a displacement calibration that a text contains.
 fn kinds_of_calibration(text: &str) -> Vec<&'static str> {
     let table: toml::Table = text.parse().unwrap_or_default();
     let parts = ["normal", "lateral"].into_iter();
     parts.filter(|part| table.contains_key(*part)).collect()
 }
 
-/// Whether a text is that of a camera.
+/// Whether a text describes a camera.
 pub(in crate::recorded) fn is_camera(text: &str) -> bool {
     let table: toml::Table = text.parse().unwrap_or_default();
     ["place", "turn_deg", "px_per_rad", "centre_px"]

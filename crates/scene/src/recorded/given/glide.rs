@@ -8,36 +8,36 @@ use serde_json::{Map, Value as Json};
 use super::super::patch::GlideOptions;
 use super::super::wording::{GivenError, Wording};
 
-/// Most places along each side of a map.
+/// Largest number of grid points along each side of a map.
 const MOST_PLACES: f64 = 1000.0;
 
-/// Settings of an estimate from glides, each as far as it was given; lengths in the readings' unit.
+/// Settings given for an estimate from glides; `None` if not given. Lengths are in the readings' unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GlideGiven {
-    /// Settings of the estimator by their keys in a config, its `kind` among them.
+    /// Settings of the estimator by their config keys, including `kind`.
     pub estimator: Map<String, Json>,
-    /// Places along each side of the map's grid, from 1 to 1000.
+    /// Grid points along each side of the map, from 1 to 1000.
     pub grid: Option<u32>,
-    /// Whether the map has a place per contact instead of a grid.
+    /// Whether the map has one point per contact instead of a grid.
     pub at_contacts: bool,
-    /// Direction out of the object, of any length; of use only to readings without normals or of lowest points.
+    /// Direction out of the object, of any length; only for readings without normals or of the tips' lowest points.
     pub outward: Option<[f64; 3]>,
-    /// Radius of round tips of which the readings tell another point than the contact.
+    /// Radius of round tips, if the readings state another point of the tip than the contact.
     pub tip_radius: Option<f64>,
-    /// That point, the lowest by default; of use only with the radius.
+    /// The point of the tip that readings state, by default the lowest; only with `tip_radius`.
     pub reports: Option<TipPoint>,
     /// Unit of lengths, where the readings do not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; goes with the next.
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; needs `mean_threshold`.
     pub gaussian_threshold: Option<f64>,
     /// Magnitude of the mean curvature below which it counts as zero, 1/length.
     pub mean_threshold: Option<f64>,
-    /// Distance between fingers; of use only to two-pass, and to noise that is a fraction of it.
+    /// Distance between fingers; only for two-pass, and for noise that is stated as a fraction of it.
     pub inter_finger_distance: Option<f64>,
 }
 
 impl GlideOptions {
-    /// Options from settings that were given, the others those of `base`, for readings with normals or without.
+    /// Options from the given settings, and from `base` for all others. Readings may have normals or not.
     ///
     /// ```
     /// use palpate_scene::recorded::{GlideGiven, GlideOptions, Wording};
@@ -49,7 +49,7 @@ impl GlideOptions {
     /// ```
     ///
     /// # Errors
-    /// [`GivenError`] for a setting that is out of its range or of no use beside the others.
+    /// [`GivenError`] for a setting that is out of its range or has no effect with the others.
     pub fn given(
         given: &GlideGiven,
         base: Option<Self>,
@@ -138,7 +138,7 @@ fn tip(given: &GlideGiven, base: Option<RoundTip>) -> Option<RoundTip> {
     })
 }
 
-/// A direction whose largest component is 1.
+/// Scales a direction so that its largest component is ±1.
 fn direction(components: [f64; 3], wording: Wording) -> Result<[f64; 3], GivenError> {
     let largest = components
         .iter()

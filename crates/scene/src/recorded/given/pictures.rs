@@ -9,11 +9,11 @@ use super::super::wording::{GivenError, Wording};
 use super::press::{PressGiven, possible, useful_std};
 
 impl PictureOptions {
-    /// Options from settings that were given, the others those of `base`, which a study states.
+    /// Options from the given settings, and from the study's `base` for all others.
     ///
     /// # Errors
-    /// [`GivenError`] without a study, for a setting that is of no use to pictures or out of its range, and for lengths that
-    /// do not fit into the sensor.
+    /// [`GivenError`] without a study, for a setting that a fit of pictures does not use or that is out of its range,
+    /// and for lengths that do not fit into the sensor.
     pub fn given(
         given: &PressGiven,
         base: Option<Self>,

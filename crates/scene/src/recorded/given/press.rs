@@ -10,17 +10,17 @@ use super::super::press::PressReadings;
 use super::super::pressed::PressOptions;
 use super::super::wording::{GivenError, Wording};
 
-/// Settings of an estimate from presses, each as far as it was given; lengths in the readings' unit.
+/// Settings given for an estimate from presses; `None` if not given. Lengths are in the readings' unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PressGiven {
-    /// Radius of the sensor's skin; needed unless a study tells it.
+    /// Radius of the sensor's skin; needed unless a study states it.
     pub sensor_radius: Option<f64>,
     /// Depth of the markers under the skin.
     pub depth: Option<f64>,
-    /// Settings of the estimator by their keys in a config, its `kind` among them. Thickness and Poisson's ratio of a
-    /// Gaussian are those of the body that it is calibrated on.
+    /// Settings of the estimator by their config keys, including `kind`. For a Gaussian, thickness and Poisson's
+    /// ratio are those of the elastic model on which it is calibrated.
     pub estimator: Map<String, Json>,
-    /// Indentation, where it is known from elsewhere.
+    /// Indentation, if it was measured separately.
     pub indentation: Option<f64>,
     /// Standard deviation of each normal displacement.
     pub normal_std: Option<f64>,
@@ -28,17 +28,17 @@ pub struct PressGiven {
     pub tangential_std: Option<f64>,
     /// Factor on the markers' positions.
     pub radial_scale: Option<f64>,
-    /// Young's modulus of the soft body, force per length².
+    /// Young's modulus of the soft material, force per length².
     pub young: Option<f64>,
     /// Unit of lengths, where the readings do not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
 impl PressGiven {
-    /// Checks that these readings have what the settings tell of.
+    /// Checks that the readings contain the displacements whose noise is given.
     ///
     /// # Errors
-    /// [`GivenError`] for the noise of displacements that the readings do not have.
+    /// [`GivenError`] if tangential noise is given, but the readings have no tangential displacements.
     pub fn fits(&self, readings: &PressReadings, wording: Wording) -> Result<(), GivenError> {
         if self.tangential_std.is_none() || readings.has_tangential() {
             return Ok(());
@@ -56,7 +56,7 @@ impl PressGiven {
 }
 
 impl PressOptions {
-    /// Options from settings that were given, the others those of `base`.
+    /// Options from the given settings, and from `base` for all others.
     ///
     /// ```
     /// use palpate_scene::recorded::{PressGiven, PressOptions, Wording};
@@ -67,8 +67,8 @@ impl PressOptions {
     /// ```
     ///
     /// # Errors
-    /// [`GivenError`] for a setting that is missing, out of its range or of no use beside the others, and for lengths
-    /// that do not fit into the sensor.
+    /// [`GivenError`] for a setting that is missing, out of its range or without effect, and for lengths that do not
+    /// fit into the sensor.
     pub fn given(
         given: &PressGiven,
         base: Option<Self>,
@@ -114,8 +114,8 @@ impl PressOptions {
     }
 }
 
-/// The estimator, and the body that it is told of: a Gaussian has neither thickness nor Poisson's ratio, but is calibrated
-/// on a body that has.
+/// The estimator and its elastic model. A Gaussian has neither thickness nor Poisson's ratio, but it is calibrated on
+/// a model that has one of them.
 fn estimator(
     given: &Map<String, Json>,
     base: &PressOptions,
@@ -146,7 +146,7 @@ fn estimator(
     };
     let calibrated = |kind: &str| {
         let (kind, c) = (wording.with("kind", kind), wording.name("c"));
-        format!("to {kind} and to calibrate a Gaussian, whose {c} is given")
+        format!("to {kind} and to calibrate a Gaussian, but {c} is given")
     };
     match (thickness, poisson) {
         (None, None) => Ok((estimator, base.model.clone())),
@@ -154,7 +154,7 @@ fn estimator(
         (None, Some(_)) if has_c => useless("poisson", calibrated("half-space")),
         (Some(_), Some(_)) => {
             let thickness = wording.name("thickness");
-            useless("poisson", format!("without {thickness}: a layer's is 0.5"))
+            useless("poisson", format!("without {thickness}: a layer has 0.5"))
         }
         (Some(thickness), None) => Ok((estimator, PressModelConfig::BondedLayer { thickness })),
         (None, Some(poisson)) => Ok((estimator, PressModelConfig::HalfSpace { poisson })),
@@ -167,7 +167,7 @@ const POISSON: Range = Range {
     ..Range::NOT_NEGATIVE
 };
 
-/// Refuses settings that the estimator has no use for, and the lack of those that it needs.
+/// Rejects settings that the estimator does not use, and missing settings that it needs.
 fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Result<(), GivenError> {
     let refuse = |key: &str, message: String| Err(wording.refused(key, message));
     let name = |key: &str| wording.name(key);
@@ -189,7 +189,7 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
         PressEstimatorConfig::Gaussian { .. } if options.young.is_some() => {
             let method = wording.with("kind", "half-space or bonded-layer");
             let message = format!(
-                "{} is of use only to {method}: a Gaussian knows no stress",
+                "{} is of use only to {method}: a Gaussian has no stress",
                 name("young")
             );
             refuse("young", message)
@@ -204,13 +204,12 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
         PressEstimatorConfig::Image { .. } => {
             let method = wording.with("kind", "half-space or bonded-layer");
             let frames = match wording {
-                Wording::Flags => "`palpate sensor track` takes them",
-                Wording::Arguments => "`track` takes them",
+                Wording::Flags => "use `palpate sensor track`",
+                Wording::Arguments => "use `track`",
             };
-            let message = format!(
-                "a fit of pictures needs the frames and a model of the sensor, and {frames}"
-            );
-            refuse("kind", format!("{message}; displacements take {method}"))
+            let message =
+                format!("a fit of pictures needs the frames and a model of the sensor: {frames}");
+            refuse("kind", format!("{message}; for displacements use {method}"))
         }
         PressEstimatorConfig::BondedLayer {
             thickness: None, ..
@@ -223,7 +222,7 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
     }
 }
 
-/// Refuses the standard deviation of an indentation that is not given.
+/// Rejects `indentation_std` if no indentation is given.
 pub(super) fn useful_std(given: &PressGiven, wording: Wording) -> Result<(), GivenError> {
     if given.estimator.contains_key("indentation_std") && given.indentation.is_none() {
         let [std, indentation] = ["indentation_std", "indentation"].map(|key| wording.name(key));

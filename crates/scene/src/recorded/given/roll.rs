@@ -10,16 +10,16 @@ use serde_json::{Map, Value as Json};
 use super::super::roll::RollOptions;
 use super::super::wording::{GivenError, Wording};
 
-/// Settings of an estimate from rolls, each as far as it was given; lengths in the readings' unit.
+/// Settings given for an estimate from rolls; `None` if not given. Lengths are in the readings' unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RollGiven {
-    /// The probe's radius; needed unless a study tells it.
+    /// The probe's radius; needed unless a study states it.
     pub probe_radius: Option<f64>,
-    /// Settings of the estimator by their keys in a config, its `kind` among them.
+    /// Settings of the estimator by their config keys, including `kind`.
     pub estimator: Map<String, Json>,
-    /// Pitch of the pads, which tells the noise of shifts.
+    /// Pitch of the pads, from which the noise of shifts is computed.
     pub pitch: Option<f64>,
-    /// Standard deviation of each component of a shift, of a sensor without pads.
+    /// Standard deviation of each component of a shift, for a sensor without pads.
     pub shift_std: Option<f64>,
     /// Standard deviation of each component of a rotation, rad.
     pub rotation_std_rad: Option<f64>,
@@ -30,7 +30,7 @@ pub struct RollGiven {
 }
 
 impl RollOptions {
-    /// Options from settings that were given, the others those of `base`.
+    /// Options from the given settings, and from `base` for all others.
     ///
     /// ```
     /// use palpate_scene::recorded::{RollGiven, RollOptions, Wording};
@@ -42,7 +42,7 @@ impl RollOptions {
     /// ```
     ///
     /// # Errors
-    /// [`GivenError`] for a setting that is missing, out of its range or of no use beside the others.
+    /// [`GivenError`] for a setting that is missing, out of its range or without effect.
     pub fn given(
         given: &RollGiven,
         base: Option<Self>,

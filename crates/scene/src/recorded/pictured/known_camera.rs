@@ -1,4 +1,4 @@
-//! The camera that a fit of frames takes for known.
+//! Camera parameters and their uncertainty before a fit of frames.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_chromatouch::{Departure, OddTerms};
@@ -11,17 +11,17 @@ use super::super::tracked::Frame;
 use super::options::PictureOptions;
 use crate::press::sensor_stds;
 
-/// Standard deviations by which a number of the camera may differ from that which the frame at rest shows.
+/// Largest difference of a camera parameter from its estimate by the frame at rest, in standard deviations.
 const CONTRADICTED: f64 = 6.0;
-/// Chi-squared of all numbers together past which the camera is another.
+/// Chi-squared of all parameters together above which the camera contradicts the frame.
 const CONTRADICTED_BY_ALL: f64 = 200.0;
-/// Chi-squared of nine, ten and eleven numbers together past which the camera is doubtful: chance brings one in 10,000.
+/// Chi-squared of 9, 10 and 11 parameters together above which a warning is given: by chance, 1 in 10,000 exceeds it.
 const DOUBTFUL: [f64; 3] = [33.7, 35.6, 37.4];
-/// Number of a camera's numbers without the odd terms of its lens, which a frame need not determine.
+/// Number of camera parameters without the odd terms of the lens, which a frame may not determine.
 const SURE: usize = 9;
-/// Standard deviations, in those that a camera is known to before any frame, to which it must be known after one.
+/// Largest standard deviation of a calibrated parameter, relative to the one before calibration.
 const VAGUE: f64 = 10.0;
-/// Names of the camera's numbers and their units, but for lengths.
+/// Names of the camera parameters and their units; `None` is the length unit.
 const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("centre_px[0]", Some("px")),
     ("centre_px[1]", Some("px")),
@@ -36,20 +36,20 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("k5", Some("")),
 ];
 
-/// A camera, as far as it is known.
+/// A camera with the uncertainty of its parameters.
 pub(super) struct KnownCamera<'a> {
     pub(super) stand: Stand,
-    /// Standard deviations of departures of the sensor.
+    /// Standard deviation of each `Departure` of the sensor.
     pub(super) stds: [f64; Departure::NUMBERS],
-    /// Departures of the camera whose joint covariance a calibration tells.
+    /// Departures of the camera, with their joint covariance from a calibration.
     pub(super) told: Option<Told>,
-    /// The file that tells the camera; `None` of a study.
+    /// File of the calibration; `None` for the study's camera.
     file: Option<&'a str>,
     unit: &'static str,
 }
 
 impl<'a> KnownCamera<'a> {
-    /// The camera of a calibration, else that of the study.
+    /// The camera of the calibration if there is one, else the study's camera.
     pub(super) fn of(
         meant: &Meant<'_>,
         options: &'a PictureOptions,
@@ -115,10 +115,10 @@ impl<'a> KnownCamera<'a> {
         })
     }
 
-    /// Doubt about the camera where a frame at rest shows another one.
+    /// Warning if the frame at rest shows a different camera.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] where it contradicts the frame, with the number that does and what it should be.
+    /// [`RecordedError::Readings`] if it contradicts the frame, with the worst parameter and its two values.
     pub(super) fn doubt(
         &self,
         shown: &RestCamera,
@@ -127,7 +127,7 @@ impl<'a> KnownCamera<'a> {
         let (here, there) = (numbers(&self.stand), numbers(&stand_of(shown)));
         let scales = scales(shown);
         let seen = shown.covariance();
-        // Odd terms that the frame does not determine contradict none.
+        // Odd terms that the frame does not determine are not compared.
         let count = seen.nrows();
         let own = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {
@@ -141,7 +141,7 @@ impl<'a> KnownCamera<'a> {
         let worst = worst.unwrap_or(0);
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // As many digits as tell the two apart.
+        // Print enough digits to show the difference.
         let apart = here[worst] - there[worst];
         let told = |value: f64, std: f64| {
             let value = Number::known_to(value, 0.1 * apart);
@@ -169,7 +169,7 @@ impl<'a> KnownCamera<'a> {
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));
-        // Numbers that nearly make up for each other contradict it together.
+        // Strongly correlated parameters may contradict the frame only together.
         let is_contradicted = square.is_some_and(|square| square > CONTRADICTED_BY_ALL);
         let is_alone = pull(worst) > CONTRADICTED;
         let difference = match square {
@@ -219,14 +219,14 @@ fn stand_of(camera: &RestCamera) -> Stand {
     }
 }
 
-/// Numbers of a camera in the order of [`NAMES`].
+/// Parameters of a camera in the order of [`NAMES`].
 fn numbers(stand: &Stand) -> [f64; CAMERA.len()] {
     let OddTerms { k3, k5 } = stand.odd_terms;
     let ([x, y], [a, b, c], [d, e, f]) = (stand.centre_px, stand.place, stand.turn_deg);
     [x, y, stand.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// Size of each of these numbers in the units of departures: shares of px per rad, and rad.
+/// Factor from each departure to its parameter: departures are a share of px per rad, and angles in rad.
 fn scales(camera: &RestCamera) -> [f64; CAMERA.len()] {
     let degree = 1.0_f64.to_degrees();
     [

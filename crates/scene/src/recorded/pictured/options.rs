@@ -7,29 +7,29 @@ use serde_json::{Map, Value as Json};
 use super::super::camera_rest::{Meant, RestCamera, camera_of};
 use super::super::like::{LikeError, factor, press_of};
 
-/// Sensor before whose camera frames were taken, and what else is known of the press.
+/// The camera sensor that took the frames, and the stated data of the press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
-    /// The press as a study states it, in the unit of all lengths.
+    /// The press of the study, with its lengths converted to `unit`.
     pub(in crate::recorded) press: PressConfig,
     pub(in crate::recorded) unit: LengthUnit,
-    /// The indentation, if something else tells it, length: as
+    /// The indentation, if it is measured otherwise, length: see
     /// [`PressOptions::indentation`](super::super::PressOptions::indentation).
     pub indentation: Option<f64>,
-    /// Young's modulus of the soft body, force per length²; gives forces.
+    /// Young's modulus of the soft body, force per length²; needed for forces.
     pub young: Option<f64>,
-    /// The camera as a frame at rest told it, with the name of its file, for messages; `None` where it is the study's. Discs
-    /// are then known as [`calibrate_camera`](super::super::calibrate_camera) takes them to be, and what the frame at rest
-    /// says of the camera once more is left out, for it may be the frame that told it.
+    /// The camera calibrated from a frame at rest, with its file's name for messages; `None` uses the study's camera.
+    /// With a calibration, discs have the uncertainty that [`calibrate_camera`](super::super::calibrate_camera)
+    /// assumes, and the frame at rest does not refine the camera, because it may be the frame of the calibration.
     pub camera: Option<(String, RestCamera)>,
 }
 
 impl PictureOptions {
-    /// Options with layout, discs, body, camera and noise of a study, lengths converted to `unit`. The indentation of the
-    /// study's presses is not that of the frames.
+    /// Options with layout, discs, body, camera and noise of a study, lengths converted to `unit`. The study's
+    /// indentation is not used.
     ///
     /// # Errors
-    /// [`LikeError`] for a scene that is no press before a camera, a unit that cannot be converted, and markers that are no
+    /// [`LikeError`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are not
     /// discs.
     pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
         let press = in_unit(press_of(study)?, factor(study, unit)?);
@@ -53,12 +53,12 @@ impl PictureOptions {
         crate::press::thickness(&self.press.estimator, &self.press.model)
     }
 
-    /// Warning that the body that is fitted is not that of the study's model, which has a layer.
+    /// Warning if a half-space is fitted although the study's model is a layer.
     pub(super) fn other_body(&self) -> Option<String> {
         let layer = self.press.model.thickness()?;
         self.thickness().is_none().then(|| {
             format!(
-                "a half-space is fitted, since Poisson's ratio is given without a thickness, though the study's model is a layer of {} {}",
+                "a half-space is fitted, because Poisson's ratio is given without a thickness, but the study's model is a layer of {} {}",
                 Number(layer),
                 self.unit().as_str()
             )
@@ -74,7 +74,7 @@ impl PictureOptions {
         own.unwrap_or(self.press.model.poisson())
     }
 
-    /// Whether readings are estimated from by pictures: by the settings that are given, else by a study's estimator.
+    /// Whether the method is `image`, by the given settings or else by the study's estimator.
     pub fn are_asked_for(given: &Map<String, Json>, study: Option<&StudyConfig>) -> bool {
         let of_study = || Some(press_of(study?).ok()?.estimator.name());
         let kind = given.get("kind").and_then(Json::as_str).or_else(of_study);

@@ -1,4 +1,4 @@
-//! Fit of pictures whose errors are as large as the markers scatter, and what is doubted of it.
+//! Fit of pictures with errors widened to the scatter of the markers, and its warnings.
 
 use palpate_number::Number;
 use palpate_press::{
@@ -10,20 +10,20 @@ use super::super::tracked::Frame;
 use crate::need::Warning;
 use crate::press::{PictureLaw, PictureMethod, Pictures};
 
-/// An estimate, and what it is an estimate from.
+/// An estimate with its method and its pictures.
 pub(super) struct Widened {
     method: PictureMethod,
     pictures: Pictures,
-    /// The estimate; its goodness is that by the errors that explain how the markers scatter at rest.
+    /// The estimate; its goodness of fit uses errors widened by the scatter at rest only.
     pub(super) estimate: PressEstimate,
-    /// Ways in which the pictures contradict the model by these errors.
+    /// Contradictions between the pictures and the model, with the same errors.
     pub(super) doubts: Vec<Doubt>,
-    /// Standard deviations of scatter at rest and pressed, in those of the errors that are stated; 1 where these explain it.
+    /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if these explain it.
     scatter: [f64; 2],
 }
 
 impl Widened {
-    /// The estimate from markers at rest and pressed, with errors that explain how they scatter.
+    /// The estimate from markers at rest and pressed, with errors widened to explain their scatter.
     ///
     /// # Errors
     /// Errors of the fit, with the scatter at rest.
@@ -78,12 +78,12 @@ impl Widened {
         self.method.estimate(&self.pictures, None)
     }
 
-    /// Displacements of the markers beyond those of the press, as their pictures tell them.
+    /// Displacements of the markers beyond those of the press, from their pictures.
     pub(super) fn beyond(&self) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
         self.method.beyond(&self.pictures, &self.estimate)
     }
 
-    /// Warnings of errors that are wider than those that are stated.
+    /// Warnings if the stated errors were widened.
     pub(super) fn warnings(&self, frames: [&Frame; 2]) -> Vec<Warning> {
         let [at_rest, pressed] = self.scatter;
         let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
@@ -112,7 +112,7 @@ impl Widened {
 /// Question about markers that scatter at rest.
 const OF_REST: &str = "are the camera and the discs those of the sensor?";
 
-/// Reason of a failure to fit a press where markers scatter at rest; nothing where noise explains them.
+/// Possible cause of a failed fit: the markers scatter at rest. `None` if noise explains the scatter.
 pub(super) fn reason(rest: &Frame, scatter: f64) -> Option<String> {
     (scatter > 1.0).then(|| format!("{}: {OF_REST}", scattered(rest, scatter)))
 }
@@ -125,7 +125,7 @@ fn scattered(frame: &Frame, scatter: f64) -> String {
     )
 }
 
-/// Root of a reduced chi-squared that is no chance; 1 of others.
+/// Root of a reduced chi-squared above `DOUBTED`; otherwise 1.
 fn scatter(reduced: f64) -> f64 {
     if reduced > DOUBTED {
         reduced.sqrt()

@@ -1,4 +1,4 @@
-//! Mistakes of sign and column that the normals of contacts look like.
+//! Likely mistakes of sign and column in the normals of contacts.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, RowDVector, Vector3};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
@@ -6,10 +6,10 @@ use palpate_number::Number;
 
 use crate::need::Warning;
 
-/// Length by which a normal may differ from 1, of rounding or of a sensor's noise in its components.
+/// Largest deviation of a normal's length from 1 by rounding or by noise in its components.
 const LENGTH_OFF: f64 = 0.1;
 
-/// Mistakes that the normals of contacts look like.
+/// Likely mistakes in the normals of contacts.
 pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let normals = || contacts.iter().filter_map(|contact| contact.normal);
     let mut lengths: Vec<f64> = normals().map(|normal| normal.norm()).collect();
@@ -18,7 +18,7 @@ pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Ite
     let length = middle.filter(|length| (length - 1.0).abs() > LENGTH_OFF);
     let length = length.map(|length| {
         format!(
-            "the normals have lengths of about {}, not 1: are they unit vectors, and no angles?",
+            "the normals have lengths of about {}, not 1: are they angles instead of unit vectors?",
             Number::rounded(length)
         )
     });
@@ -27,7 +27,7 @@ pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Ite
         .sum();
     let is_down = mean.z < -0.5 * contacts.len() as f64;
     let inward = is_down.then(|| {
-        "the normals point to -z, out of an object that is touched from below: do they point inward? then convex and concave are swapped".to_owned()
+        "the normals point to -z: unless the object is touched from below, they point inward, and convex and concave are swapped".to_owned()
     });
     let length = Warning::of("normal-lengths", length);
     length
@@ -35,22 +35,22 @@ pub(in crate::recorded) fn of_normals(contacts: &[Contact]) -> impl Iterator<Ite
         .chain(Warning::of("inward-normals", inward))
 }
 
-/// Fewest contacts whose normals are held against the shape that their places tell.
+/// Fewest contacts for comparing the normals with a surface through the places.
 const FEWEST: usize = 8;
 
-/// Ratio of sums of squares from which on normals fit the places better with their components changed: they differ from
-/// those of the fit by three times as much as they are.
+/// Least factor by which changed components must reduce the sum of squared errors of the normals: errors three times
+/// smaller.
 const FIT_BETTER: f64 = 9.0;
 
-/// Spread of places across the curve that they lie along, over how far they stand off the surface through them, from which on
-/// they tell normals: about a curve alone any surface may turn.
+/// Least spread of the places across their main curve, relative to their noise, for the comparison of normals: a
+/// single curve does not fix the tilt of the surface about it.
 const SPREADS: f64 = 10.0;
 
-/// Spread across that files of few digits may make, as a share of the spread along.
+/// Spread across that rounding in a file may cause, as a share of the spread along.
 const ROUNDED: f64 = 1e-6;
 
-/// The root-mean-square spread of places across the parabola that they lie along most, in the plane that they lie in most;
-/// 0 where rounding hides it.
+/// Root-mean-square spread of the places across their best-fit parabola, in their best-fit plane; 0 if rounding may
+/// cause it.
 fn spread_across(places: &[Point3<f64>]) -> f64 {
     let count = places.len() as f64;
     let sum: Vector3<f64> = places.iter().map(|place| place.coords).sum();
@@ -81,15 +81,15 @@ fn spread_across(places: &[Point3<f64>]) -> f64 {
     }
 }
 
-/// Least ratio of the squares by which normals are off to those of the slopes' own errors, for the places to tell normals:
-/// across two lines any surface may turn.
+/// Least ratio of the normals' squared errors to those of the fitted slopes, for the comparison of normals: two lines
+/// do not fix the slope across them.
 const TELLS_NORMALS: f64 = 9.0;
 
-/// Least singular value of places that determine a quadric, as a share of the largest.
+/// Least singular value for which places determine a quadric, as a share of the largest.
 const DETERMINED: f64 = 1e-9;
 
-/// Mean square of the errors of the slopes that a quadric through the places of a patch has, where these stand off it by
-/// `off`; infinite where they leave it open.
+/// Mean square error of the slopes of a quadric through the places of a patch, if their noise is `off`; infinite if
+/// they do not determine it.
 fn slope_errors(patch: &Patch, off: f64) -> f64 {
     let samples = &patch.samples;
     let heights = DMatrix::from_fn(samples.len(), 6, |row, column| {
@@ -122,7 +122,7 @@ fn slope_errors(patch: &Patch, off: f64) -> f64 {
     errors.sum::<f64>() / samples.len() as f64
 }
 
-/// The mistake of signs or columns that the normals of contacts look like, held against a quadric through their places alone.
+/// Likely mistake of signs or columns in the normals, by comparison with a quadric through the places alone.
 pub(in crate::recorded) fn of_directions(contacts: &[Contact]) -> Option<String> {
     let normals: Option<Vec<Vector3<f64>>> = contacts
         .iter()
@@ -134,7 +134,7 @@ pub(in crate::recorded) fn of_directions(contacts: &[Contact]) -> Option<String>
         .map(|contact| Contact::new(contact.finger, contact.position, None))
         .collect();
     let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
-    // Whichever side is outside: both are compared.
+    // Any outward side will do, because both signs of the normals are compared.
     let sides = [Vector3::z(), Vector3::x(), Vector3::y()];
     let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
     let fit = Quadric::default().fit(&patch).ok()?;
@@ -180,7 +180,7 @@ pub(in crate::recorded) fn of_directions(contacts: &[Contact]) -> Option<String>
     })
 }
 
-/// Mistakes that swap two components or turn the sign of one, whichever side is outside.
+/// Mistakes that swap two components or reverse the sign of one, up to a common sign.
 fn changes() -> [(Matrix3<f64>, &'static str); 6] {
     let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
     let swap = |one: usize, other: usize| {
@@ -189,9 +189,9 @@ fn changes() -> [(Matrix3<f64>, &'static str); 6] {
         change
     };
     [
-        (signs(-1.0, 1.0, 1.0), "the sign of normal_x turned"),
-        (signs(1.0, -1.0, 1.0), "the sign of normal_y turned"),
-        (signs(1.0, 1.0, -1.0), "the sign of normal_z turned"),
+        (signs(-1.0, 1.0, 1.0), "the sign of normal_x reversed"),
+        (signs(1.0, -1.0, 1.0), "the sign of normal_y reversed"),
+        (signs(1.0, 1.0, -1.0), "the sign of normal_z reversed"),
         (swap(0, 1), "normal_x and normal_y swapped"),
         (swap(0, 2), "normal_x and normal_z swapped"),
         (swap(1, 2), "normal_y and normal_z swapped"),
@@ -204,7 +204,7 @@ mod tests {
 
     use super::*;
 
-    /// Contacts with their normals on a ball of 30 mm, on lines so far apart, with noise of 0.02 mm and 1 degree.
+    /// Contacts with normals on a ball of radius 30 mm, on lines `apart` mm apart; noise 0.02 mm and 1 degree.
     fn on_a_ball(apart: f64, seen: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Vec<Contact> {
         let mut stream = Stream::new(1996, 0, Channel::Position);
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
@@ -229,7 +229,7 @@ mod tests {
             let told = of_directions(&on_a_ball(apart, swapped)).unwrap();
             assert!(told.contains("normal_y and normal_z swapped"), "{told}");
         }
-        // The plane that an arc lies in is none that its normals stand on.
+        // A single arc does not determine a surface, so its normals are not compared.
         assert_eq!(of_directions(&on_a_ball(0.0, |normal| normal)), None);
     }
 
@@ -251,7 +251,7 @@ mod tests {
             (0..15).map(|number| place(number) * size).collect()
         };
         let one = spread_across(&grid(1.0));
-        // Of rows at 0, 1 and 2.
+        // Rows at 0, 1 and 2 have a variance of 2/3.
         assert!((one - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{one}");
         for size in [1e-200, 1e-3, 1e150] {
             assert!((spread_across(&grid(size)) / size / one - 1.0).abs() < 1e-9);

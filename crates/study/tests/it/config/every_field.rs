@@ -26,7 +26,7 @@ const SCENES: [&str; 6] = [
     r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
 ];
 
-/// Fields that no scene can use with the kinds on their way: a projected sensor has no pixels.
+/// Fields that the schema lists for these kinds, but that parsing rejects: a projected sensor has no pixels.
 const REFUSED: [&str; 3] = [
     "press: sensor.blur_px sensor=projected",
     "press: sensor.light_at_rim sensor=projected",
@@ -185,7 +185,7 @@ fn text(config: &Json) -> String {
     palpate_study::config::of_json("study.toml", config).unwrap()
 }
 
-/// Schema of a scene of this kind.
+/// Schema of scenes of the same kind as `base`.
 fn root(base: &Json) -> Json {
     let schema = schema();
     let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();

@@ -1,10 +1,10 @@
-//! Bad configs: where the error points, which field it names, and why.
+//! Bad configs: place, field and reason that the error reports.
 
 use palpate_study::config::parse;
 
 use super::{BASE, error, refuses};
 
-/// One message of each kind, to the letter.
+/// One complete message of each kind.
 const MESSAGES: &str = r#"
 radius = 5.0 } => radius = 5.0 ] | 7:42 | invalid inline table element, expected `,`
 5.0 => 99999999999999999999 | 7:38 scene.object.radius | the integer 99999999999999999999 does not fit into 64 bits
@@ -100,7 +100,7 @@ object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
 "#;
 
-/// A study with one axis, which plots may name.
+/// A sweep of one field, which plots may name.
 const SWEPT: &str = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, 2]\n";
 
 const PLOTS: &str = r#"
@@ -126,7 +126,7 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// A press and a glide, whose plots and maps are their own.
+/// A press and a glide: each allows kinds of plot that the other rejects.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
@@ -166,7 +166,7 @@ from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [3] | 15:8 sweep.1 | is swept twice
 "#;
 
-/// A study whose trials a rule decides.
+/// A rule that decides the number of trials.
 const RULE: &str = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
 const RULES: &str = r#"
 name => trials = 7\nname | 2:10 trials | is not `stop.max_trials`

@@ -20,7 +20,7 @@ pub(super) struct Ongoing<'s, 'a> {
     warnings: Warnings,
     /// Number of tasks that are done.
     tasks: u64,
-    /// Rows of trials of the cell that has not been completed.
+    /// Trial rows of the unfinished cell that are not yet in the journal.
     rows: String,
     is_shared: bool,
 }

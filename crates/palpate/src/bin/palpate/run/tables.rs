@@ -213,7 +213,7 @@ impl<'s> Drafts<'s> {
     }
 }
 
-/// Hands over the records of journals in the order of the cells.
+/// Passes the records of all journals to `take`, in the order of the cells.
 fn merge(
     readers: Vec<Reader>,
     take: &mut dyn FnMut(Item) -> Result<(), Failure>,
