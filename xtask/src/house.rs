@@ -18,6 +18,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("chromatouch", &["sensing"]),
     ("tracking", &[]),
     (
+        "estimators",
+        &[
+            "study",
+            "geometry",
+            "ep2",
+            "press",
+            "chromatouch",
+            "tracking",
+        ],
+    ),
+    (
         "scene",
         &[
             "study",
@@ -29,23 +40,38 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "press",
             "chromatouch",
             "tracking",
+            "estimators",
+        ],
+    ),
+    (
+        "recorded",
+        &[
+            "study",
+            "geometry",
+            "ep1",
+            "ep2",
+            "press",
+            "chromatouch",
+            "tracking",
+            "estimators",
         ],
     ),
     ("sweep", &[]),
     ("report", &["study"]),
-    ("palpate", &["study", "scene", "sweep", "report"]),
+    (
+        "palpate",
+        &["study", "scene", "recorded", "sweep", "report"],
+    ),
     ("python", &["palpate"]),
-    ("tally", &[]),
-    ("frames", &[]),
-    ("number", &[]),
-    ("chance", &[]),
-    ("fuzz", &["geometry", "study", "scene", "tracking"]),
+    ("testkit", &[]),
+    ("statistics", &[]),
+    ("fuzz", &["geometry", "study", "recorded", "tracking"]),
     ("xtask", &[]),
 ];
 /// Crate that may import any other.
 const UNLIMITED: &str = "assay";
 /// Crates that every crate may import.
-const EVERYBODYS: [&str; 3] = ["tally", "number", "chance"];
+const EVERYBODYS: [&str; 1] = ["statistics"];
 
 /// Checks that crates import only what the table allows. Imports of tests and benchmarks do not count.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
@@ -102,8 +128,8 @@ mod tests {
     fn a_forbidden_import_of_a_crate_is_named() {
         let import = |name: &str| json!({"name": name, "kind": null});
         let packages = [
-            json!({"name": "palpate-tally"}),
-            json!({"name": "palpate-sensing", "dependencies": [import("palpate-tally"), import("libm")]}),
+            json!({"name": "palpate-statistics"}),
+            json!({"name": "palpate-sensing", "dependencies": [import("palpate-statistics"), import("libm")]}),
             json!({"name": "palpate-press", "dependencies": [
                 import("palpate-sensing"), {"name": "palpate-assay", "kind": "dev"}]}),
             json!({"name": "palpate-assay", "dependencies": [import("palpate-press")]}),

@@ -1,6 +1,6 @@
 //! Errors of layouts.
 
-use palpate_number::{BadSetting, Number};
+use palpate_statistics::{BadSetting, Number};
 use strum::IntoStaticStr;
 use thiserror::Error;
 

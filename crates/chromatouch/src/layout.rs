@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use palpate_number::BadSetting;
 use palpate_sensing::UniformLattice;
+use palpate_statistics::BadSetting;
 
 use crate::LayoutError;
 

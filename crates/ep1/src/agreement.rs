@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
-use palpate_chance::{Explained, GoodnessOfFit, LEFT, doubted, least_likely};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, doubted, least_likely};
 
 use crate::{Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 

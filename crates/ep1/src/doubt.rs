@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_chance::Share;
+use palpate_statistics::Percent;
 use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model `Δp = B g` of rolls. Where the model holds each arises by chance in
@@ -45,10 +45,10 @@ pub enum Doubt {
 
 impl Doubt {
     /// Probability with which each doubt arises where the model holds.
-    pub const LEVEL: f64 = palpate_chance::DOUBTED;
+    pub const LEVEL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL;
 
     /// Probability by chance of all patterns together, below which the likeliest cause is told.
-    pub const LEVEL_OF_ALL: f64 = palpate_chance::DOUBTED_BY_ALL;
+    pub const LEVEL_OF_ALL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL_OF_ALL;
 
     /// The stable name.
     pub fn name(self) -> &'static str {
@@ -96,7 +96,7 @@ impl fmt::Display for Doubt {
         write!(
             f,
             " (chance does as much in {} of rolls)",
-            Share(self.p_value())
+            Percent(self.p_value())
         )
     }
 }

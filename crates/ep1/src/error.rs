@@ -1,6 +1,6 @@
 //! Errors of readings that do not determine the curvature.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

@@ -10,7 +10,7 @@ mod score_test;
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_chance::least_likely;
+use palpate_statistics::least_likely;
 
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;

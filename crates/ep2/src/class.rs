@@ -1,7 +1,7 @@
 //! Shape classes of a curvature, and their probabilities.
 
-use palpate_chance::normal_tail;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_statistics::normal_tail;
 use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use palpate_chance::GoodnessOfFit;
-use palpate_chance::Share;
+use palpate_statistics::{GoodnessOfFit, Percent};
 use strum::{IntoStaticStr, VariantNames};
 
 /// Agreement of contacts with the fit to them; of more than 2,000 contacts, with as many that are taken evenly.
@@ -56,7 +55,7 @@ pub enum Doubt {
 
 impl Doubt {
     /// Probability with which each doubt arises where the model holds, but that of a stray contact.
-    pub const LEVEL: f64 = palpate_chance::DOUBTED;
+    pub const LEVEL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL;
 
     /// Probability with which this doubt arises where the model holds.
     pub const fn level(self) -> f64 {
@@ -109,7 +108,7 @@ impl fmt::Display for Doubt {
         write!(
             f,
             " (chance does as much in {} of glides)",
-            Share(self.p_value())
+            Percent(self.p_value())
         )
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of contacts that do not determine the shape of a patch.
 
-use palpate_number::{BadSetting, Number};
+use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! The 1996 paper's method: a smoothing spline through the contacts, and a second one through it
 //! and its tangents.
 
-use palpate_number::BadSetting;
+use palpate_statistics::BadSetting;
 
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::fmt::{Debug, Display};
 
 use palpate_geometry::formula::Formula;
-use palpate_scene::recorded::{
-    self, CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
+use palpate_recorded::{
+    CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
 };
 use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig};
 use palpate_tracking::{Finder, FinderSettings};
@@ -114,10 +114,13 @@ pub fn formula(bytes: &[u8]) -> Verdict {
 pub fn readings(bytes: &[u8]) -> Verdict {
     let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
     let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MOST_ROWS;
-    let roll = whole(recorded::parse_roll(file())).map(|readings| {
-        let _ = whole(recorded::estimate_roll(&readings, &RollOptions::new(1.0)));
+    let roll = whole(palpate_recorded::parse_roll(file())).map(|readings| {
+        let _ = whole(palpate_recorded::estimate_roll(
+            &readings,
+            &RollOptions::new(1.0),
+        ));
     });
-    let glide = whole(recorded::parse_glide(file())).map(|readings| {
+    let glide = whole(palpate_recorded::parse_glide(file())).map(|readings| {
         let options = GlideOptions {
             estimator: GlideEstimatorConfig::Quadric {
                 position_std: None,
@@ -128,10 +131,10 @@ pub fn readings(bytes: &[u8]) -> Verdict {
             ..GlideOptions::default()
         };
         if is_short {
-            let _ = whole(recorded::estimate_glide(&readings, &options));
+            let _ = whole(palpate_recorded::estimate_glide(&readings, &options));
         }
     });
-    let press = whole(recorded::parse_press(file())).map(|readings| {
+    let press = whole(palpate_recorded::parse_press(file())).map(|readings| {
         let mut options = PressOptions {
             marker_depth: Some(2.0),
             indentation: Some(1.0),
@@ -146,7 +149,7 @@ pub fn readings(bytes: &[u8]) -> Verdict {
             *indentation_std = 0.02;
         }
         if is_short {
-            let _ = whole(recorded::estimate_press(&readings, &options));
+            let _ = whole(palpate_recorded::estimate_press(&readings, &options));
         }
     });
     first_read([roll, glide, press])
@@ -161,7 +164,7 @@ pub fn readings(bytes: &[u8]) -> Verdict {
 /// If a marker is not finite, or an error says nothing.
 pub fn frame(bytes: &[u8]) -> Verdict {
     let file = RecordedFile::new("fuzz.png", bytes.to_vec());
-    let frame = spoken(recorded::parse_frame(&file))?;
+    let frame = spoken(palpate_recorded::parse_frame(&file))?;
     if frame.image.width().saturating_mul(frame.image.height()) > MOST_PIXELS {
         return Ok(());
     }
@@ -180,19 +183,23 @@ pub fn frame(bytes: &[u8]) -> Verdict {
 /// If a calibration or a camera is not read back the same, is not finite, or an error says nothing.
 pub fn calibration(bytes: &[u8]) -> Verdict {
     let file = || RecordedFile::new("fuzz", bytes.to_vec());
-    let points = whole(recorded::parse_calibration_points(&file())).map(|points| {
-        let _ = whole(recorded::calibrate(&[points], &CalibrateOptions::default()));
+    let points = whole(palpate_recorded::parse_calibration_points(&file())).map(|points| {
+        let _ = whole(palpate_recorded::calibrate(
+            &[points],
+            &CalibrateOptions::default(),
+        ));
     });
-    let calibration = whole(recorded::parse_calibration(&file())).map(|(calibration, unit)| {
-        let written = recorded::calibration_toml(&calibration, unit);
-        let again = RecordedFile::new("again.toml", written.clone().into_bytes());
-        let (again, unit) = recorded::parse_calibration(&again)
-            .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
-        assert_eq!(recorded::calibration_toml(&again, unit), written);
-    });
-    let camera = whole(recorded::parse_camera(&file())).map(|camera| {
+    let calibration =
+        whole(palpate_recorded::parse_calibration(&file())).map(|(calibration, unit)| {
+            let written = palpate_recorded::calibration_toml(&calibration, unit);
+            let again = RecordedFile::new("again.toml", written.clone().into_bytes());
+            let (again, unit) = palpate_recorded::parse_calibration(&again)
+                .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
+            assert_eq!(palpate_recorded::calibration_toml(&again, unit), written);
+        });
+    let camera = whole(palpate_recorded::parse_camera(&file())).map(|camera| {
         let again = RecordedFile::new("again.toml", camera.to_toml().into_bytes());
-        let again = recorded::parse_camera(&again)
+        let again = palpate_recorded::parse_camera(&again)
             .unwrap_or_else(|error| panic!("{error}\nof\n{}", camera.to_toml()));
         assert_eq!(again, camera);
     });

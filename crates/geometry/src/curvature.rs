@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::{Matrix2, Vector2};
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! Errors of surfaces.
 
 use nalgebra::Point3;
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

@@ -56,6 +56,7 @@ mod region;
 mod resolved;
 mod share;
 mod simulation;
+pub mod study_options;
 mod tables;
 mod tested;
 mod trace;
@@ -68,14 +69,14 @@ pub use costs::Cost;
 pub use design::{Answer, DesignError, Field, LookedAt, Question, Sample, design};
 pub use distinguish::{DistinguishError, Group, Object, Pair, ToldApart, distinguish};
 pub use map::Map;
+pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Arch, CutPattern, Ladder, Need, Rung, Scene, Scenes, SeenPress, Trace, Warning, marker_places,
-    recorded,
+    Arch, CutPattern, Ladder, Need, Rung, Scene, Scenes, SeenPress, Trace, marker_places,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
-pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, glossary};
+pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, Warning, glossary};
 pub use palpate_sweep::{
     CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Plan, PlanError,
     Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,

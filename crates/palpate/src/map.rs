@@ -1,6 +1,7 @@
 //! Maps of the first trial of cells.
 
-use palpate_scene::{MapTable, Scene};
+use palpate_scene::Scene;
+use palpate_study::MapTable;
 use palpate_study::Table;
 
 /// Maps, or profiles, of the first trial of every cell.

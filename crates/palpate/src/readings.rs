@@ -1,7 +1,7 @@
 //! Readings and frames that are numbers in memory, not files.
 
 use image::RgbImage;
-use palpate_scene::recorded::{Frame, RecordedFile};
+use palpate_recorded::{Frame, RecordedFile};
 use palpate_study::Table;
 
 /// Readings with these columns, as a file of them would be read by [`recorded`](crate::recorded); `file` is the name that

@@ -9,7 +9,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, MapTable, Parts, Scene, Scenes};
+use palpate_scene::{Arch, Parts, Scene, Scenes};
+use palpate_study::MapTable;
 use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_sweep::{

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_chance::{GoodnessOfFit, Share};
+use palpate_statistics::{GoodnessOfFit, Percent};
 use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model of a press. Where the model holds each arises by chance in
@@ -46,11 +46,11 @@ pub enum Doubt {
 
 impl Doubt {
     /// Probability with which each doubt arises where the model holds.
-    pub const LEVEL: f64 = palpate_chance::DOUBTED;
+    pub const LEVEL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL;
 
     /// Probability by chance of all that depends on distance and direction together, or of presses in a row, below which the
     /// likeliest cause is told.
-    pub const LEVEL_OF_ALL: f64 = palpate_chance::DOUBTED_BY_ALL;
+    pub const LEVEL_OF_ALL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL_OF_ALL;
 
     /// Doubts where only the size of the residuals can be tested.
     pub(crate) fn of_size(goodness: Option<GoodnessOfFit>) -> Vec<Self> {
@@ -107,7 +107,7 @@ impl fmt::Display for Doubt {
         write!(
             f,
             " (chance does as much in {} of presses)",
-            Share(self.p_value())
+            Percent(self.p_value())
         )
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of presses that are impossible, and of readings that do not determine a curvature.
 
-use palpate_number::{BadSetting, Number};
+use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

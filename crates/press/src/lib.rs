@@ -36,7 +36,7 @@ pub use image_fit::{
     ImageFit, KnownPress, PictureSlopes, Rest, Seen, SensorState, Steps, Told, View,
 };
 pub use markers::{MarkerDisplacement, Markers};
-pub use palpate_chance::GoodnessOfFit;
+pub use palpate_statistics::GoodnessOfFit;
 pub use regime::ContactRegime;
 pub use skin::{Place, Skin, within_object};
 

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2, Vector3};
-use palpate_chance::{Explained, LEFT, doubted};
+use palpate_statistics::{Explained, LEFT, doubted};
 
 use crate::markers::Sight;
 use crate::{Contact, Doubt, GoodnessOfFit};

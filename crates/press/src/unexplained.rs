@@ -1,6 +1,6 @@
 //! Readings that no contact explains.
 
-use palpate_chance::chi_squared_tail;
+use palpate_statistics::chi_squared_tail;
 
 use crate::PressError;
 

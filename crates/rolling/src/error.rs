@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use palpate_geometry::SurfaceError;
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

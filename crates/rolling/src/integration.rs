@@ -89,7 +89,7 @@ impl Integration {
                 let fault = bodies.cause(stopped.fault, form.contact(&stopped.state));
                 error(fault, stopped.time_s, &stopped.state)
             })?;
-        palpate_tally::derived(evaluations as u64);
+        palpate_statistics::work::derived(evaluations as u64);
         let contact = form
             .contact(&state)
             .map_err(|fault| error(fault, motion.duration_s, &state))?;

@@ -1,7 +1,7 @@
 //! Models by which a roll is computed, and their errors.
 
 use palpate_geometry::SurfaceError;
-use palpate_number::Number;
+use palpate_statistics::Number;
 use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};

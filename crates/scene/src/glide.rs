@@ -2,11 +2,9 @@
 
 mod ladder;
 mod map;
-mod method;
 mod plan;
 mod scene;
 mod sensor;
 mod trace;
 
-pub(crate) use method::AnyMethod;
 pub use scene::GlideScene;

@@ -4,11 +4,11 @@ use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_study::Quantity;
 use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
 
-use crate::map::MapTable;
-use crate::marker_sphere::{LAYOUT, MarkerSphere, of_optics};
 use crate::need::Need;
-use crate::plan::PlanError;
 use crate::trials::{Outcome, Trials};
+use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
+use palpate_study::FieldError;
+use palpate_study::MapTable;
 
 /// A sensor that touches nothing, and its computed quantities. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +40,8 @@ impl MeasuredSensor {
     /// Builds the sensor of a config.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn new(config: &BareFingertipConfig) -> Result<Self, PlanError> {
+    /// [`FieldError`] with the path of the invalid field.
+    pub fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
         let mut needs = vec![format!("{markers} markers, touching nothing").into()];
@@ -49,7 +49,7 @@ impl MeasuredSensor {
         let has_discs = sphere.discs.is_some();
         let has_folds = if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
-                .map_err(|error| PlanError::at(format!("{LAYOUT}.gores"), error))?;
+                .map_err(|error| FieldError::at(format!("{LAYOUT}.gores"), error))?;
             values.extend([strain.greatest(), strain.rms()].map(Some));
             needs.push(format!("strain of folding {gores} gores: closed form").into());
             true
@@ -66,7 +66,7 @@ impl MeasuredSensor {
         }
         if !has_folds && !has_discs {
             let message = "has neither `discs` nor a layout with gores: there is nothing to tell";
-            return Err(PlanError::at("scene.probe", message));
+            return Err(FieldError::at("scene.probe", message));
         }
         Ok(Self {
             quantities: Self::quantities_of(&config.probe),
@@ -110,14 +110,17 @@ impl Trials for MeasuredSensor {
 }
 
 /// Image area of the larger disc of a marker, px²; `None` if it is not wholly in the camera's field.
-fn area(sphere: &MarkerSphere<'_>, config: &BareFingertipConfig) -> Result<Option<f64>, PlanError> {
+fn area(
+    sphere: &MarkerSphere<'_>,
+    config: &BareFingertipConfig,
+) -> Result<Option<f64>, FieldError> {
     let (diameters, depths) = (sphere.diameters()?, sphere.disc_depths()?);
     let lens = match config.sensor.lens {
         LensName::Fisheye => Lens::Fisheye,
         LensName::Pinhole => Lens::Pinhole,
     };
     let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
-        .map_err(|error| of_optics(&error))?;
+        .map_err(|error| optics_error(&error))?;
     // Fails unless such discs can be made in the skin.
     sphere.array(&[[0.0; 2]])?;
     let seen = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);

@@ -7,8 +7,8 @@ use palpate_study::config::{
     BareFingertipConfig, ConfigError, LengthUnit, PressConfig, PressProbeConfig, SceneConfig, Study,
 };
 
-use crate::marker_sphere::{LAYOUT, MarkerSphere};
-use crate::plan::PlanError;
+use palpate_estimators::{LAYOUT, MarkerSphere};
+use palpate_study::FieldError;
 
 /// The flat pattern of a study's sensor, ready to be cut.
 ///
@@ -55,7 +55,7 @@ impl CutPattern {
     /// [`ConfigError`] at the field that prevents a pattern: a scene without a marker sensor, a layout without gores,
     /// no discs, no unit, discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
-        let refuse = |error: PlanError| study.error_at(0, &error.path, error.message);
+        let refuse = |error: FieldError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
         let unit_mm = millimetres(config.length_unit).ok_or_else(|| {
             let message = "a cutting file is in millimetres: must be m, cm, mm or um";
@@ -111,10 +111,10 @@ fn millimetres(unit: LengthUnit) -> Option<f64> {
     }
 }
 
-fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, PlanError> {
+fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, FieldError> {
     let Layout::Gores { gores, .. } = sphere.layout else {
         let message = "has no gores: a skin is cut along them";
-        return Err(PlanError::at(LAYOUT, message));
+        return Err(FieldError::at(LAYOUT, message));
     };
     let diameters = sphere.diameters()?;
     sphere.disc_depths()?;
@@ -133,7 +133,7 @@ fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, PlanEr
     })
 }
 
-fn of_pattern(error: &PatternError) -> PlanError {
+fn of_pattern(error: &PatternError) -> FieldError {
     let path = match error {
         PatternError::Layout(error) => match error.setting() {
             Some("samples") => "scene.probe.outline_samples".to_owned(),
@@ -150,7 +150,7 @@ fn of_pattern(error: &PatternError) -> PlanError {
         PatternError::NotDrawable { .. } => "scene.probe.radius".to_owned(),
         PatternError::BeyondTheEquator { .. } => LAYOUT.to_owned(),
     };
-    PlanError::at(path, error)
+    FieldError::at(path, error)
 }
 
 /// Steps of the strain table: as many from the middle meridian to the edge as from the equator to the apex.

@@ -1,48 +1,27 @@
 //! Builds the parts that all kinds of scenes share from their configs.
 
-use std::ops::Range;
-
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{InvalidShape, Shape};
-use palpate_number::Number;
 use palpate_sensing::{InvalidSensor, PadLayout};
+use palpate_statistics::Number;
 
+use palpate_study::FieldError;
 use palpate_study::config::{self, ObjectConfig};
 
-/// Error of a config: the invalid field, and what is wrong with it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanError {
-    /// Path of the field, such as `scene.object.radius`.
-    pub path: String,
-    /// What is wrong.
-    pub message: String,
-    /// Byte range of the wrong part of the field's text.
-    pub part: Option<Range<usize>>,
+fn shape_error(error: InvalidShape) -> FieldError {
+    let message = format!("must be {}, is {}", error.expected, Number(error.value));
+    FieldError::at(format!("scene.object.{}", error.parameter), message)
 }
 
-impl PlanError {
-    pub(crate) fn at(path: impl Into<String>, message: impl ToString) -> Self {
-        Self {
-            path: path.into(),
-            message: message.to_string(),
-            part: None,
-        }
-    }
-
-    fn of_shape(error: InvalidShape) -> Self {
-        let message = format!("must be {}, is {}", error.expected, Number(error.value));
-        Self::at(format!("scene.object.{}", error.parameter), message)
-    }
-
-    pub(crate) fn of_sensor(table: &str, error: InvalidSensor) -> Self {
-        let message = format!("must be {}, is {}", error.expected, Number(error.value));
-        Self::at(format!("{table}.{}", error.parameter), message)
-    }
+/// Error at the parameter of a sensor, which is a field of `table`.
+pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
+    let message = format!("must be {}, is {}", error.expected, Number(error.value));
+    FieldError::at(format!("{table}.{}", error.parameter), message)
 }
 
 /// The object of a scene.
-pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
+pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
     match config {
         ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),
         ObjectConfig::Dish { radius } => Dish::new(*radius).map(Shape::Dish),
@@ -62,7 +41,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
             formula,
             parameters,
         } => {
-            let formula = Formula::parse(formula, parameters).map_err(|error| PlanError {
+            let formula = Formula::parse(formula, parameters).map_err(|error| FieldError {
                 path: "scene.object.formula".to_owned(),
                 message: error.kind.to_string(),
                 part: error.span,
@@ -70,7 +49,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
             Ok(Shape::HeightField(Graph::of_formula(formula)))
         }
     }
-    .map_err(PlanError::of_shape)
+    .map_err(shape_error)
 }
 
 pub(crate) const fn pad_layout(layout: config::PadLayout) -> PadLayout {

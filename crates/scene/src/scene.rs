@@ -8,10 +8,10 @@ use palpate_study::config::{Cell, ConfigError, SceneConfig, Study};
 use crate::glide::GlideScene;
 use crate::ladder::{Ladder, Rung};
 use crate::measured_sensor::MeasuredSensor;
-use crate::plan::PlanError;
 use crate::press::{Parts, PressScene};
 use crate::roll::RollScene;
 use crate::trials::{Outcome, Trials};
+use palpate_study::FieldError;
 
 /// A scene that is ready to run: [`Trials`] of one kind.
 ///
@@ -74,8 +74,8 @@ impl Scene {
     /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, PlanError> {
+    /// [`FieldError`] with the path of the invalid field.
+    pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, FieldError> {
         Self::of(config, seed, &Parts::default())
     }
 
@@ -83,7 +83,7 @@ impl Scene {
     ///
     /// # Errors
     /// Errors of [`Scene::new`].
-    pub fn of(config: &SceneConfig, seed: u64, parts: &Parts) -> Result<Self, PlanError> {
+    pub fn of(config: &SceneConfig, seed: u64, parts: &Parts) -> Result<Self, FieldError> {
         match config {
             SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Self::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Self::Glide),
@@ -195,7 +195,7 @@ impl Scenes for Study {
 }
 
 /// Adds the place in the config's text to an error of a plan.
-fn located(study: &Study, cell: usize, error: PlanError) -> ConfigError {
+fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),
         None => study.error_at(cell, &error.path, error.message),

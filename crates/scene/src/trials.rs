@@ -4,10 +4,10 @@ use palpate_study::Quantity;
 use palpate_study::config::LengthUnit;
 
 use crate::ladder::Ladder;
-use crate::map::MapTable;
 use crate::need::Need;
-use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
+use palpate_study::FieldError;
+use palpate_study::MapTable;
 
 /// One trial's estimate of a quantity, and its truth, in the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,9 +76,9 @@ pub trait Trials {
     /// Checks that readings without noise determine the quantities.
     ///
     /// # Errors
-    /// [`PlanError`] at the field that prevents it: fewer than two probes, or all parallel; too few contacts, or all
+    /// [`FieldError`] at the field that prevents it: fewer than two probes, or all parallel; too few contacts, or all
     /// on a line; too few markers.
-    fn estimable(&self) -> Result<(), PlanError> {
+    fn estimable(&self) -> Result<(), FieldError> {
         Ok(())
     }
 
@@ -114,8 +114,8 @@ pub trait Trials {
     /// Measures the errors of the models that can compute the true values; `None` if there is no choice.
     ///
     /// # Errors
-    /// [`PlanError`] if the model cannot simulate the scene.
-    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+    /// [`FieldError`] if the model cannot simulate the scene.
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
         Ok(None)
     }
 

@@ -1,6 +1,6 @@
 //! Errors of impossible sensors, and of readings that cannot be taken.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use thiserror::Error;
 
 /// A parameter that makes no sensor.

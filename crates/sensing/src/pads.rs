@@ -3,7 +3,7 @@
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 
 use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,

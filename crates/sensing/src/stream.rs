@@ -95,7 +95,7 @@ impl Stream {
 
     #[inline(always)]
     fn next_word(&mut self) -> u64 {
-        palpate_tally::drew(1);
+        palpate_statistics::work::drew(1);
         self.state = self.state.wrapping_add(STEP);
         mix(self.state)
     }
@@ -133,7 +133,7 @@ impl Stream {
     /// what vector instructions draw several times as fast as one by one. Of each two the word is one.
     #[inline(always)]
     pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
-        palpate_tally::drew(PAIRS as u64);
+        palpate_statistics::work::drew(PAIRS as u64);
         let key = self.state;
         self.state = key.wrapping_add(STEP.wrapping_mul(PAIRS as u64));
         normals(std::array::from_fn(|pair| {

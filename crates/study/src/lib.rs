@@ -6,23 +6,29 @@
 //! readings; the [`glossary`] says what words mean.
 
 pub mod config;
+mod field_error;
 pub mod glossary;
 pub mod label;
 mod limited;
+mod map_table;
 pub mod number;
 mod quantity;
 pub mod readings;
 mod statistic;
 mod table;
 mod target;
+mod warning;
 
+pub use field_error::FieldError;
 pub use label::Label;
 pub use limited::{read_all, read_limited};
+pub use map_table::MapTable;
 pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
 pub use table::{Rows, Table, csv, push_row};
 pub use target::{Bound, Target, TargetError};
+pub use warning::Warning;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

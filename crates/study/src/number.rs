@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 
 /// Text of a number in the shortest form that reads back the same, as in tables; zero without a sign.
 ///

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use crate::Table;
 use crate::config::LengthUnit;
 
 /// Physical quantity that a column holds.
@@ -324,6 +325,25 @@ pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     columns
         .iter()
         .find(|column| column.is_named(&key).is_some())
+}
+
+/// Table of readings of rolls with the columns [`ROLLS`], one row per probe: `Δθ_x`, `Δθ_y`, `Δp_u`, `Δp_v`.
+pub fn roll_readings_table(
+    readings: impl IntoIterator<Item = [f64; 4]>,
+    unit: LengthUnit,
+) -> Table {
+    let unit = unit.as_str();
+    let mut table = Table::new(ROLLS.iter().map(|column| {
+        if column.measure == Measure::Length {
+            format!("{}_{unit}", column.name)
+        } else {
+            column.name.to_owned()
+        }
+    }));
+    for (probe, reading) in readings.into_iter().enumerate() {
+        table.push(probe, reading);
+    }
+    table
 }
 
 #[cfg(test)]

@@ -200,12 +200,12 @@ impl Estimate {
         )
     }
 
-    /// Score by which the true value is at most `limit`; see [`normal_tail`](palpate_chance::normal_tail).
+    /// Score by which the true value is at most `limit`; see [`normal_tail`](palpate_statistics::normal_tail).
     pub fn at_most(&self, limit: f64) -> f64 {
         self.score(limit - self.value)
     }
 
-    /// Score by which the true value is at least `limit`; see [`normal_tail`](palpate_chance::normal_tail).
+    /// Score by which the true value is at least `limit`; see [`normal_tail`](palpate_statistics::normal_tail).
     pub fn at_least(&self, limit: f64) -> f64 {
         self.score(self.value - limit)
     }

@@ -1,7 +1,7 @@
 //! How surely trials tell on which side of a limit a number lies, as scores: standard deviations of a normal number. A
 //! score of 2 is as sure as a normal number that is found two of its standard deviations from 0.
 
-use palpate_chance::{CERTAIN, NORMAL_95};
+use palpate_statistics::{CERTAIN, NORMAL_95};
 
 /// Score of a number that is `margin` on the right side of its limit (negative: on the wrong one) and has been found with
 /// the standard error `std` on so many degrees of freedom.
@@ -76,7 +76,7 @@ pub fn wilson(share: f64, of: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use palpate_chance::score_of_tail;
+    use palpate_statistics::score_of_tail;
 
     use super::*;
 

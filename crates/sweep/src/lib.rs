@@ -67,7 +67,7 @@ pub use certainty::{share_at_most, wilson};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use observation::{Observation, Observations};
 pub use order::{Order, Repeats, Told, both_above, in_order, repeats};
-pub use palpate_chance::CERTAIN;
+pub use palpate_statistics::CERTAIN;
 pub use plan::{
     Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,
     SHARE_OF_MODEL, plan, spread,

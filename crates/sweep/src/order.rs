@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use palpate_chance::score_of_tail;
+use palpate_statistics::score_of_tail;
 
 use crate::certainty::wilson;
 use crate::record::{Record, TrialObservations};

@@ -2,7 +2,7 @@
 //!
 //! Every sum consists of [`LANES`] partial sums, so that vectors of any width give the same bits.
 
-use palpate_chance::HALF_WIDTHS;
+use palpate_statistics::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::column::UNREPORTED;

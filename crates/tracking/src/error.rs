@@ -1,6 +1,6 @@
 //! Errors of frames in which no markers can be found.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

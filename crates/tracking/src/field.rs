@@ -1,6 +1,6 @@
 //! The field of displacement over the skin, from the displacements of its markers.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use spade::{DelaunayTriangulation, FloatTriangulation, HasPosition, Point2, Triangulation};
 use strum::IntoStaticStr;
 use thiserror::Error;

@@ -46,6 +46,14 @@ pub struct Found {
     pub cut: Vec<Marker>,
 }
 
+impl Found {
+    /// Errors of a marker, if it is one that is seen whole.
+    pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
+        let place = self.markers.iter().position(|one| one == marker)?;
+        self.errors.get(place).copied()
+    }
+}
+
 /// The least side of a frame, px.
 const LEAST_SIDE: u32 = 16;
 /// The largest side of a frame, px.

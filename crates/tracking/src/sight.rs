@@ -2,7 +2,7 @@
 
 use crate::measure::Sums;
 use crate::{Ground, Marker};
-use palpate_number::hue_turns;
+use palpate_statistics::hue_turns;
 
 /// Which hues markers have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

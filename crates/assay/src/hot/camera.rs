@@ -65,7 +65,7 @@ pub struct Disc {
 
 /// 77 discs of random hues on a dark ground.
 pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
-    let (frame, truth) = palpate_frames::dark(size_px, FRAME);
+    let (frame, truth) = palpate_testkit::frames::dark(size_px, FRAME);
     let discs = truth.into_iter().map(|one| Disc {
         centroid_px: one.centroid_px,
         hue_turns: one.hue_turns,

@@ -5,8 +5,8 @@ use std::hint::black_box;
 use anyhow::{Context, Result, bail};
 use nalgebra::Matrix4;
 use palpate_chromatouch::Departure;
+use palpate_estimators::ImageModel;
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
-use palpate_scene::PictureLaw;
 use palpate_sensing::{Channel, Stream};
 
 use super::camera::optics;
@@ -52,7 +52,7 @@ pub fn layers(depths: &[f64]) -> Result<Vec<Body>> {
 
 /// A press before a camera.
 pub struct Seeing {
-    fit: ImageFit<PictureLaw>,
+    fit: ImageFit<ImageModel>,
     at_rest: Vec<Option<Seen>>,
     pressed: Vec<Option<Seen>>,
 }
@@ -80,7 +80,7 @@ impl Seeing {
         let optics = optics(640)?;
         let misalignments = optics.array().misalignments();
         let fit = ImageFit {
-            view: PictureLaw {
+            view: ImageModel {
                 optics: optics.misaligned(&[[0.0; 2]; 77])?,
             },
             markers: markers()?,
@@ -131,7 +131,7 @@ impl Seeing {
     }
 
     /// The fit with bodies that no fit has used.
-    fn anew(&self, bodies: Bodies) -> Result<ImageFit<PictureLaw>> {
+    fn anew(&self, bodies: Bodies) -> Result<ImageFit<ImageModel>> {
         let (meant, deeper) = pairs(bodies)?;
         Ok(ImageFit {
             bodies: meant,
@@ -181,7 +181,7 @@ mod tests {
 
     /// Law of pictures whose slopes are told by differences.
     #[derive(Clone)]
-    struct Differences(PictureLaw);
+    struct Differences(ImageModel);
 
     impl View for Differences {
         fn pictures(

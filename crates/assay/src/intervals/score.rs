@@ -4,8 +4,8 @@ use std::fmt;
 
 use anyhow::Result;
 use nalgebra::Vector3;
-use palpate_chance::NORMAL_95;
 use palpate_ep2::{Curvature, Ep2Error, Method, Patch, Penalised};
+use palpate_statistics::NORMAL_95;
 use serde::Serialize;
 
 use super::case::{Case, Sweep};

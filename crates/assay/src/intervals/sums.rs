@@ -1,6 +1,6 @@
 //! Sums over trials, by which intervals are judged.
 
-use palpate_chance::HALF_WIDTHS;
+use palpate_statistics::HALF_WIDTHS;
 
 /// Intervals of 95 % that hold less often than this do not hold in a scene.
 pub(super) const HOLDS: f64 = 0.85;

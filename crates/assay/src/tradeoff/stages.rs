@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use palpate_tally::Tally;
+use palpate_statistics::work::Tally;
 #[cfg(feature = "count")]
-use palpate_tally::counted;
+use palpate_statistics::work::counted;
 
 use super::table::{count, nanoseconds};
 use super::trials::evaluated;

@@ -3,8 +3,8 @@
 
 use palpate_assay::promise::{Kind, Promise, SCENES};
 use palpate_scene::Scenes;
+use palpate_statistics::work::counted;
 use palpate_study::config;
-use palpate_tally::counted;
 
 #[track_caller]
 fn judge(kind: Kind) -> Vec<Promise> {

@@ -1,8 +1,8 @@
 //! Counts of the work of scenes: no scene does work that it does not require.
 
 use palpate_scene::Scenes;
+use palpate_statistics::work::{Tally, counted};
 use palpate_study::config;
-use palpate_tally::{Tally, counted};
 
 const ROLL: &str = r#"
 name = "roll"

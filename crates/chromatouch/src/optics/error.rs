@@ -1,6 +1,6 @@
 //! Sensors that no camera can look at, and motions that no marker can make.
 
-use palpate_number::{BadSetting, Number};
+use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use palpate_number::hue_turns;
+use palpate_statistics::hue_turns;
 
 use super::array::{MarkerSight, Sight};
 use super::colours::Contrasts;
@@ -28,7 +28,7 @@ impl Optics {
         &self,
         motions: &[Option<MarkerMotion>],
     ) -> Result<Vec<Option<SeenMarker>>, OpticsError> {
-        palpate_tally::projected(motions.len() as u64);
+        palpate_statistics::work::projected(motions.len() as u64);
         let mut all = Vec::with_capacity(motions.len());
         for sight in self.sights(motions)? {
             let seen = |sight| seen(&self.camera, &self.contrasts, &sight);

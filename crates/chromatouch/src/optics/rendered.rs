@@ -1,7 +1,7 @@
 //! Rendered frames of the markers.
 
 use image::RgbImage;
-use palpate_sensing::Stream;
+use palpate_sensing::{Channel, Stream};
 
 use super::{MarkerMotion, Optics, OpticsError};
 
@@ -54,6 +54,20 @@ impl Optics {
         Ok(frame)
     }
 
+    /// Frame of [`Optics::rendered`] with the noise of its pixels, which depends on the seed and the frame's number alone.
+    ///
+    /// # Errors
+    /// The errors of [`Optics::projected`].
+    pub fn rendered_with_noise(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        seed: u64,
+        frame: u64,
+    ) -> Result<RgbImage, OpticsError> {
+        let mut pixels = Stream::new(seed, frame, Channel::Pixel);
+        self.rendered(motions, Some(&mut pixels))
+    }
+
     /// Levels of the frame of [`Optics::rendered`] before they are rounded and without noise: red, green and blue, from 0
     /// to 255, of each pixel, row by row.
     ///
@@ -79,7 +93,7 @@ impl Optics {
             }
         }
         markers.sort_by_key(|marker: &PaintedMarker| marker.rows.start);
-        palpate_tally::painted(1);
+        palpate_statistics::work::painted(1);
         let size = self.camera.size_px() as usize;
         let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
         let mut rows = Rows::new(self, &markers);

@@ -82,7 +82,7 @@ impl Optics {
             asked,
             optics: &optics,
         };
-        palpate_tally::projected(motions.len() as u64);
+        palpate_statistics::work::projected(motions.len() as u64);
         let mut slopes = Vec::with_capacity(motions.len());
         for (marker, (sight, motion)) in optics.sights(motions)?.zip(motions).enumerate() {
             let seen = sight?.zip(motion.as_ref());

@@ -1,7 +1,7 @@
 //! Test of contacts by a quadric and a process beside it.
 
 use nalgebra::{DMatrix, DVector};
-use palpate_chance::{Explained, GoodnessOfFit, LEFT};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT};
 
 use crate::Ep2Error;
 use crate::square_quadric::UNKNOWNS;

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
     Contact, Criterion, Ep2Error, Method, Noise, Patch, Penalised, Quadric, TwoPass,
 };
-use palpate_number::BadSetting;
+use palpate_statistics::BadSetting;
 
 use crate::samples::{QUADRIC_LIKE, Sweep};
 

@@ -1,7 +1,7 @@
 //! Smoothing splines of sound and of unsound points.
 
 use palpate_ep2::{Ep2Error, Smoothed, SmoothingSpline, Status, WeightedPoint};
-use palpate_number::BadSetting;
+use palpate_statistics::BadSetting;
 
 fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
     WeightedPoint {

@@ -5,8 +5,8 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::{
     Contact, Ep2Error, Method, Passes, Patch, Status, TangentNormals, TwoPass, TwoPassFit,
 };
-use palpate_number::BadSetting;
 use palpate_sensing::{Channel, Stream};
+use palpate_statistics::BadSetting;
 
 /// A height field and its slopes.
 type Surface = fn(f64, f64) -> (f64, [f64; 2]);

@@ -1,6 +1,6 @@
 //! Limits of what random scenes have drawn.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 
 /// Name of the family of random scenes that a scene is like, with what of the scene lies beyond their draws, in words; or why

@@ -34,6 +34,7 @@ mod run;
 mod sensor;
 mod shards;
 mod stated;
+mod suspicion;
 mod swept_over;
 mod tables;
 mod trace;

@@ -50,7 +50,7 @@ impl Pressure {
     /// Solves for the contact of this radius. At resolution 1 everything is good to about 1e-11, and nodes stand less
     /// than half the thickness apart.
     pub(super) fn solve(contact: f64, resolution: f64) -> Result<Self, PressError> {
-        palpate_tally::solved_layer(1);
+        palpate_statistics::work::solved_layer(1);
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);

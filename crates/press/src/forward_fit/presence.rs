@@ -1,6 +1,6 @@
 //! Whether there is a contact to be seen at all.
 
-use palpate_chance::HALF_WIDTHS;
+use palpate_statistics::HALF_WIDTHS;
 
 use super::problem::{Problem, State, WRONG};
 use super::settings::Prior;

@@ -1,7 +1,7 @@
 //! The search for an estimate from readings: start, robust fit, wrong markers, noise, intervals.
 
 use nalgebra::Vector3;
-use palpate_chance::{HALF_WIDTHS, NORMAL_95, student_half_width};
+use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::minimise::{EXACTLY, minimise};
 use super::misfit::Misfit;

@@ -1,7 +1,7 @@
 //! Markers that contradict the others.
 
 use nalgebra::{DMatrix, DVector};
-use palpate_chance::{Explained, LEFT, least_likely};
+use palpate_statistics::{Explained, LEFT, least_likely};
 
 use super::minimise::{EXACTLY, minimise};
 use super::problem::{CURVATURE, Problem, Square, State, Sums, Unknowns};

@@ -1,7 +1,7 @@
 //! Tests of a fit against pictures that contradict it: score tests, in which what is common to all markers takes part.
 
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
-use palpate_chance::{Explained, LEFT, least_likely};
+use palpate_statistics::{Explained, LEFT, least_likely};
 
 use super::fitted::Fitted;
 use super::law::State;

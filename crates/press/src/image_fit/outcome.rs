@@ -1,6 +1,6 @@
 //! The press behind pictures, and the estimate that is reported of it.
 
-use palpate_chance::NORMAL_95;
+use palpate_statistics::NORMAL_95;
 
 use super::fitted::Fitted;
 use super::law::State;

@@ -353,7 +353,7 @@ pub(crate) fn estimate_glide<'py>(
         mean_threshold,
         inter_finger_distance,
     };
-    let base = self::like(like.as_ref(), cell, unit, GlideOptions::like)?;
+    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::glide)?;
     let has_normals = normals.is_some();
     let options = GlideOptions::given(&given, base, has_normals, Wording::Arguments);
     let options = options.map_err(error::given)?;

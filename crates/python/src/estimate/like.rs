@@ -1,7 +1,7 @@
 //! Settings of a study for readings.
 
 use palpate::config::{LengthUnit, StudyConfig};
-use palpate::recorded::LikeError;
+use palpate::recorded::StudyMismatch;
 use pyo3::prelude::*;
 
 use crate::error;
@@ -12,7 +12,7 @@ pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,
     unit: Option<LengthUnit>,
-    options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
+    options: fn(&StudyConfig, LengthUnit) -> Result<T, StudyMismatch>,
 ) -> PyResult<Option<T>> {
     let Some(study) = study.map(|study| study.get().study()) else {
         return Ok(None);

@@ -241,7 +241,7 @@ pub(crate) fn estimate_press<'py>(
         radial_scale,
         ..arguments.given(unit)?
     };
-    let base = self::like(like.as_ref(), cell, unit, PressOptions::like)?;
+    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::press)?;
     let options = PressOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
     let positions = Numbers::of("positions", positions)?;
     let places: Vec<[f64; 2]> = match positions.shape() {

@@ -123,7 +123,7 @@ pub(crate) fn estimate_roll<'py>(
         relative_rotation_std,
         length_unit: unit,
     };
-    let base = self::like(like.as_ref(), cell, unit, RollOptions::like)?;
+    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::roll)?;
     let options = RollOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
     let rotations = Numbers::of("rotations", rotations)?;
     let shifts = Numbers::of("shifts", shifts)?;

@@ -65,7 +65,7 @@ impl Reader {
             }
             let camera = camera.map(|camera| camera.get().camera.clone());
             let unit = camera.as_ref().map(|camera| camera.length_unit);
-            let base = like(study, cell, unit, PictureOptions::like)?;
+            let base = like(study, cell, unit, palpate::study_options::pictures)?;
             let options = PictureOptions::given(given, base, Wording::Arguments);
             let mut options = options.map_err(error::given)?;
             options.camera = camera.map(|camera| ("calibration".to_owned(), camera));
@@ -81,7 +81,7 @@ impl Reader {
         let Calibration {
             calibration, unit, ..
         } = calibration.get();
-        let base = like(study, cell, Some(*unit), PressOptions::like)?;
+        let base = like(study, cell, Some(*unit), palpate::study_options::press)?;
         let is_stated = base.is_some() || given.depth.is_some();
         let options = PressOptions::given(given, base, Wording::Arguments);
         let options = options.map_err(error::given)?;

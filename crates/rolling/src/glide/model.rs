@@ -1,7 +1,7 @@
 //! Models by which the contact of a gliding fingertip is found.
 
 use palpate_geometry::{InvalidShape, Shape};
-use palpate_number::Number;
+use palpate_statistics::Number;
 use thiserror::Error;
 
 use super::closed_form::Offset;

@@ -69,7 +69,7 @@ pub(super) struct Search<'a, S> {
 impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
-        palpate_tally::searched(1);
+        palpate_statistics::work::searched(1);
         // The order of rivals must not depend on the tolerance: the contact that they are compared with
         // is found at least as accurately as rivals are told apart.
         let tolerance = if self.rugged {

@@ -5,7 +5,7 @@ use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 use super::plan::{glider, middle, tip, touches};
 use super::scene::{FingerTouch, GlideScene};
 use crate::ladder::{Ladder, Rung};
-use crate::plan::PlanError;
+use palpate_study::FieldError;
 use palpate_study::config::{GlideConfig, GlideModelConfig, ModelConfig};
 
 /// Relative tolerances of the rungs of Newton's method.
@@ -15,23 +15,23 @@ impl GlideScene {
     /// Builds the glider that finds the contacts of the scene, with the model of `config`.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
+    /// [`FieldError`] with the path of the invalid field.
+    pub fn glider(config: &GlideConfig) -> Result<Glider, FieldError> {
         glider(config)
     }
 
     /// Computes the contacts of all fingers with `glider`, finger by finger.
     ///
     /// # Errors
-    /// [`PlanError`] if the contact of a finger cannot be computed.
-    pub fn follow(glider: &Glider, config: &GlideConfig) -> Result<Vec<Touch>, PlanError> {
+    /// [`FieldError`] if the contact of a finger cannot be computed.
+    pub fn follow(glider: &Glider, config: &GlideConfig) -> Result<Vec<Touch>, FieldError> {
         let middle = middle(config, glider.object())?;
         let touches = touches(glider, middle, &config.motion)?;
         Ok(touches.into_iter().map(|one| one.touch).collect())
     }
 
-    /// Measures the error of each rung of this scene.
-    pub(super) fn measured_ladder(&self) -> Result<Ladder, PlanError> {
+    /// The rungs of the scene.
+    pub(super) fn measured_ladder(&self) -> Result<Ladder, FieldError> {
         let config = &self.config;
         let glider = glider(config)?;
         let middle = middle(config, glider.object())?;

@@ -2,19 +2,21 @@
 
 use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
-use palpate_number::Number;
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, NormalError, PadOffset, Pads, PositionAxes, PositionError,
     Stream,
 };
+use palpate_statistics::Number;
 
-use super::method::AnyMethod;
 use super::scene::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};
 use super::sensor::{GlideSensor, SensorKind};
+use palpate_estimators::GlideFit;
 
-use crate::need::{Need, Warning};
-use crate::plan::{PlanError, pad_layout, shape};
+use crate::need::Need;
+use crate::plan::{pad_layout, sensor_error, shape};
+use palpate_study::FieldError;
+use palpate_study::Warning;
 use palpate_study::config::{
     EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
     GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
@@ -24,8 +26,8 @@ impl GlideScene {
     /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, PlanError> {
+    /// [`FieldError`] with the path of the field that makes no scene.
+    pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, FieldError> {
         let glider = glider(config)?;
         let (_, radius) = tip(config);
         let middle = middle(config, glider.object())?;
@@ -34,12 +36,12 @@ impl GlideScene {
         let sensed = sensed(&sensor, &touches, radius)?;
         let tip = sensor.tip(radius);
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
-        let method = AnyMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
+        let method = GlideFit::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
         let models = [Some(need(&glider)), noise.need(), Some(sensor.need())].into_iter();
         let models = models
             .chain([tip.map(|tip| of_tips(&tip, sensor.normals))])
-            .chain([Some(method.need())]);
+            .chain([Some(method.description())]);
         let warning = beyond(config).map(Need::from);
         let needs = models.flatten().map(Need::from).chain(warning).collect();
         Ok(Self {
@@ -65,7 +67,7 @@ pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
 }
 
 /// Builds the glider that finds the contacts of a config's scene.
-pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
+pub(super) fn glider(config: &GlideConfig) -> Result<Glider, FieldError> {
     let model = match config.model {
         GlideModelConfig::Auto { tolerance } => TouchModel::Auto { tolerance },
         GlideModelConfig::ClosedForm {} => TouchModel::ClosedForm,
@@ -74,8 +76,8 @@ pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
     let glider = Glider::new(shape(&config.object)?, tip(config).0).map_err(of_tip)?;
     glider.on(model).map_err(|error| match error {
         InvalidTouch::Tip(error) => of_tip(error),
-        InvalidTouch::Unsupported { .. } => PlanError::at("scene.model.kind", error),
-        InvalidTouch::Tolerance { .. } => PlanError::at("scene.model.tolerance", error),
+        InvalidTouch::Unsupported { .. } => FieldError::at("scene.model.kind", error),
+        InvalidTouch::Tolerance { .. } => FieldError::at("scene.model.tolerance", error),
     })
 }
 
@@ -103,12 +105,12 @@ fn of_tips(tip: &RoundTip, with_normals: bool) -> String {
     )
 }
 
-fn of_tip(error: InvalidShape) -> PlanError {
+fn of_tip(error: InvalidShape) -> FieldError {
     let message = format!("must be {}, is {}", error.expected, Number(error.value));
-    PlanError::at("scene.probe.radius", message)
+    FieldError::at("scene.probe.radius", message)
 }
 
-pub(super) fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError> {
+pub(super) fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), FieldError> {
     let middle = config
         .object_contact
         .map_or(object.default_contact(), |[x, y]| (x, y));
@@ -120,7 +122,7 @@ pub(super) fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64),
     };
     object
         .contact_at(middle.0, middle.1)
-        .map_err(|error| PlanError::at(path, format!("the middle of the patch: {error}")))?;
+        .map_err(|error| FieldError::at(path, format!("the middle of the patch: {error}")))?;
     Ok(middle)
 }
 
@@ -128,7 +130,7 @@ pub(super) fn touches(
     glider: &Glider,
     (middle_x, middle_y): (f64, f64),
     motion: &GlideMotionConfig,
-) -> Result<Vec<FingerTouch>, PlanError> {
+) -> Result<Vec<FingerTouch>, FieldError> {
     let mut touches = Vec::new();
     for (finger, position) in motion.finger_positions.iter().enumerate() {
         for contact in 0..motion.contacts_per_finger {
@@ -141,7 +143,7 @@ pub(super) fn touches(
                         _ => "scene.motion",
                     };
                     let place = format!("finger {finger}, contact {contact} (counting from 0)");
-                    PlanError::at(path, format!("{place}: {error}"))
+                    FieldError::at(path, format!("{place}: {error}"))
                 })?;
             touches.push(FingerTouch { finger, touch });
         }
@@ -158,7 +160,7 @@ fn share(index: u32, count: u32) -> f64 {
     }
 }
 
-fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanError> {
+fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, FieldError> {
     Ok(match config {
         GlideSensorConfig::Ideal { normals, reports } => GlideSensor {
             kind: SensorKind::Ideal(*reports),
@@ -177,7 +179,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanEr
                 PadOffset::Centred,
                 cap_deg.to_radians(),
             )
-            .map_err(|error| PlanError::of_sensor("scene.sensor", error))?;
+            .map_err(|error| sensor_error("scene.sensor", error))?;
             // The placement of centred pads draws no random numbers.
             let placement = pads.place(&mut Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
@@ -192,8 +194,8 @@ fn sensed(
     sensor: &GlideSensor,
     touches: &[FingerTouch],
     radius: f64,
-) -> Result<Vec<Contact>, PlanError> {
-    let beyond_pads = |error: BeyondPads| PlanError::at("scene.sensor.cap_deg", error);
+) -> Result<Vec<Contact>, FieldError> {
+    let beyond_pads = |error: BeyondPads| FieldError::at("scene.sensor.cap_deg", error);
     touches
         .iter()
         .map(|FingerTouch { finger, touch }| {
@@ -203,7 +205,10 @@ fn sensed(
         .collect()
 }
 
-fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<ContactNoise, PlanError> {
+fn noise(
+    config: &GlideNoiseConfig,
+    inter_finger_distance: f64,
+) -> Result<ContactNoise, FieldError> {
     let position = config.position.as_ref().map(|position| {
         let (distribution, fraction, (key, length), axis) = match *position {
             PositionNoise::Gaussian {
@@ -230,7 +235,7 @@ fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<Contac
             NoiseAxis::Z => PositionAxes::Z,
         };
         PositionError::new(distribution, size, axes)
-            .map_err(|error| PlanError::at(format!("scene.noise.position.{key}"), error))
+            .map_err(|error| FieldError::at(format!("scene.noise.position.{key}"), error))
     });
     let normal = config.normal.as_ref().map(|normal| {
         let NormalNoise::Gaussian { std_deg } = *normal;
@@ -240,7 +245,7 @@ fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<Contac
         position: position.transpose()?.filter(PositionError::is_random),
         normal: normal
             .transpose()
-            .map_err(|error| PlanError::at("scene.noise.normal.std_deg", error))?
+            .map_err(|error| FieldError::at("scene.noise.normal.std_deg", error))?
             .filter(NormalError::is_random),
     })
 }
@@ -270,17 +275,17 @@ fn grid(
     config: &EvaluateConfig,
     object: &Shape,
     (middle_x, middle_y): (f64, f64),
-) -> Result<TrueGrid, PlanError> {
+) -> Result<TrueGrid, FieldError> {
     let thresholds = ShapeThresholds::new(config.gaussian_threshold, config.mean_threshold)
-        .map_err(|error| PlanError::at("scene.evaluate.gaussian_threshold", error))?;
+        .map_err(|error| FieldError::at("scene.evaluate.gaussian_threshold", error))?;
     let at = |index| share(index, config.grid) * config.half_width;
     let truth = Glider::new(object.clone(), Fingertip::Point).map_err(of_tip)?;
     let of_grid = |error: GlideError| {
-        PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
+        FieldError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
     // A constant curvature has no rounding errors: K of a cylinder is exactly 0.
     let everywhere = object.constant_curvature();
-    let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
+    let place = |x: f64, y: f64| -> Result<TruePlace, FieldError> {
         let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;
         let curvature = everywhere.unwrap_or(touch.curvature);
         let (gaussian, mean) = (curvature.gaussian_curvature(), curvature.mean_curvature());

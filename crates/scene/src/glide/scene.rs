@@ -3,17 +3,17 @@
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch, RoundTip};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_number::BadSetting;
 use palpate_rolling::Touch;
 use palpate_sensing::{Channel, NormalError, PositionError, Stream};
+use palpate_statistics::BadSetting;
 
-use super::method::AnyMethod;
 use crate::ladder::Ladder;
-use crate::map::MapTable;
 use crate::need::Need;
-use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
+use palpate_estimators::GlideFit;
+use palpate_study::FieldError;
+use palpate_study::MapTable;
 use palpate_study::Quantity;
 use palpate_study::config::{GlideConfig, LengthUnit};
 
@@ -36,7 +36,7 @@ pub struct GlideScene {
     pub(super) noise: ContactNoise,
     /// Set if the sensor reports another point of the tip than the contact.
     pub(super) tip: Option<RoundTip>,
-    pub(super) method: AnyMethod,
+    pub(super) method: GlideFit,
     pub(super) grid: TrueGrid,
     pub(super) needs: Vec<Need>,
 }
@@ -138,7 +138,7 @@ impl Trials for GlideScene {
         self.noise.position.is_some() || self.noise.normal.is_some()
     }
 
-    fn estimable(&self) -> Result<(), PlanError> {
+    fn estimable(&self) -> Result<(), FieldError> {
         self.fit(None).map(drop).map_err(|error| of_fit(&error))
     }
 
@@ -191,7 +191,7 @@ impl Trials for GlideScene {
         self.needs.clone()
     }
 
-    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
         self.measured_ladder().map(Some)
     }
 
@@ -210,7 +210,7 @@ impl Trials for GlideScene {
 }
 
 /// Names the config field that makes the fit to noiseless contacts fail.
-fn of_fit(error: &Ep2Error) -> PlanError {
+fn of_fit(error: &Ep2Error) -> FieldError {
     let path = match error {
         Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
             "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
@@ -223,5 +223,5 @@ fn of_fit(error: &Ep2Error) -> PlanError {
         | Ep2Error::Undetermined { .. } => "scene.motion".to_owned(),
         _ => "scene".to_owned(),
     };
-    PlanError::at(path, error)
+    FieldError::at(path, error)
 }

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use palpate_chromatouch::{MarkerMotion, Optics, SeenMarker};
+use palpate_estimators::marker_image;
+use palpate_press::Seen;
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_tracking::{
     Calibration, Equidistant, Finder, FinderSettings, Found, Ground, Marker, MarkerErrors, Mask,
@@ -10,7 +12,6 @@ use palpate_tracking::{
 };
 
 use super::failure::PressFailure;
-use crate::tracks::errors_of;
 
 /// Trial number that seeds the noise of the first frame at rest; further frames count down from it.
 pub(super) const AT_REST: u64 = u64::MAX;
@@ -102,6 +103,13 @@ pub(super) struct Spotted {
     pub(super) errors: MarkerErrors,
 }
 
+impl Spotted {
+    /// The image of the marker with its errors, as a fit takes it.
+    pub(super) fn image(&self) -> Seen {
+        marker_image(&self.marker, &self.errors)
+    }
+}
+
 impl Eye {
     /// Pictures of the markers at rest, with the noise of trial number `draw`, if any.
     pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Spotted>>, PressFailure> {
@@ -166,7 +174,7 @@ impl Eye {
                             .and_then(|pressed| nearest(&images, pressed.centroid_px))
                             != Some(marker);
                     wrong_matches += usize::from(is_other);
-                    errors[marker] = errors_of(&track, &found);
+                    errors[marker] = track.pressed.and_then(|marker| found.errors_of(&marker));
                     tracks[marker] = Some(track);
                 }
                 Ok(Sight {

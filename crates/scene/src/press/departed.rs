@@ -10,12 +10,11 @@ use palpate_study::config::{PressModelConfig, SensorNoise};
 use super::camera::{AT_REST, Eye};
 use super::failure::PressFailure;
 use super::looks::RestLook;
-use super::picture_law::seen;
-use super::pictures;
 use super::pressed::Pressed;
 use super::soft_body::SoftBody;
-use crate::plan::PlanError;
+use palpate_estimators::{departure_stds, pressed_images};
 use palpate_press::{Body, KnownPress, Seen};
+use palpate_study::FieldError;
 
 /// Each trial with a redrawn sensor reserves this many noise trial numbers, below those of shared frames.
 const APART: u64 = 1000;
@@ -25,39 +24,6 @@ const PRESSES: u64 = APART / 2;
 /// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
 const fn first_of(trial: u64) -> u64 {
     AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)))
-}
-
-/// Standard deviations of each number of a [`Departure`].
-pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
-    let SensorNoise {
-        centre_px,
-        scale,
-        place,
-        turn_deg,
-        disc_depth,
-        disc_diameter,
-        colour,
-    } = *noise;
-    let turn = turn_deg.to_radians();
-    // The odd terms of the lens are exact.
-    let mut stds = [0.0; Departure::NUMBERS];
-    stds[13..19].fill(colour);
-    stds[..13].copy_from_slice(&[
-        disc_depth,
-        disc_depth,
-        disc_diameter,
-        disc_diameter,
-        centre_px,
-        centre_px,
-        scale,
-        place,
-        place,
-        place,
-        turn,
-        turn,
-        turn,
-    ]);
-    stds
 }
 
 /// Draws the sensor parameters of each trial.
@@ -97,9 +63,9 @@ impl Redrawn {
         depths: [f64; 2],
         pressed: &Pressed,
         (rest_frames, calibrating, misalignment): (u32, Vec<Pressed>, f64),
-    ) -> Result<Self, PlanError> {
-        let errors = stds(noise).map(|std| {
-            GaussianError::new(std).map_err(|error| PlanError::at("scene.noise.sensor", error))
+    ) -> Result<Self, FieldError> {
+        let errors = departure_stds(noise).map(|std| {
+            GaussianError::new(std).map_err(|error| FieldError::at("scene.noise.sensor", error))
         });
         Ok(Self {
             errors: errors.into_iter().collect::<Result<_, _>>()?,
@@ -139,7 +105,7 @@ impl Redrawn {
             motions,
             rest: spotted
                 .iter()
-                .map(|one| Some(seen(one.as_ref()?)))
+                .map(|one| Some(one.as_ref()?.image()))
                 .collect(),
             markers: spotted.iter().map(|one| Some((*one)?.marker)).collect(),
         })
@@ -158,7 +124,7 @@ impl Redrawn {
             let draw = first_of(trial).wrapping_sub(PRESSES + number);
             let sight = sensor.eye.sight(&sensor.markers, &motions, Some(draw))?;
             Ok(KnownPress {
-                seen: pictures::pressed(&sight.tracks, &sight.errors),
+                seen: pressed_images(&sight.tracks, &sight.errors),
                 relative_curvature: self.radius.recip() + press.object.curvature,
                 at: press.at,
                 indentation: press.indentation,

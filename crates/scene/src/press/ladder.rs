@@ -5,8 +5,8 @@ use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
 use super::pressed::Pressed;
 use super::soft_body::SoftBody;
 use crate::ladder::{Ladder, Rung};
-use crate::marker_sphere::MarkerSphere;
-use crate::plan::PlanError;
+use palpate_estimators::MarkerSphere;
+use palpate_study::FieldError;
 use palpate_study::config::{ModelConfig, PressModelConfig};
 
 /// The model used, and why.
@@ -47,7 +47,7 @@ impl PressRungs {
         asked: &PressModelConfig,
         sphere: &MarkerSphere<'_>,
         by_camera: bool,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, FieldError> {
         let mut depths = vec![sphere.marker_depth];
         if by_camera {
             let discs = sphere.disc_depths()?;
@@ -61,7 +61,11 @@ impl PressRungs {
     }
 
     /// The model of a press: the one named in the config, or the choice of `auto`.
-    pub(super) fn choice(&self, markers: &Markers, pressed: &Pressed) -> Result<Choice, PlanError> {
+    pub(super) fn choice(
+        &self,
+        markers: &Markers,
+        pressed: &Pressed,
+    ) -> Result<Choice, FieldError> {
         let PressModelConfig::Auto { tolerance, .. } = self.asked else {
             return Ok(Choice {
                 model: self.asked.clone(),
@@ -73,7 +77,7 @@ impl PressRungs {
             let message = format!(
                 "is {tolerance:e}; must be from {SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}"
             );
-            return Err(PlanError::at("scene.model.tolerance", message));
+            return Err(FieldError::at("scene.model.tolerance", message));
         }
         let rungs = self.judged(markers, pressed)?;
         let reference = self.asked.reference();
@@ -105,7 +109,7 @@ impl PressRungs {
     }
 
     /// All rungs, cheapest first; their errors are relative to the last one.
-    fn judged(&self, markers: &Markers, pressed: &Pressed) -> Result<Vec<Judged>, PlanError> {
+    fn judged(&self, markers: &Markers, pressed: &Pressed) -> Result<Vec<Judged>, FieldError> {
         let poisson = self.asked.poisson();
         let layer = self.asked.thickness();
         let layer = layer.map(|thickness| PressModelConfig::BondedLayer { thickness });
@@ -117,7 +121,7 @@ impl PressRungs {
             .into_iter()
             .chain(layer)
             .map(|model| Ok((self.moved(&model, markers, pressed)?, model)))
-            .collect::<Result<_, PlanError>>()?;
+            .collect::<Result<_, FieldError>>()?;
         let reference = all
             .last()
             .map_or(Ok(Vec::new()), |(moved, _)| moved.clone());
@@ -138,7 +142,11 @@ impl PressRungs {
     }
 
     /// The ladder of a press.
-    pub(super) fn ladder(&self, markers: &Markers, pressed: &Pressed) -> Result<Ladder, PlanError> {
+    pub(super) fn ladder(
+        &self,
+        markers: &Markers,
+        pressed: &Pressed,
+    ) -> Result<Ladder, FieldError> {
         let choice = self.choice(markers, pressed)?;
         let judged = self.judged(markers, pressed)?;
         let rungs: Vec<Rung> = judged
@@ -165,7 +173,7 @@ impl PressRungs {
         model: &PressModelConfig,
         markers: &Markers,
         pressed: &Pressed,
-    ) -> Result<Moved, PlanError> {
+    ) -> Result<Moved, FieldError> {
         let mut all = Vec::new();
         for &depth in &self.depths {
             let body = SoftBody::of(model, self.radius, depth, Body::solved_layer)?;

@@ -8,22 +8,21 @@ mod straining;
 
 use std::sync::OnceLock;
 
-use palpate_number::Number;
 use palpate_press::{Body, Contact, Markers, PressError, Skin};
+use palpate_statistics::Number;
 
 use self::camera::CameraPlan;
 use self::discs::DiscMarkers;
 use self::estimator::EstimatorPlan;
 use super::ladder::{Choice, PressRungs};
-use super::method;
 use super::parts::Parts;
 use super::pressed::Pressed;
 use super::readings::MarkerNoise;
 use super::scene::{PressScene, PressSensor, TruePress};
 use super::soft_body::SoftBody;
 use super::words;
-use crate::marker_sphere::{LAYOUT, MarkerSphere};
-use crate::plan::PlanError;
+use palpate_estimators::{LAYOUT, MarkerSphere};
+use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, PressConfig, PressEstimatorConfig, PressSensorConfig};
 
 /// Error of displacements from a layer's tables, relative to the largest displacement.
@@ -35,8 +34,8 @@ impl PressScene {
     /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `parts`.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn new(config: &PressConfig, seed: u64, parts: &Parts) -> Result<Self, PlanError> {
+    /// [`FieldError`] with the path of the field that makes no scene.
+    pub fn new(config: &PressConfig, seed: u64, parts: &Parts) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
         let pressed = Pressed::of(&config.object, &config.motion, sphere.radius)?;
@@ -161,19 +160,19 @@ impl<'a> Look<'a> {
 }
 
 /// The markers of a sensor, and their chart coordinates.
-fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanError> {
+fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldError> {
     let (radius, depth) = (sphere.radius, sphere.marker_depth);
-    let skin = Skin::new(radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
+    let skin = Skin::new(radius).map_err(|error| FieldError::at("scene.probe.radius", error))?;
     if depth >= radius {
         let message = format!(
             "must be less than the sensor's radius {}, is {}",
             Number(radius),
             Number(depth)
         );
-        return Err(PlanError::at("scene.probe.marker_depth", message));
+        return Err(FieldError::at("scene.probe.marker_depth", message));
     }
     let places = sphere.places()?;
-    let markers = Markers::new(skin, &places).map_err(|error| PlanError::at(LAYOUT, error))?;
+    let markers = Markers::new(skin, &places).map_err(|error| FieldError::at(LAYOUT, error))?;
     Ok((markers, places))
 }
 
@@ -182,7 +181,7 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanEr
 fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let of_model = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
-        && method::thickness(&config.estimator, &config.model) == of_model;
+        && config.estimator.layer(of_model) == of_model;
     let is_good = choice
         .tolerance
         .is_none_or(|tolerance| tolerance >= OF_TABLES);

@@ -1,9 +1,9 @@
 //! A press: the object, the indentation, and the place of the contact on the skin.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use palpate_study::config::{PressMotionConfig, PressObjectConfig};
 
-use crate::plan::PlanError;
+use palpate_study::FieldError;
 
 /// The properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,12 +50,12 @@ impl Pressed {
         object: &PressObjectConfig,
         motion: &PressMotionConfig,
         radius: f64,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, FieldError> {
         if motion.shift.abs() >= radius {
             let [radius, shift] = [radius, motion.shift].map(Number);
             let message =
                 format!("|shift| must be less than the sensor's radius {radius}, is {shift}");
-            return Err(PlanError::at("scene.motion.shift", message));
+            return Err(FieldError::at("scene.motion.shift", message));
         }
         Ok(Self {
             object: TouchedObject::of(object),
@@ -77,13 +77,13 @@ impl Pressed {
 }
 
 /// Chart coordinates of a polar angle and an azimuth.
-fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], PlanError> {
+fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], FieldError> {
     if !(0.0..=180.0).contains(&polar) {
         let message = format!(
             "the polar angle must be from 0 to 180, is {}",
             Number(polar)
         );
-        return Err(PlanError::at("scene.motion.contact_deg", message));
+        return Err(FieldError::at("scene.motion.contact_deg", message));
     }
     let distance = radius * polar.to_radians();
     let (sine, cosine) = libm::sincos(azimuth.to_radians());

@@ -2,7 +2,7 @@
 
 use super::failure::PressFailure;
 use super::scene::PressScene;
-use crate::map::MapTable;
+use palpate_study::MapTable;
 use palpate_study::config::LengthUnit;
 
 /// Number of points of a profile, from the contact's centre to three times its radius.

@@ -4,8 +4,8 @@ use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
 use palpate_study::config::{GainNoise, LengthNoise, PressNoiseConfig};
 
 use super::camera::Sight;
-use super::pictures::Pictures;
-use crate::plan::PlanError;
+use palpate_estimators::MarkerImages;
+use palpate_study::FieldError;
 
 /// Readings of one press, and the other inputs of the estimator.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub(super) struct MarkerReadings {
     pub(super) indentation: f64,
     /// The camera's reading of the markers; `None` with a direct sensor.
     pub(super) sight: Option<Sight>,
-    /// Pictures of all markers of the layout; `None` with a direct sensor.
-    pub(super) pictures: Option<Pictures>,
+    /// MarkerImages of all markers of the layout; `None` with a direct sensor.
+    pub(super) pictures: Option<MarkerImages>,
 }
 
 impl MarkerReadings {
@@ -58,7 +58,7 @@ impl MarkerNoise {
         config: &PressNoiseConfig,
         frames: u32,
         markers: usize,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, FieldError> {
         let length = |noise: &Option<LengthNoise>, key: &str| {
             gaussian(
                 noise.as_ref().map(|LengthNoise::Gaussian { std }| *std),
@@ -144,9 +144,9 @@ impl MarkerNoise {
 }
 
 /// Gaussian error with this standard deviation, 0 by default; `noise` names its config field.
-pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, PlanError> {
+pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
     GaussianError::new(std.unwrap_or(0.0))
-        .map_err(|error: InvalidSensor| PlanError::at(format!("scene.noise.{noise}.std"), error))
+        .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
 /// Number of markers that a noise affects; an error if it exceeds `markers`.
@@ -154,11 +154,14 @@ pub(super) fn count_of(
     count: Option<u32>,
     noise: &str,
     markers: usize,
-) -> Result<usize, PlanError> {
+) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
         return Ok(count);
     }
     let message = format!("must be at most the number of markers {markers}, is {count}");
-    Err(PlanError::at(format!("scene.noise.{noise}.count"), message))
+    Err(FieldError::at(
+        format!("scene.noise.{noise}.count"),
+        message,
+    ))
 }

@@ -2,27 +2,27 @@
 
 use std::sync::OnceLock;
 
-use palpate_chance::{HALF_WIDTHS, NORMAL_95};
-use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Bounds, Doubt, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Reading,
 };
+use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95, Number};
 
 use super::failure::PressFailure;
 use super::ladder::PressRungs;
-use super::pictures::PictureMethod;
 use super::pressed::Pressed;
 use super::readings::{MarkerNoise, MarkerReadings};
 use super::seen::CameraPress;
 use super::soft_body::SoftBody;
 use crate::ladder::Ladder;
-use crate::map::MapTable;
-use crate::need::{Need, Warning};
-use crate::plan::PlanError;
+use crate::need::Need;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
+use palpate_estimators::ImageEstimator;
+use palpate_study::FieldError;
+use palpate_study::MapTable;
 use palpate_study::Quantity;
+use palpate_study::Warning;
 use palpate_study::config::{LengthUnit, PressConfig, PressObjectConfig, PressSensorConfig};
 
 /// Quantities of a press that is read directly.
@@ -102,7 +102,7 @@ pub(super) struct PressMethod {
     /// The fit, or why there is none: then every trial fails.
     pub(super) fit: Result<ForwardFit, PressError>,
     /// The fit of pictures, if the config uses it.
-    pub(super) of_pictures: Option<PictureMethod>,
+    pub(super) of_pictures: Option<ImageEstimator>,
     /// Stated standard deviation of the given indentation; `None` if none is given.
     pub(super) known_indentation: Option<f64>,
 }
@@ -116,7 +116,7 @@ impl PressScene {
 
     /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if it
     /// estimates them from the residuals.
-    pub(crate) fn told_stds(&self) -> [Option<f64>; 2] {
+    pub fn stated_stds(&self) -> [Option<f64>; 2] {
         let fit = self.method.fit.as_ref();
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
@@ -304,14 +304,14 @@ impl Trials for PressScene {
 
     /// Fails if there are too few markers or a setting of the method is invalid. If there is no press, or the camera
     /// cannot image it, the scene can still run: its trials fail.
-    fn estimable(&self) -> Result<(), PlanError> {
+    fn estimable(&self) -> Result<(), FieldError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
-                Err(PlanError::at("scene.probe.layout", error))
+                Err(FieldError::at("scene.probe.layout", error))
             }
             Err(PressFailure::Press(
                 error @ PressError::BadSetting(BadSetting { setting, .. }),
-            )) => Err(PlanError::at(format!("scene.estimator.{setting}"), error)),
+            )) => Err(FieldError::at(format!("scene.estimator.{setting}"), error)),
             Ok(_) | Err(_) => Ok(()),
         }
     }
@@ -396,7 +396,7 @@ impl Trials for PressScene {
         needs
     }
 
-    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
         self.rungs.ladder(&self.markers, &self.pressed).map(Some)
     }
 

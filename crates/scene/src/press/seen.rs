@@ -7,8 +7,8 @@ use palpate_sensing::{Channel, Stream};
 use super::camera::{AT_REST, CameraModel, CameraSensor, Eye, Sight};
 use super::departed::{Departed, Redrawn};
 use super::failure::PressFailure;
-use super::pictures::{self, Pictures};
 use super::readings::MarkerReadings;
+use palpate_estimators::{MarkerImages, pressed_images};
 
 /// A press that is read by a camera.
 #[derive(Clone, Debug)]
@@ -65,10 +65,10 @@ impl CameraPress {
             }) => eye.sight(markers, &self.kept(motions, trial), trial)?,
             None => self.sight(trial)?,
         };
-        readings.pictures = Some(Pictures {
+        readings.pictures = Some(MarkerImages {
             own_rest: departed.map(|departed| departed.rest),
             calibrating: Vec::new(),
-            pressed: pictures::pressed(&sight.tracks, &sight.errors),
+            pressed: pressed_images(&sight.tracks, &sight.errors),
         });
         let mut tracked = Vec::new();
         for (marker, normal, tangential) in self.sensor.displacements(&sight) {

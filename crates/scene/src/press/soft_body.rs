@@ -1,12 +1,11 @@
 //! The soft body of a sensor: how a press displaces points at a depth under its skin.
 
-use palpate_number::{BadSetting, Number};
+use palpate_estimators::{body_error, sensor_body, within_sensor};
 use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError, within_object};
 use palpate_study::config::PressModelConfig;
 
-use super::method::body_of;
 use super::pressed::Pressed;
-use crate::plan::PlanError;
+use palpate_study::FieldError;
 
 /// Soft body of one model that displaces points at one depth.
 #[derive(Clone, Debug)]
@@ -23,7 +22,7 @@ impl SoftBody {
         radius: f64,
         depth: f64,
         layer: impl Fn(f64, f64) -> Result<Body, PressError>,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, FieldError> {
         if let Some(thickness) = model.thickness() {
             within_sensor("scene.model.thickness", thickness, radius)?;
         }
@@ -32,7 +31,8 @@ impl SoftBody {
             PressModelConfig::Hertz { poisson } => Some((poisson, 0.0)),
             PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
         };
-        let body = body_of(model, depth, layer).map_err(|error| of_body("scene.model", error))?;
+        let body =
+            sensor_body(model, depth, layer).map_err(|error| body_error("scene.model", error))?;
         Ok(Self { body, sideways })
     }
 
@@ -77,30 +77,5 @@ impl SoftBody {
         pressed: &Pressed,
     ) -> Result<Vec<MarkerDisplacement>, PressError> {
         self.moved(markers, pressed, &self.contact(markers, pressed)?)
-    }
-}
-
-pub(super) fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
-    if thickness <= radius {
-        return Ok(());
-    }
-    let message = format!(
-        "must be at most the sensor's radius {}, is {}",
-        Number(radius),
-        Number(thickness)
-    );
-    Err(PlanError::at(path, message))
-}
-
-/// Converts an error of the body to one at its config field.
-pub(super) fn of_body(table: &str, error: PressError) -> PlanError {
-    match error {
-        PressError::BadSetting(BadSetting {
-            setting: "depth", ..
-        }) => PlanError::at("scene.probe.marker_depth", error),
-        PressError::BadSetting(BadSetting { setting, .. }) => {
-            PlanError::at(format!("{table}.{setting}"), error)
-        }
-        _ => PlanError::at(table, error),
     }
 }

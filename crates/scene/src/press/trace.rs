@@ -4,7 +4,7 @@ use super::failure::PressFailure;
 use super::readings::MarkerReadings;
 use super::scene::{PressScene, PressSensor};
 use crate::trace::{SeenPress, Trace, counted};
-use crate::tracks::of_tracks;
+use palpate_estimators::tracks_table;
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 
@@ -75,7 +75,7 @@ impl PressScene {
     ) -> Result<Option<SeenPress>, PressFailure> {
         match (&self.sensor, &read.sight) {
             (PressSensor::Camera(Ok(camera)), Some(sight)) => Ok(Some(SeenPress {
-                markers: of_tracks(sight.tracks.iter().map(Option::as_ref)),
+                markers: tracks_table(sight.tracks.iter().map(Option::as_ref)),
                 frames: camera.frames(trial)?,
             })),
             _ => Ok(None),

@@ -1,15 +1,15 @@
 //! Lines about a press for `palpate check`.
 
-use palpate_number::Number;
-use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
+use palpate_estimators::{assumed_body, large_contact_warning};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
+use palpate_statistics::Number;
 
 use super::ladder::Choice;
-use super::method::assumed_body;
 use super::pressed::Pressed;
 use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
-use crate::need::{Need, Warning};
+use crate::need::Need;
+use palpate_study::Warning;
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig,
@@ -49,7 +49,7 @@ pub(super) fn of_model(
             };
             needs.push(format!("{} contact{what}", regime.name()).into());
             let is_layer = matches!(choice.model, PressModelConfig::BondedLayer { .. });
-            let large = large_contact(
+            let large = large_contact_warning(
                 contact.relative_curvature,
                 contact.radius,
                 skin.radius(),
@@ -72,36 +72,6 @@ pub(super) fn of_model(
         }
     }
     needs
-}
-
-/// Warns if the contact is too wide for small-strain theory, relative to the sensor or to the object.
-pub(crate) fn large_contact(
-    relative_curvature: f64,
-    contact_radius: f64,
-    sensor_radius: f64,
-    is_layer: bool,
-) -> Option<Warning> {
-    let of_sensor = contact_radius / sensor_radius;
-    let of_object = contact_radius * (relative_curvature - sensor_radius.recip());
-    let (share, whose) = match of_object > of_sensor {
-        true => (of_object, "object"),
-        false => (of_sensor, "sensor"),
-    };
-    if share < LARGE_CONTACT {
-        return None;
-    }
-    let reason = match sneddon_indentation(1.0, share) {
-        _ if is_layer => "strains are not small".to_owned(),
-        Ok(sneddon) => format!(
-            "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
-            100.0 * (sneddon / (share * share) - 1.0)
-        ),
-        Err(_) => format!("it is wider than the {whose}"),
-    };
-    let text = format!(
-        "the contact's radius is {share:.2} of the {whose}'s, past {LARGE_CONTACT}: {reason}"
-    );
-    Some(Warning::new("large-contact", text, [("share", share)]))
 }
 
 const EXACT_TANGENTIAL: &str = "displacements along the skin have no error and outweigh all \

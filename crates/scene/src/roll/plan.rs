@@ -2,47 +2,44 @@
 
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
-use palpate_number::Number;
 use palpate_rolling::{
     Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, Roller, Rolls, Terrain,
 };
 use palpate_sensing::{AngularVelocityError, Distribution};
+use palpate_statistics::Number;
 
 use super::linear::LinearRolls;
 use super::noise::{MotionNoise, Roll};
 use super::rotation_sensor::RotationSensor;
 use super::scene::{RollScene, Truth};
 use super::sensor::RollSensor;
-use crate::plan::{PlanError, shape};
+use crate::plan::{sensor_error, shape};
+use palpate_study::FieldError;
 use palpate_study::config::{
     self, AngularVelocityNoise, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, Side, When,
 };
 
-impl PlanError {
-    fn of_roll(object: &ObjectConfig, error: InvalidRoll) -> Self {
-        let path = match (&error, object) {
-            (InvalidRoll::FirstContact(_), ObjectConfig::HeightField { .. }) => {
-                "scene.object.formula"
-            }
-            (InvalidRoll::FirstContact(_), _) => "scene.object_contact",
-            (InvalidRoll::Fault(_), _) => "scene.object",
-            (InvalidRoll::Unsupported { .. }, _) => "scene.model.kind",
-            (InvalidRoll::Tolerance { .. }, _) => "scene.model.tolerance",
-        };
-        Self::at(path, error)
-    }
+fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
+    let path = match (&error, object) {
+        (InvalidRoll::FirstContact(_), ObjectConfig::HeightField { .. }) => "scene.object.formula",
+        (InvalidRoll::FirstContact(_), _) => "scene.object_contact",
+        (InvalidRoll::Fault(_), _) => "scene.object",
+        (InvalidRoll::Unsupported { .. }, _) => "scene.model.kind",
+        (InvalidRoll::Tolerance { .. }, _) => "scene.model.tolerance",
+    };
+    FieldError::at(path, error)
 }
 
 impl RollScene {
     /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`PlanError`] with the path of the invalid field.
-    pub fn new(config: &RollConfig, seed: u64) -> Result<Self, PlanError> {
+    /// [`FieldError`] with the path of the field that makes no scene.
+    pub fn new(config: &RollConfig, seed: u64) -> Result<Self, FieldError> {
         let ProbeConfig::Sphere { radius } = config.probe;
         let probe = Probe::new(radius).map_err(|error| {
-            PlanError::at(
+            FieldError::at(
                 "scene.probe.radius",
                 format!("must be {}, is {}", error.expected, Number(error.value)),
             )
@@ -62,7 +59,7 @@ impl RollScene {
             ..sensor.shift_noise()
         };
         let (rolls, truth) = noiseless(&roller, &commands, &noise)
-            .map_err(|error| PlanError::at("scene.motion", error))?;
+            .map_err(|error| FieldError::at("scene.motion", error))?;
         let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
         let fit = LeastSquares::new(radius, reading_noise, &rotations);
         let linear = match rotation_sensor.is_random() {
@@ -89,7 +86,7 @@ impl RollScene {
     }
 }
 
-fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
+fn motion_noise(config: &RollConfig) -> Result<MotionNoise, FieldError> {
     let Some(noise) = &config.noise.angular_velocity else {
         return Ok(MotionNoise::None);
     };
@@ -110,7 +107,7 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
         instants,
     }) = *noise;
     let error = AngularVelocityError::new(distribution, fraction)
-        .map_err(|error| PlanError::of_sensor("scene.noise.angular_velocity", error))?;
+        .map_err(|error| sensor_error("scene.noise.angular_velocity", error))?;
     if fraction == 0.0 {
         return Ok(MotionNoise::None);
     }
@@ -120,7 +117,7 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     };
     match side {
         Side::Motion if instants > 1 && config.motion.axis == RollAxis::Chart => {
-            Err(PlanError::at(
+            Err(FieldError::at(
                 "scene.noise.angular_velocity.when",
                 "\"per-instant\" noise of the motion needs axis = \"transported\": with the axis held \
                  in the chart, a motion cannot be cut into pieces",
@@ -184,12 +181,12 @@ fn roller(
     probe: Probe,
     object: Shape,
     pieces: u32,
-) -> Result<(Roller, Vec<Motion>), PlanError> {
+) -> Result<(Roller, Vec<Motion>), FieldError> {
     let contact = config
         .object_contact
         .map_or(object.default_contact(), |[x, y]| (x, y));
     let model = model(&config.model, config.motion.axis);
-    let of_roll = |error| PlanError::of_roll(&config.object, error);
+    let of_roll = |error| roll_error(&config.object, error);
     let set_up = |commands: &[Motion]| {
         let rolls: Vec<Vec<Motion>> = commands
             .iter()
@@ -210,7 +207,7 @@ fn roller(
         for command in &mut commands {
             command.duration_s = roller
                 .duration_for_arc(command, arc_length)
-                .map_err(|error| PlanError::at("scene.motion.arc_length", error))?;
+                .map_err(|error| FieldError::at("scene.motion.arc_length", error))?;
         }
         // The choice of a rung depends on how far the probes roll.
         roller = set_up(&commands)?;

@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 use palpate_sensing::{Channel, Encoder, GaussianError, Stream};
 use palpate_study::config::RollNoiseConfig;
 
-use crate::plan::PlanError;
+use crate::plan::sensor_error;
+use palpate_study::FieldError;
 
 /// Errors of the rotation that a probe reports.
 #[derive(Clone, Debug)]
@@ -21,7 +22,7 @@ pub(super) struct RotationTrial<'a> {
 }
 
 impl RotationSensor {
-    pub(super) fn new(noise: &RollNoiseConfig) -> Result<Self, PlanError> {
+    pub(super) fn new(noise: &RollNoiseConfig) -> Result<Self, FieldError> {
         let std_rad = noise.rotation.as_ref().map_or(0.0, |noise| noise.std_rad());
         let encoder = noise
             .encoder
@@ -29,10 +30,10 @@ impl RotationSensor {
             .map(|encoder| Encoder::new(encoder.step_rad()));
         Ok(Self {
             error: GaussianError::new(std_rad)
-                .map_err(|error| PlanError::of_sensor("scene.noise.rotation", error))?,
+                .map_err(|error| sensor_error("scene.noise.rotation", error))?,
             encoder: encoder
                 .transpose()
-                .map_err(|error| PlanError::of_sensor("scene.noise.encoder", error))?,
+                .map_err(|error| sensor_error("scene.noise.encoder", error))?,
         })
     }
 
@@ -68,7 +69,7 @@ impl RotationSensor {
         let error = self.error.is_random().then(|| {
             format!(
                 "rotations measured to {} rad",
-                palpate_number::Number(self.error.std())
+                palpate_statistics::Number(self.error.std())
             )
         });
         let encoder = self

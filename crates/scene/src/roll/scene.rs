@@ -8,8 +8,8 @@ use palpate_ep1::{
     ReadingNoise, rounding_std,
 };
 use palpate_geometry::CurvatureForm;
-use palpate_number::Number;
 use palpate_rolling::{Chart, Motion, Roller};
+use palpate_statistics::Number;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::linear::{LinearRolls, ManyRolls};
@@ -17,12 +17,13 @@ use super::noise::{MotionNoise, Roll};
 use super::rotation_sensor::RotationSensor;
 use super::sensor::RollSensor;
 use crate::ladder::Ladder;
-use crate::map::MapTable;
-use crate::need::{Need, Warning};
-use crate::plan::PlanError;
+use crate::need::Need;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
+use palpate_study::FieldError;
+use palpate_study::MapTable;
 use palpate_study::Quantity;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 /// Quantities that a roll estimates.
@@ -129,7 +130,7 @@ fn outcomes(
 
 impl RollScene {
     /// Noise of the readings that the estimator assumes.
-    pub(crate) const fn reading_noise(&self) -> ReadingNoise {
+    pub const fn reading_noise(&self) -> ReadingNoise {
         self.reading_noise
     }
 
@@ -331,13 +332,13 @@ impl Trials for RollScene {
         self.noise.is_random() || self.sensor.is_random() || self.rotation_sensor.is_random()
     }
 
-    fn estimable(&self) -> Result<(), PlanError> {
+    fn estimable(&self) -> Result<(), FieldError> {
         match &self.fit {
             Ok(_) => Ok(()),
             Err(error @ Ep1Error::NoisyRotations { .. }) => {
-                Err(PlanError::at(self.rotation_sensor.path(), error))
+                Err(FieldError::at(self.rotation_sensor.path(), error))
             }
-            Err(error) => Err(PlanError::at("scene.motion.directions_deg", error)),
+            Err(error) => Err(FieldError::at("scene.motion.directions_deg", error)),
         }
     }
 
@@ -388,7 +389,7 @@ impl Trials for RollScene {
         needs
     }
 
-    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
         Ok(Some(self.measured_ladder()))
     }
 

@@ -5,7 +5,8 @@ use palpate_ep1::{PadStart, ReadingNoise};
 use palpate_sensing::{BeyondPads, Channel, PadOffset, PadPlacement, Pads, Stream, Wrist};
 use palpate_study::config::{self, RollSensorConfig};
 
-use crate::plan::{PlanError, pad_layout};
+use crate::plan::{pad_layout, sensor_error};
+use palpate_study::FieldError;
 
 #[derive(Clone, Debug)]
 pub(super) enum RollSensor {
@@ -25,7 +26,7 @@ pub(super) enum SensorTrial<'a> {
 
 impl RollSensor {
     /// Sensor of a config on a probe of this radius.
-    pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, PlanError> {
+    pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
         match config {
             RollSensorConfig::Ideal {} => Ok(Self::Ideal),
             RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(Self::Wrist),
@@ -44,7 +45,7 @@ impl RollSensor {
                 Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(Self::Pads)
             }
         }
-        .map_err(|error| PlanError::of_sensor("scene.sensor", error))
+        .map_err(|error| sensor_error("scene.sensor", error))
     }
 
     pub(super) fn is_random(&self) -> bool {

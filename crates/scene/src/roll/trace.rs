@@ -1,15 +1,14 @@
 //! Tables of one pass of a roll.
 
-use palpate_ep1::ProbeReading;
 use palpate_rolling::{Contact, Motion};
 
 use super::noise::{MotionNoise, NoiseTrial};
 use super::scene::RollScene;
 use super::sensor::RollSensor;
-use crate::recorded::roll_readings_table;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
+use palpate_study::readings::roll_readings_table;
 
 /// Number of samples of each roll in the table, besides the first contact.
 const SAMPLES: usize = 100;
@@ -74,13 +73,13 @@ impl RollScene {
                 Some(rotations) => rotations.read(rotation),
                 None => rotation,
             };
-            readings.push(ProbeReading { rotation, shift });
+            readings.push([rotation.x, rotation.y, shift.x, shift.y]);
         }
         let of_probes = counted(readings.len(), "probe");
         Ok(Trace {
             what: format!("{} of {of_probes}", counted(contacts.rows.len(), "contact")),
             contacts,
-            readings: roll_readings_table(&readings, unit),
+            readings: roll_readings_table(readings, unit),
             seen: None,
         })
     }

@@ -1,10 +1,8 @@
 //! Scenes of a roll: what they estimate, and what does not change it.
 
-use palpate_ep1::ReadingNoise;
 use palpate_scene::Scene;
-use palpate_scene::recorded::{RollOptions, estimate_roll, read_roll};
 use palpate_scene::{Outcome, Scenes};
-use palpate_study::config::{LengthUnit, parse};
+use palpate_study::config::parse;
 
 /// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
 fn scene(object: &str, lines: &str) -> Scene {
@@ -130,38 +128,6 @@ fn failures_have_a_stable_name() {
     let mut observed = 0;
     assert_eq!(scene.trial(0, |_, _| observed += 1), Err("beyond-pads"));
     assert_eq!(observed, 0, "nothing of a failed trial counts");
-}
-
-#[test]
-fn readings_of_a_trace_give_the_estimate_of_the_trial() {
-    let lines = r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.02, side = "measurement" }, encoder = { step_rad = 0.001 } }
-sensor = { kind = "wrist", std = 0.001 }"#;
-    let scene = scene(r#"{ kind = "ellipsoid", semi_axes = [5, 4, 3] }"#, lines);
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("readings.csv");
-    for number in 0..5 {
-        let trace = scene.trace(Some(number), LengthUnit::Cm).unwrap();
-        std::fs::write(&path, trace.readings.to_csv()).unwrap();
-        let options = RollOptions {
-            length_unit: Some(LengthUnit::Cm),
-            // The standard deviation of encoder steps of 0.001 rad. The trial's estimator uses it too.
-            noise: ReadingNoise {
-                rotation_std_rad: 0.001 / 12.0_f64.sqrt(),
-                ..ReadingNoise::default()
-            },
-            ..RollOptions::new(1.0)
-        };
-        let estimate = estimate_roll(&read_roll(&path).unwrap(), &options).unwrap();
-        let json = serde_json::to_value(estimate).unwrap();
-        for ((found, _), quantity) in trial(&scene, number).into_iter().zip(scene.quantities()) {
-            let read = json[quantity.name]["value"].as_f64().unwrap();
-            assert!(
-                (found - read).abs() <= 1e-9 * found.abs(),
-                "{}: {found}, {read}",
-                quantity.name
-            );
-        }
-    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

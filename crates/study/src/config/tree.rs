@@ -1,7 +1,7 @@
 //! A TOML document as a tree that knows where each key and value stands in the text.
 
 use super::error::{Fault, Span};
-use palpate_number::Number;
+use palpate_statistics::Number;
 use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue};
 

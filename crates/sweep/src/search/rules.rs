@@ -1,6 +1,6 @@
 //! Rules of a search: how sure its answer is to be, and when it has looked enough.
 
-use palpate_chance::score_of_tail;
+use palpate_statistics::score_of_tail;
 
 /// Share of the probability to be wrong for what the search itself finds: that each value between those that fresh trials verify lies on the side
 /// that it has been found on.

@@ -1,6 +1,6 @@
 //! Probabilities of right order against closed forms, and the coverage of their intervals.
 
-use palpate_chance::normal_tail;
+use palpate_statistics::normal_tail;
 use palpate_sweep::{Order, Repeats, Told, both_above, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};

@@ -1,6 +1,6 @@
 //! Errors of calibrations.
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 

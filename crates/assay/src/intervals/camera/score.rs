@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use palpate_chance::NORMAL_95;
-use palpate_number::Number;
 use palpate_press::Interval;
 use palpate_scene::JudgedCurvature;
+use palpate_statistics::{NORMAL_95, Number};
 use serde::Serialize;
 
 use super::super::doubted::{Doubts, words};

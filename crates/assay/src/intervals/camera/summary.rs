@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_number::Number;
+use palpate_statistics::Number;
 
 use super::super::doubted::{Scene, Shares};
 use super::super::sums::HOLDS;

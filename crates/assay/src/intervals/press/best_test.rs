@@ -74,9 +74,9 @@ impl BestTest {
 
 #[cfg(test)]
 mod tests {
-    use palpate_chance::{normal_tail, score_of_tail};
     use palpate_press::{Body, Markers, Skin};
     use palpate_sensing::Channel;
+    use palpate_statistics::{normal_tail, score_of_tail};
 
     use super::super::super::draws::Draws;
     use super::super::readings::Flaw;

@@ -3,12 +3,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use anyhow::Result;
-use palpate_chance::{HALF_WIDTHS, student_half_width};
 use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::surfaces::{Ellipsoid, Sphere};
 use palpate_geometry::{CurvatureForm, Shape, Surface};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+use palpate_statistics::{HALF_WIDTHS, student_half_width};
 
 use super::super::draws::Draws;
 use super::flaw::{Flaw, RADIUS};

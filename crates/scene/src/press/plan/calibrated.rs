@@ -1,7 +1,7 @@
 //! The calibration of a camera sensor, by presses on a plane.
 
-use palpate_number::Number;
 use palpate_press::{MarkerDisplacement, PressError};
+use palpate_statistics::Number;
 use palpate_tracking::{
     Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Marker,
     NormalCalibration, NormalFrom, NormalPoint,
@@ -11,7 +11,7 @@ use super::super::looks::{PressLooks, RestLook};
 use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::discs::DiscMarkers;
-use crate::plan::PlanError;
+use palpate_study::FieldError;
 use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers};
 
 const PATH: &str = "scene.sensor.calibration";
@@ -44,17 +44,17 @@ pub(super) struct CalibrationPresses<'a> {
 
 impl CalibrationPresses<'_> {
     /// Calibrates the sensor by presses of its apex on a plane, with known displacements.
-    pub(super) fn calibrated(&self) -> Result<CalibratedCamera, PlanError> {
+    pub(super) fn calibrated(&self) -> Result<CalibratedCamera, FieldError> {
         let shown = self.shown()?;
         let calibration = self
             .fit(&shown)
-            .map_err(|error| PlanError::at(PATH, error))?;
+            .map_err(|error| FieldError::at(PATH, error))?;
         let stds = residuals(&calibration, &shown);
         Ok(CalibratedCamera { calibration, stds })
     }
 
     /// Tracked markers of each press, with the changes of their pictures.
-    fn shown(&self) -> Result<Vec<Vec<Shown>>, PlanError> {
+    fn shown(&self) -> Result<Vec<Vec<Shown>>, FieldError> {
         let presses = planes(&self.camera.calibration, self.indentation);
         let motions = presses.iter().map(|plane| {
             let motions = self.discs.motions(plane);
@@ -67,7 +67,7 @@ impl CalibrationPresses<'_> {
         let changes = self
             .parts
             .changes(&looks, self.rest)
-            .map_err(|error| PlanError::at(PATH, error))?;
+            .map_err(|error| FieldError::at(PATH, error))?;
         let shown = presses.iter().zip(changes.iter()).map(|(plane, changes)| {
             let known = self.discs.displacements(plane);
             let known = known.map_err(|error| refused(plane, error))?;
@@ -127,12 +127,12 @@ pub(super) fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<P
         .collect()
 }
 
-fn refused(plane: &Pressed, error: PressError) -> PlanError {
+fn refused(plane: &Pressed, error: PressError) -> FieldError {
     let message = format!(
         "a press on a plane, {} deep, fails: {error}",
         Number(plane.indentation)
     );
-    PlanError::at(PATH, message)
+    FieldError::at(PATH, message)
 }
 
 /// Rms errors of displacements in the calibration presses, over markers that move at least half as much as the

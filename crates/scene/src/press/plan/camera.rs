@@ -20,8 +20,8 @@ use super::super::readings::{count_of, gaussian};
 use super::super::seen::{CameraPress, Shows};
 use super::calibrated::{CalibratedCamera, CalibrationPresses, planes};
 use super::discs::DiscMarkers;
-use crate::marker_sphere::{MarkerSphere, of_optics};
-use crate::plan::PlanError;
+use palpate_estimators::{MarkerSphere, optics_error};
+use palpate_study::FieldError;
 
 /// A camera, and the markers with discs that it images.
 pub(super) struct CameraPlan<'a> {
@@ -43,7 +43,7 @@ impl CameraPlan<'_> {
     pub(super) fn press(
         &self,
         pressed: &Pressed,
-    ) -> Result<Result<CameraPress, PressError>, PlanError> {
+    ) -> Result<Result<CameraPress, PressError>, FieldError> {
         let eye = self.eye()?;
         let motions = match self.discs.motions(pressed) {
             Ok(motions) => motions,
@@ -55,11 +55,11 @@ impl CameraPlan<'_> {
         let rest = self
             .parts
             .at_rest(&look)
-            .map_err(|error| PlanError::at("scene.sensor", error))?;
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
         let seen = rest.iter().flatten().count();
         if seen == 0 {
             let message = "the camera sees no marker: see `scene.sensor.field_deg`";
-            return Err(PlanError::at("scene.sensor", message));
+            return Err(FieldError::at("scene.sensor", message));
         }
         let presses = CalibrationPresses {
             camera: self.camera,
@@ -87,7 +87,7 @@ impl CameraPlan<'_> {
         }))
     }
 
-    fn redrawn(&self, pressed: &Pressed) -> Result<Option<Redrawn>, PlanError> {
+    fn redrawn(&self, pressed: &Pressed) -> Result<Option<Redrawn>, FieldError> {
         let Some(noise) = &self.noise.sensor else {
             return Ok(None);
         };
@@ -110,7 +110,7 @@ impl CameraPlan<'_> {
         .map(Some)
     }
 
-    fn eye(&self) -> Result<Eye, PlanError> {
+    fn eye(&self) -> Result<Eye, FieldError> {
         let CameraConfig {
             size_px,
             field_deg,
@@ -125,7 +125,7 @@ impl CameraPlan<'_> {
         let pixel = self.noise.pixel.as_ref();
         let pixel = gaussian(pixel.map(|PixelNoise::Gaussian { std }| *std), "pixel")?;
         let lens = Lens::fisheye(OddTerms { k3, k5 });
-        let camera = Camera::new(lens, size_px, field_deg).map_err(|error| of_optics(&error))?;
+        let camera = Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))?;
         let blemishes = Blemishes {
             light_at_rim,
             blur_px,
@@ -136,7 +136,7 @@ impl CameraPlan<'_> {
         let pose = Pose::new(self.camera.place, self.camera.turn_deg.map(f64::to_radians));
         let optics = Optics::new(array, camera, Colours::default(), blemishes)
             .and_then(|optics| optics.seen_from(pose))
-            .map_err(|error| of_optics(&error))?;
+            .map_err(|error| optics_error(&error))?;
         let (model, is_random) = if self.is_rendered {
             (CameraModel::Rendered, pixel.is_random())
         } else {
@@ -145,7 +145,7 @@ impl CameraPlan<'_> {
         };
         let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())
             .and_then(|lens| lens.with_odd_terms([k3, k5]))
-            .map_err(|error| PlanError::at("scene.sensor", error))?;
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
         Ok(Eye {
             optics,
             lens,
@@ -174,7 +174,7 @@ fn exact(eye: &Eye, motions: &[MarkerMotion], marker: usize) -> Option<Shows> {
     Shows::of(&exact, &sight, marker)
 }
 
-fn sight_error(noise: &PressNoiseConfig) -> Result<SightError, PlanError> {
+fn sight_error(noise: &PressNoiseConfig) -> Result<SightError, FieldError> {
     let hue = noise.hue.as_ref();
     let centroid = noise.centroid.as_ref();
     let size = noise.size.as_ref();

@@ -8,8 +8,8 @@ use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::soft_body::SoftBody;
 use super::straining::Straining;
-use crate::marker_sphere::MarkerSphere;
-use crate::plan::PlanError;
+use palpate_estimators::MarkerSphere;
+use palpate_study::FieldError;
 
 /// Markers of two discs, and the bodies that move them.
 pub(super) struct DiscMarkers<'a> {
@@ -29,7 +29,7 @@ impl<'a> DiscMarkers<'a> {
         markers: &'a Markers,
         midway: &'a SoftBody,
         parts: &Parts,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, FieldError> {
         let depths = sphere.disc_depths()?;
         let layer = |thickness, depth| parts.layer(thickness, depth);
         let body = |depth: f64| SoftBody::of(model, sphere.radius, depth, layer);

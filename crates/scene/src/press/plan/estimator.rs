@@ -1,26 +1,24 @@
 //! Builds the estimator of a press.
 
 use palpate_chromatouch::Departure;
+use palpate_estimators::{
+    ImageEstimator, ImageFitSetup, MarkerSphere, PressFitError, PressFitSetup, baseline,
+    body_error, departure_stds, within, within_sensor,
+};
 use palpate_press::{Bounds, Contact, ForwardFit, Markers};
 use palpate_sensing::GaussianError;
+use palpate_study::FieldError;
 use palpate_study::config::{
     Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig, SensorNoise,
 };
 
 use super::super::camera::AT_REST;
-use super::super::departed::stds;
 use super::super::looks::RestLook;
-use super::super::method::{self, Assumed};
 use super::super::parts::Parts;
-use super::super::picture_fit::PicturePlan;
-use super::super::picture_law::seen;
-use super::super::pictures::PictureMethod;
 use super::super::pressed::Pressed;
 use super::super::readings::MarkerNoise;
 use super::super::scene::{PressMethod, PressSensor};
-use super::super::soft_body::{SoftBody, of_body, within_sensor};
-use crate::marker_sphere::MarkerSphere;
-use crate::plan::PlanError;
+use super::super::soft_body::SoftBody;
 
 /// Settings of an estimator, with the press and the sensor whose readings it uses.
 pub(super) struct EstimatorPlan<'a> {
@@ -46,7 +44,7 @@ pub(super) struct EstimatorPlan<'a> {
 
 impl EstimatorPlan<'_> {
     /// Builds the method from the settings and the sensor's parameters.
-    pub(super) fn method(&self) -> Result<PressMethod, PlanError> {
+    pub(super) fn method(&self) -> Result<PressMethod, FieldError> {
         let Self {
             estimator, model, ..
         } = *self;
@@ -55,17 +53,17 @@ impl EstimatorPlan<'_> {
             let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
             Some(std).filter(|&std| priors.noise == NoiseKnown::Stated && std > 0.0)
         };
-        match method::thickness(estimator, model) {
+        match estimator.layer(model.thickness()) {
             Some(thickness) => {
                 within_sensor("scene.estimator.thickness", thickness, self.sphere.radius)?;
             }
             None if matches!(estimator, PressEstimatorConfig::BondedLayer { .. }) => {
-                return Err(PlanError::at("scene.estimator", "`thickness` is missing"));
+                return Err(FieldError::at("scene.estimator", "`thickness` is missing"));
             }
             None => {}
         }
         let knows_indentation = priors.indentation == Indentation::Known;
-        let assumed = Assumed {
+        let assumed = PressFitSetup {
             estimator,
             model,
             body: &self.body.body,
@@ -81,27 +79,33 @@ impl EstimatorPlan<'_> {
             ],
         };
         Ok(PressMethod {
-            fit: assumed
-                .fit()
-                .map_err(|error| of_body("scene.estimator", error))?,
+            fit: match assumed.fit() {
+                Ok(fit) => Ok(fit),
+                Err(PressFitError::Calibration(error)) => Err(error),
+                Err(PressFitError::Setting(error)) => {
+                    return Err(body_error("scene.estimator", error));
+                }
+            },
             known_indentation: knows_indentation.then_some(priors.indentation_std),
             of_pictures: self.of_pictures()?,
         })
     }
 
     /// The fit of pictures; `None` if the config uses another estimator or there is no camera.
-    fn of_pictures(&self) -> Result<Option<PictureMethod>, PlanError> {
+    fn of_pictures(&self) -> Result<Option<ImageEstimator>, FieldError> {
         let PressSensor::Camera(Ok(camera)) = self.sensor else {
             return Ok(None);
         };
         let eye = &camera.sensor.eye;
-        let plan = PicturePlan {
+        let plan = ImageFitSetup {
             estimator: self.estimator,
             model: self.model,
             sphere: self.sphere,
             markers: self.markers,
             optics: &eye.optics,
-            stds: self.of_sensor.map_or([0.0; Departure::NUMBERS], stds),
+            stds: self
+                .of_sensor
+                .map_or([0.0; Departure::NUMBERS], departure_stds),
             told: None,
             layers: &|thickness, depths| self.parts.layers(thickness, depths),
         };
@@ -111,9 +115,9 @@ impl EstimatorPlan<'_> {
         let look = RestLook::new(eye, self.rest_frames);
         let rest = look
             .spotted(AT_REST)
-            .map_err(|error| PlanError::at("scene.sensor", error))?;
-        let rest = rest.iter().map(|one| Some(seen(one.as_ref()?)));
-        Ok(Some(PictureMethod::new(fit, rest.collect())))
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
+        let rest = rest.iter().map(|one| Some(one.as_ref()?.image()));
+        Ok(Some(ImageEstimator::new(fit, rest.collect())))
     }
 
     /// Cramér–Rao bounds for the readings, assuming the model's own body.
@@ -121,8 +125,8 @@ impl EstimatorPlan<'_> {
         let priors = self.estimator.priors();
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());
         let fit = ForwardFit {
-            baseline: method::baseline(priors.baseline),
-            gain: method::within(drawn(self.noise.gain).unwrap_or(priors.gain_std?)),
+            baseline: baseline(priors.baseline),
+            gain: within(drawn(self.noise.gain).unwrap_or(priors.gain_std?)),
             normal_std: drawn(self.noise.normal),
             tangential_std: drawn(self.noise.tangential),
             ..ForwardFit::new(self.body.body.clone())

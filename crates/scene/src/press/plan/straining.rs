@@ -4,7 +4,7 @@ use palpate_press::{Markers, PressError};
 
 use super::super::pressed::Pressed;
 use super::super::soft_body::SoftBody;
-use crate::plan::PlanError;
+use palpate_study::FieldError;
 
 /// Distance above and below a disc at which the skin's displacement is computed, in sensor radii.
 const BESIDE: f64 = 0.0025;
@@ -25,8 +25,8 @@ impl Straining {
         share: f64,
         depth: f64,
         (radius, deepest): (f64, f64),
-        body: impl Fn(f64) -> Result<SoftBody, PlanError>,
-    ) -> Result<Self, PlanError> {
+        body: impl Fn(f64) -> Result<SoftBody, FieldError>,
+    ) -> Result<Self, FieldError> {
         let beside = BESIDE * radius;
         let [above, below] = [(depth - beside).max(0.0), (depth + beside).min(deepest)];
         Ok(Self {

@@ -1,7 +1,7 @@
 //! Form of a table of readings, as arguments.
 
 use clap::Args;
-use palpate_scene::recorded::{Decimal, Delimiter, Form, column_names};
+use palpate_recorded::{Decimal, Delimiter, Form, column_names};
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::ColumnNames;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use palpate_scene::recorded::NormalFrom;
+use palpate_recorded::NormalFrom;
 
 use super::estimate::{SensorArgs, tables};
 use super::form::FormArgs;

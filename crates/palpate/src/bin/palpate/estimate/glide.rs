@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use palpate_scene::recorded::{
+use palpate_recorded::{
     GlideGiven, GlideOptions, GlideReadings, TipPoint, Wording, estimate_glide, parse_glide,
 };
 
@@ -36,7 +36,7 @@ fn options(
     readings: &GlideReadings,
 ) -> Result<GlideOptions, Failure> {
     let unit = readings.unit().or(args.form.length_unit);
-    let base = like.map(|like| like.options(unit, GlideOptions::like));
+    let base = like.map(|like| like.options(unit, palpate::study_options::glide));
     let given = GlideGiven {
         estimator: args.estimator.given.clone(),
         grid: Some(args.grid),

@@ -1,6 +1,6 @@
 //! Settings of a study for recorded readings.
 
-use palpate_scene::recorded::LikeError;
+use palpate_recorded::StudyMismatch;
 use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
 
 use crate::cli::LikeArgs;
@@ -35,7 +35,7 @@ impl Like {
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,
-        options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
+        options: fn(&StudyConfig, LengthUnit) -> Result<T, StudyMismatch>,
     ) -> Result<T, Failure> {
         let unit = unit.unwrap_or(self.config.length_unit);
         options(&self.config, unit).map_err(|error| {

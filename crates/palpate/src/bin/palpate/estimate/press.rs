@@ -1,6 +1,6 @@
 //! `palpate estimate press`.
 
-use palpate_scene::recorded::{
+use palpate_recorded::{
     PictureOptions, PressGiven, PressOptions, Wording, estimate_press, parse_press,
 };
 use palpate_study::config::LengthUnit;
@@ -36,7 +36,7 @@ pub(crate) fn press_options(
     like: Option<&Like>,
     unit: Option<LengthUnit>,
 ) -> Result<PressOptions, Failure> {
-    let base = like.map(|like| like.options(unit, PressOptions::like));
+    let base = like.map(|like| like.options(unit, palpate::study_options::press));
     PressOptions::given(&given(args), base.transpose()?, Wording::Flags).map_err(Failure::usage)
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn picture_options(
     like: Option<&Like>,
     unit: Option<LengthUnit>,
 ) -> Result<PictureOptions, Failure> {
-    let base = like.map(|like| like.options(unit, PictureOptions::like));
+    let base = like.map(|like| like.options(unit, palpate::study_options::pictures));
     let options = PictureOptions::given(&given(args), base.transpose()?, Wording::Flags);
     options.map_err(Failure::usage)
 }

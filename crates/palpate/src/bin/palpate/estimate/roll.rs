@@ -1,6 +1,6 @@
 //! `palpate estimate roll`.
 
-use palpate_scene::recorded::{RollGiven, RollOptions, Wording, estimate_roll, parse_roll};
+use palpate_recorded::{RollGiven, RollOptions, Wording, estimate_roll, parse_roll};
 
 use super::like::Like;
 use super::table::{form, table};
@@ -14,7 +14,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
     let readings = parse_roll(file).map_err(Failure::work)?;
     let unit = readings.unit().or(args.form.length_unit);
-    let base = like.map(|like| like.options(unit, RollOptions::like));
+    let base = like.map(|like| like.options(unit, palpate::study_options::roll));
     let base = base.transpose()?;
     let given = RollGiven {
         probe_radius: args.probe_radius,

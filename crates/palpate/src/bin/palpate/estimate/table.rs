@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_scene::recorded::{Form, RecordedFile};
+use palpate_recorded::{Form, RecordedFile};
 use palpate_study::readings::{columns_of, of_key};
 
 use super::like::Like;

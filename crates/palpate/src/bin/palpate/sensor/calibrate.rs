@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use palpate_scene::recorded::{
+use palpate_recorded::{
     CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, Wording, calibrate as calibrate_to,
     calibrate_camera, calibration_points_of_frames, parse_calibration_points, read_frame,
 };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use palpate_scene::recorded::{
+use palpate_recorded::{
     Calibration, Fates, Frame, PictureOptions, PressOptions, RecordedError, Sensed, SensorOptions,
     TrackedFrames, TrackedPress, difference_image, estimate_pictures, overlay, read_calibration,
     read_camera, read_frame, track_frames,

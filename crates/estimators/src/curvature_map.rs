@@ -1,0 +1,101 @@
+//! Maps of estimated curvature as tables.
+
+use palpate_ep2::{MapPoint, Regions};
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_study::MapTable;
+use palpate_study::config::LengthUnit;
+
+/// Header of a map: places, curvatures with their standard deviations, principal curvatures and
+/// directions, class, region, and the probability of each class. Maps of a study begin with their
+/// cell and have the true class.
+fn header(unit: LengthUnit, of_study: bool) -> String {
+    let unit = unit.as_str();
+    let (cell, true_class) = if of_study {
+        ("cell,", "true_class,")
+    } else {
+        ("", "")
+    };
+    let probabilities = ShapeClass::ALL.map(probability_column);
+    format!(
+        "{cell}x_{unit},y_{unit},z_{unit},normal_x,normal_y,normal_z,\
+         gaussian_curvature_per_{unit}2,gaussian_curvature_std_per_{unit}2,\
+         mean_curvature_per_{unit},mean_curvature_std_per_{unit},\
+         k_min_per_{unit},k_max_per_{unit},k_min_x,k_min_y,k_min_z,k_max_x,k_max_y,k_max_z,\
+         shape_index,class,{true_class}region,{}",
+        probabilities.join(",")
+    )
+}
+
+/// Table for one map of recorded readings.
+pub fn map_table(unit: LengthUnit) -> MapTable {
+    MapTable::new(&header(unit, false), "cells")
+}
+
+/// Table for the maps of a study's cells, whose rows begin with the cell and have the true class.
+pub fn study_map_table(unit: LengthUnit) -> MapTable {
+    MapTable::new(&header(unit, true), "cells")
+}
+
+/// Adds the points of a map, with their regions if these are known.
+pub fn push_map(
+    table: &mut MapTable,
+    points: &[MapPoint],
+    regions: Option<&Regions>,
+    thresholds: &ShapeThresholds,
+) {
+    for (place, point) in points.iter().enumerate() {
+        let region = regions.map(|regions| regions.of_point[place]);
+        push_map_point(table, None, point, region, thresholds);
+    }
+}
+
+/// Adds one point. The fields of what the estimator does not state are empty.
+pub fn push_map_point(
+    table: &mut MapTable,
+    cell_and_true_class: Option<(usize, ShapeClass)>,
+    point: &MapPoint,
+    region: Option<usize>,
+    thresholds: &ShapeThresholds,
+) {
+    let curvature = &point.curvature;
+    let stds = curvature.uncertainty;
+    if let Some((cell, _)) = cell_and_true_class {
+        table.text(cell);
+    }
+    push_all(table, point.position.iter().chain(point.normal.iter()));
+    table.number(Some(curvature.gaussian));
+    table.number(stds.map(|stds| stds.gaussian_std));
+    table.number(Some(curvature.mean));
+    table.number(stds.map(|stds| stds.mean_std));
+    push_all(table, [point.k_min, point.k_max].iter());
+    let directions = [&point.direction_of_min, &point.direction_of_max];
+    push_all(table, directions.into_iter().flat_map(|one| one.iter()));
+    table.number(point.shape_index);
+    table.text(curvature.class(thresholds).name());
+    if let Some((_, true_class)) = cell_and_true_class {
+        table.text(true_class.name());
+    }
+    table.text(region.map_or_else(String::new, |region| region.to_string()));
+    let probabilities = curvature.class_probabilities(thresholds);
+    for class in 0..ShapeClass::ALL.len() {
+        table.number(probabilities.as_ref().map(|all| all[class]));
+    }
+    table.end_row();
+}
+
+fn push_all<'a>(table: &mut MapTable, values: impl Iterator<Item = &'a f64>) {
+    values.for_each(|value| table.number(Some(*value)));
+}
+
+const fn probability_column(class: ShapeClass) -> &'static str {
+    match class {
+        ShapeClass::Peak => "probability_peak",
+        ShapeClass::Ridge => "probability_ridge",
+        ShapeClass::SaddleRidge => "probability_saddle_ridge",
+        ShapeClass::Flat => "probability_flat",
+        ShapeClass::Minimal => "probability_minimal",
+        ShapeClass::Pit => "probability_pit",
+        ShapeClass::Valley => "probability_valley",
+        ShapeClass::SaddleValley => "probability_saddle_valley",
+    }
+}

@@ -1,0 +1,142 @@
+//! The methods of EP2, chosen at run time.
+
+use palpate_ep2::{
+    Agreement, Criterion, Ep2Error, Fit, Method, Noise, Passes, Patch, Penalised, Quadric,
+    TangentNormals, TwoPass,
+};
+
+use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
+
+/// One of the EP2 methods, with its settings.
+#[derive(Clone, Debug)]
+pub enum GlideFit {
+    /// A penalised spline.
+    Penalised(Penalised),
+    /// The 1996 paper's two passes.
+    TwoPass(TwoPass),
+    /// A quadric.
+    Quadric(Quadric),
+}
+
+impl Method for GlideFit {
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        match self {
+            Self::Penalised(method) => method.fit(patch),
+            Self::TwoPass(method) => method.fit(patch),
+            Self::Quadric(method) => method.fit(patch),
+        }
+    }
+
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        match self {
+            Self::Penalised(method) => method.agreement(patch),
+            Self::TwoPass(method) => method.agreement(patch),
+            Self::Quadric(method) => method.agreement(patch),
+        }
+    }
+}
+
+impl GlideFit {
+    /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
+    /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
+    pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
+        let noise = |position_std, normal_std_deg: Option<f64>| Noise {
+            position_std,
+            normal_std_rad: normal_std_deg.map(f64::to_radians),
+        };
+        let config = match inter_finger_distance {
+            Some(distance) => config.clone().with_length_noise(distance),
+            None => config.clone(),
+        };
+        match config {
+            GlideEstimatorConfig::Penalised {
+                intervals,
+                criterion,
+                gamma,
+                position_std,
+                position_fraction_of_ifd: _,
+                normal_std_deg,
+            } => Self::Penalised(Penalised {
+                intervals: intervals.map(|intervals| intervals as usize),
+                criterion: match criterion {
+                    CriterionName::RobustGcv => Criterion::RobustGcv { gamma },
+                    CriterionName::Gcv => Criterion::Gcv,
+                    CriterionName::Reml => Criterion::Reml,
+                },
+                noise: noise(position_std, normal_std_deg),
+            }),
+            GlideEstimatorConfig::TwoPass {
+                first_degree,
+                second_degree,
+                weight,
+                smoothing,
+                second_smoothing,
+                tangent_step,
+                normals,
+                passes,
+            } => Self::TwoPass(TwoPass {
+                first_degree: first_degree as usize,
+                second_degree: second_degree as usize,
+                weight,
+                smoothing,
+                second_smoothing,
+                tangent_step,
+                normals: match normals {
+                    NormalsOf::Measured => TangentNormals::Measured,
+                    NormalsOf::FirstFit => TangentNormals::FirstFit,
+                },
+                unit_length: inter_finger_distance,
+                passes: if passes == 1 {
+                    Passes::One
+                } else {
+                    Passes::Two
+                },
+                ..TwoPass::default()
+            }),
+            GlideEstimatorConfig::Quadric {
+                position_std,
+                position_fraction_of_ifd: _,
+                normal_std_deg,
+            } => Self::Quadric(Quadric {
+                noise: noise(position_std, normal_std_deg),
+            }),
+        }
+    }
+
+    /// The method and its settings in words.
+    pub fn description(&self) -> String {
+        match self {
+            Self::Penalised(Penalised {
+                criterion, noise, ..
+            }) => {
+                let criterion = match criterion {
+                    Criterion::RobustGcv { gamma } => {
+                        format!("robust generalised cross validation (gamma {gamma})")
+                    }
+                    Criterion::Gcv => "generalised cross validation".to_owned(),
+                    Criterion::Reml => "restricted maximum likelihood".to_owned(),
+                };
+                let noise = match (noise.position_std, noise.normal_std_rad) {
+                    (None, None) => "noise found from the contacts",
+                    (Some(_), Some(_)) => "noise as stated",
+                    _ => "noise partly stated, the rest found from the contacts",
+                };
+                format!("penalised bicubic spline, weight by {criterion}, {noise}")
+            }
+            Self::TwoPass(TwoPass {
+                first_degree,
+                second_degree,
+                passes,
+                ..
+            }) => match passes {
+                Passes::One => {
+                    format!("smoothing spline of degree {first_degree}, first pass alone")
+                }
+                Passes::Two => format!(
+                    "two-pass smoothing splines of degrees {first_degree} and {second_degree}"
+                ),
+            },
+            Self::Quadric(_) => "least-squares quadric".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Builds the fit of pictures from an estimator's settings and the sensor's parameters.
+
+use palpate_chromatouch::{Departure, DiscDepths, Optics};
+use palpate_press::{Body, ImageFit, Markers, PressError, Told};
+use palpate_statistics::Number;
+use palpate_study::FieldError;
+use palpate_study::config::{PressEstimatorConfig, PressModelConfig};
+
+use crate::image_model::ImageModel;
+use crate::marker_sphere::{MarkerSphere, optics_error};
+use crate::press_fit::{body_error, within_sensor};
+
+/// Finite-difference step of the discs' depth, in sensor radii.
+const DEEPER: f64 = 1e-3;
+const ESTIMATOR: &str = "scene.estimator";
+
+/// Builds layers of a thickness, with their markers at each of the depths.
+pub type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
+
+/// Settings of an estimator that fits pictures, and the sensor whose pictures it fits.
+pub struct ImageFitSetup<'a> {
+    /// The estimator's settings.
+    pub estimator: &'a PressEstimatorConfig,
+    /// The sensor's own soft body, which has what the settings leave out.
+    pub model: &'a PressModelConfig,
+    /// Skin, layout and discs.
+    pub sphere: &'a MarkerSphere<'a>,
+    /// The markers under the skin.
+    pub markers: &'a Markers,
+    /// The nominal camera and markers; the fit ignores misalignments in it.
+    pub optics: &'a Optics,
+    /// Standard deviations of the sensor's departures from `optics`.
+    pub stds: [f64; Departure::NUMBERS],
+    /// Departures whose joint covariance is given, if any.
+    pub told: Option<Told>,
+    /// Builds layers of a thickness, with their markers at each of the depths.
+    pub layers: &'a Layers<'a>,
+}
+
+impl ImageFitSetup<'_> {
+    /// Builds the fit; `None` if the estimator does not fit pictures.
+    ///
+    /// # Errors
+    /// [`FieldError`] for an impossible body or impossible discs.
+    pub fn fit(&self) -> Result<Option<ImageFit<ImageModel>>, FieldError> {
+        let PressEstimatorConfig::Image {
+            poisson, shift_std, ..
+        } = self.estimator
+        else {
+            return Ok(None);
+        };
+        let thickness = self.estimator.layer(self.model.thickness());
+        let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
+        if let Some(thickness) = thickness {
+            let path = "scene.estimator.thickness";
+            within_sensor(path, thickness, self.sphere.radius)?;
+            let deepest = magenta.max(yellow);
+            if thickness < deepest {
+                let [thickness, deepest] = [thickness, deepest].map(Number);
+                let message = format!(
+                    "is {thickness}; the layer must reach to the deepest discs, {deepest} under the skin"
+                );
+                return Err(FieldError::at(path, message));
+            }
+        }
+        let poisson = poisson.unwrap_or(self.model.poisson());
+        let deeper = DEEPER * self.sphere.radius;
+        let mut depths = vec![magenta, yellow];
+        if self.stds[0] > 0.0 {
+            depths.extend([magenta + deeper, yellow + deeper]);
+        }
+        let bodies = match thickness {
+            Some(thickness) => (self.layers)(thickness, &depths),
+            None => depths
+                .iter()
+                .map(|depth| Body::half_space(poisson, *depth))
+                .collect(),
+        };
+        let bodies = bodies.map_err(|error| body_error(ESTIMATOR, error))?;
+        let mut pairs = bodies.chunks_exact(2);
+        let mut pair = || match pairs.next() {
+            Some([magenta, yellow]) => Some([magenta.clone(), yellow.clone()]),
+            _ => None,
+        };
+        let missing = || FieldError::at(ESTIMATOR, "no layer at the depths of the discs");
+        let aligned = vec![[0.0; 2]; self.optics.array().len()];
+        let optics = self.optics.misaligned(&aligned);
+        Ok(Some(ImageFit {
+            view: ImageModel {
+                optics: optics.map_err(|error| optics_error(&error))?,
+            },
+            markers: self.markers.clone(),
+            bodies: pair().ok_or_else(missing)?,
+            deeper: pair().map(|bodies| (deeper, bodies)),
+            common_stds: self.stds.to_vec(),
+            told: self.told.clone(),
+            misalignment_std: self.sphere.misalignment_std()?,
+            shift_std: *shift_std,
+        }))
+    }
+}

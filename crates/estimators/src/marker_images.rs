@@ -1,0 +1,132 @@
+//! The estimator that fits the camera's pictures of the markers.
+
+use std::sync::{Arc, OnceLock};
+
+use palpate_press::{
+    Doubt, ImageFit, KnownPress, MarkerDisplacement, Measured, PressError, PressEstimate, Rest,
+    Seen,
+};
+use palpate_tracking::{MarkerErrors, Track};
+
+use crate::image_model::{ImageModel, marker_image};
+
+/// Input of a fit of pictures: the pictures of the markers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerImages {
+    /// The markers at rest; `None` if all trials share one reading at rest.
+    pub own_rest: Option<Arc<[Option<Seen>]>>,
+    /// Calibration presses of this trial's sensor; empty if it is not calibrated.
+    pub calibrating: Vec<KnownPress>,
+    /// The markers in the press.
+    pub pressed: Vec<Option<Seen>>,
+}
+
+/// A fit of pictures, and the frame at rest that trials share.
+#[derive(Clone, Debug)]
+pub struct ImageEstimator {
+    fit: ImageFit<ImageModel>,
+    rest: Vec<Option<Seen>>,
+    fitted: OnceLock<Result<Rest, PressError>>,
+}
+
+impl ImageEstimator {
+    /// Estimator with a fit and the images of the markers in the shared frame at rest.
+    pub fn new(fit: ImageFit<ImageModel>, rest: Vec<Option<Seen>>) -> Self {
+        Self {
+            fit,
+            rest,
+            fitted: OnceLock::new(),
+        }
+    }
+
+    /// Estimates the press from images of the markers.
+    ///
+    /// # Errors
+    /// [`PressError`] of the fit, or of the sensor at rest.
+    pub fn estimate(
+        &self,
+        pictures: &MarkerImages,
+        indentation: Option<Measured>,
+    ) -> Result<PressEstimate, PressError> {
+        self.with_rest(pictures, |rest| {
+            self.fit.estimate(rest, &pictures.pressed, indentation)
+        })
+    }
+
+    /// Warnings that the pictures contradict the model of the estimate.
+    pub fn doubts(
+        &self,
+        pictures: &MarkerImages,
+        indentation: Option<Measured>,
+        estimate: &PressEstimate,
+    ) -> Result<Vec<Doubt>, PressError> {
+        self.with_rest(pictures, |rest| {
+            let seen = &pictures.pressed;
+            self.fit.doubts(rest, seen, indentation, estimate)
+        })
+    }
+
+    /// Residual displacements of the markers: estimated from their own pictures, minus those of the estimated press.
+    pub fn beyond(
+        &self,
+        pictures: &MarkerImages,
+        press: &PressEstimate,
+    ) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        self.with_rest(pictures, |rest| {
+            self.fit.beyond(rest, &pictures.pressed, press)
+        })
+    }
+
+    /// Cramér–Rao bound on the standard deviation of the relative curvature, for a press with this relative
+    /// curvature, chart coordinates and indentation.
+    pub fn std_bound(
+        &self,
+        pictures: &MarkerImages,
+        indentation: Option<Measured>,
+        (curvature, at, depth): (f64, [f64; 2], f64),
+    ) -> Option<f64> {
+        self.with_rest(pictures, |rest| {
+            let seen = &pictures.pressed;
+            self.fit
+                .std_bound(rest, seen, indentation, (curvature, at, depth))
+        })
+        .ok()
+    }
+
+    fn with_rest<T>(
+        &self,
+        pictures: &MarkerImages,
+        then: impl FnOnce(&Rest) -> Result<T, PressError>,
+    ) -> Result<T, PressError> {
+        let own;
+        let rest = match &pictures.own_rest {
+            Some(rest) => {
+                own = self.fit.calibrated(rest, &pictures.calibrating)?;
+                &own
+            }
+            None => self.rest()?,
+        };
+        then(rest)
+    }
+
+    /// The sensor as estimated from the frame at rest that trials share.
+    pub fn rest(&self) -> Result<&Rest, PressError> {
+        let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
+        fitted.as_ref().map_err(|error| *error)
+    }
+}
+
+/// Pictures of the tracked markers in the press, with their errors; `None` for other markers.
+pub fn pressed_images(
+    tracks: &[Option<Track>],
+    errors: &[Option<MarkerErrors>],
+) -> Vec<Option<Seen>> {
+    let pairs = tracks.iter().zip(errors);
+    pairs
+        .map(|(track, errors)| {
+            let track = (*track)?;
+            track.change()?;
+            Some(marker_image(&track.pressed?, errors.as_ref()?))
+        })
+        .collect()
+}

@@ -1,0 +1,192 @@
+//! Builds the parts of a marker sensor from its config: its skin, layout and discs.
+
+use palpate_chromatouch::{
+    DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError, Seams,
+};
+use palpate_statistics::Number;
+use palpate_study::FieldError;
+use palpate_study::config::{
+    DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
+};
+
+/// Path of the layout in a config.
+pub const LAYOUT: &str = "scene.probe.layout";
+
+/// A soft sphere with markers under its skin.
+#[derive(Clone, Debug)]
+pub struct MarkerSphere<'a> {
+    /// Radius of the skin, length.
+    pub radius: f64,
+    /// Depth of the markers under the skin; for markers of two discs, the mean depth.
+    pub marker_depth: f64,
+    /// Arrangement of the markers.
+    pub layout: Layout,
+    /// Number of steps in which a gore's outline is drawn.
+    pub outline_samples: u32,
+    /// Discs that each marker is made of.
+    pub discs: Option<&'a DiscsConfig>,
+}
+
+impl<'a> MarkerSphere<'a> {
+    /// The sensor of a config.
+    pub fn of(config: &'a PressProbeConfig) -> Self {
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            layout,
+            discs,
+            outline_samples,
+        } = config;
+        Self {
+            radius: *radius,
+            marker_depth: *marker_depth,
+            layout: layout_of(layout),
+            outline_samples: *outline_samples,
+            discs: discs.as_ref(),
+        }
+    }
+
+    /// Chart coordinates of the markers.
+    pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
+        self.layout
+            .places(self.radius)
+            .map_err(|error| layout_error(&error))
+    }
+
+    fn discs(&self) -> Result<&'a DiscsConfig, FieldError> {
+        self.discs.ok_or_else(|| {
+            FieldError::at(
+                "scene.probe",
+                "`discs` is missing: a camera needs markers that have two discs",
+            )
+        })
+    }
+
+    /// Diameters of the discs.
+    pub fn diameters(&self) -> Result<Discs, FieldError> {
+        let discs = self.discs()?;
+        Ok(Discs {
+            magenta: discs.magenta_diameter,
+            yellow: discs.yellow_diameter,
+        })
+    }
+
+    /// Depths of the two discs.
+    pub fn disc_depths(&self) -> Result<DiscDepths, FieldError> {
+        let half = 0.5 * self.discs()?.separation;
+        if half > self.marker_depth {
+            let message = format!(
+                "the yellow discs would lie {} above the skin; the separation must be at most twice `scene.probe.marker_depth`, {}",
+                half - self.marker_depth,
+                2.0 * self.marker_depth
+            );
+            return Err(FieldError::at("scene.probe.discs.separation", message));
+        }
+        Ok(DiscDepths {
+            magenta: self.marker_depth + half,
+            yellow: self.marker_depth - half,
+        })
+    }
+
+    /// Largest misalignment of a marker's discs, as a fraction of the yellow diameter.
+    pub fn misalignment(&self) -> f64 {
+        self.discs.map_or(0.0, |discs| discs.misalignment)
+    }
+
+    /// Standard deviation of each coordinate of a marker's misalignment: an angle at the sensor's centre, rad.
+    pub fn misalignment_std(&self) -> Result<f64, FieldError> {
+        let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
+        // A coordinate of a point that is uniform in a disc has a standard deviation of half the radius.
+        let most = self.misalignment() * diameters.yellow;
+        Ok(0.5 * most / (self.radius - depths.yellow))
+    }
+
+    /// Share of the skin's strain that the discs take part in.
+    pub fn strain(&self) -> f64 {
+        self.discs.map_or(0.0, |discs| discs.strain)
+    }
+
+    /// Markers at these places, as designed.
+    pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
+        let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
+        MarkerArray::new(self.radius, places, diameters, depths)
+            .map_err(|error| optics_error(&error))
+    }
+
+    /// Markers at these places, with the random misalignments of manufacture.
+    pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
+        let array = self.array(places)?;
+        match self.discs()?.misalignment {
+            0.0 => Ok(array),
+            most => array
+                .misaligned(most, seed)
+                .map_err(|error| optics_error(&error)),
+        }
+    }
+
+    /// Seams of this width between the gores; `None` without gores or width.
+    pub fn seams(&self, width: f64) -> Option<Seams> {
+        match self.layout {
+            Layout::Gores { gores, .. } if width > 0.0 => Some(Seams { gores, width }),
+            _ => None,
+        }
+    }
+}
+
+fn layout_of(config: &LayoutConfig) -> Layout {
+    match config {
+        LayoutConfig::Named(NamedLayout::Published) => Layout::published(),
+        LayoutConfig::Table(LayoutTable::Gores {
+            gores,
+            rows,
+            row_spacing_deg,
+        }) => Layout::Gores {
+            gores: *gores,
+            rows: rows.clone(),
+            row_spacing_deg: *row_spacing_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Lattice { pitch, cap_deg }) => Layout::Lattice {
+            pitch: *pitch,
+            cap_deg: *cap_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Line { markers, length }) => Layout::Line {
+            markers: *markers,
+            length: *length,
+        },
+        LayoutConfig::Table(LayoutTable::Radius { markers, length }) => Layout::Radius {
+            markers: *markers,
+            length: *length,
+        },
+    }
+}
+
+fn layout_error(error: &LayoutError) -> FieldError {
+    match error.setting() {
+        Some(setting) => FieldError::at(format!("{LAYOUT}.{setting}"), error),
+        None => FieldError::at(LAYOUT, error),
+    }
+}
+
+/// Converts an error of the markers or the camera to one at its config field.
+pub fn optics_error(error: &OpticsError) -> FieldError {
+    if let OpticsError::BadSetting(bad) = error
+        && bad.setting == "turn_rad"
+    {
+        let [turn, most] = [bad.value, 1.0].map(|angle| Number::rounded(angle.to_degrees()));
+        let message = format!(
+            "is {turn} deg about an axis; it must be from -{most} to {most} deg about each"
+        );
+        return FieldError::at("scene.sensor.turn_deg", message);
+    }
+    let path = match error.setting() {
+        Some(
+            setting @ ("magenta_diameter" | "yellow_diameter" | "separation" | "misalignment"),
+        ) => {
+            format!("scene.probe.discs.{setting}")
+        }
+        Some("pixel_std") => "scene.noise.pixel.std".to_owned(),
+        Some(setting) => format!("scene.sensor.{setting}"),
+        None => "scene.probe.discs".to_owned(),
+    };
+    FieldError::at(path, error)
+}

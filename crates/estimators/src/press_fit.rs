@@ -1,0 +1,178 @@
+//! Builds the estimator of a press from its settings and the sensor's parameters.
+
+use palpate_press::{Body, ForwardFit, Markers, PressError, Prior, calibrated_c};
+use palpate_statistics::{BadSetting, Number};
+use palpate_study::FieldError;
+use palpate_study::config::{Baseline, PressEstimatorConfig, PressModelConfig};
+
+/// Settings of an estimator, and the sensor whose readings it uses.
+pub struct PressFitSetup<'a> {
+    /// The estimator's settings.
+    pub estimator: &'a PressEstimatorConfig,
+    /// The sensor's own soft body, which has what the settings leave out.
+    pub model: &'a PressModelConfig,
+    /// Body of that model at the depth of the markers.
+    pub body: &'a Body,
+    /// Thickness of its layer, where that has tables for fits to share.
+    pub shared: Option<f64>,
+    /// Builds a layer with tables from its thickness and the depth of its markers.
+    pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
+    /// The markers under the skin.
+    pub markers: &'a Markers,
+    /// Depth of the markers under the skin, length.
+    pub marker_depth: f64,
+    /// Indentation of the press on a plane that calibrates a Gaussian's c.
+    pub calibrated_at: Option<f64>,
+    /// Whether the estimator is given the indentation.
+    pub knows_indentation: bool,
+    /// Standard deviations of normal and tangential displacements, if stated.
+    pub stds: [Option<f64>; 2],
+}
+
+impl PressFitSetup<'_> {
+    /// Fit of the assumed body.
+    ///
+    /// # Errors
+    /// [`PressFitError::Setting`] for a setting out of its range; [`PressFitError::Calibration`] where a Gaussian cannot
+    /// be calibrated.
+    pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
+        let priors = self.estimator.priors();
+        Ok(ForwardFit {
+            // A Gaussian's amplitude is fitted if the indentation is given; otherwise it is the indentation.
+            gain: priors.gain_std.map_or(
+                match self.knows_indentation {
+                    true => Prior::Free,
+                    false => Prior::Exact,
+                },
+                within,
+            ),
+            baseline: baseline(priors.baseline),
+            normal_std: self.stds[0],
+            tangential_std: self.stds[1],
+            window: match self.estimator {
+                PressEstimatorConfig::Gaussian { window, .. } => *window,
+                _ => None,
+            },
+            ..ForwardFit::new(self.assumed_body()?)
+        })
+    }
+
+    fn assumed_body(&self) -> Result<Body, PressFitError> {
+        let thickness = self.estimator.layer(self.model.thickness());
+        let body = match (thickness, self.estimator) {
+            (Some(thickness), _) if self.shared == Some(thickness) => return Ok(self.body.clone()),
+            (Some(thickness), _) => (self.layer)(thickness, self.marker_depth),
+            (None, PressEstimatorConfig::BondedLayer { .. }) => Err(PressError::Undetermined {
+                what: "the thickness of the bonded layer is not given",
+            }),
+            (
+                None,
+                PressEstimatorConfig::HalfSpace { poisson, .. }
+                | PressEstimatorConfig::Image { poisson, .. },
+            ) => Body::half_space(poisson.unwrap_or(self.model.poisson()), self.marker_depth),
+            (None, PressEstimatorConfig::Gaussian { c: Some(c), .. }) => Body::gaussian(*c),
+            (None, PressEstimatorConfig::Gaussian { window, .. }) => {
+                let undetermined = PressError::Undetermined {
+                    what: "the calibration of a Gaussian's c needs the indentation",
+                };
+                let c = self
+                    .calibrated_at
+                    .ok_or(undetermined)
+                    .and_then(|indentation| {
+                        calibrated_c(self.markers, self.body, indentation, *window)
+                    });
+                let body = c.and_then(Body::gaussian);
+                return body.map_err(PressFitError::Calibration);
+            }
+        };
+        body.map_err(PressFitError::Setting)
+    }
+}
+
+/// Why there is no fit of presses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PressFitError {
+    /// A setting is out of its range, or missing.
+    Setting(PressError),
+    /// The c of a Gaussian cannot be calibrated on the sensor's body.
+    Calibration(PressError),
+}
+
+impl PressFitError {
+    /// The error of the press.
+    pub const fn into_inner(self) -> PressError {
+        match self {
+            Self::Setting(error) | Self::Calibration(error) => error,
+        }
+    }
+}
+
+/// Name of the body that an estimator assumes, and whether it models displacements below the surface.
+pub const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
+    match estimator {
+        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
+        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
+        PressEstimatorConfig::Image { .. } => ("the body to the markers' pictures", true),
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
+        PressEstimatorConfig::Gaussian { c: None, .. } => {
+            ("a Gaussian calibrated on a plane", false)
+        }
+    }
+}
+
+/// Builds the body of a model; `layer` builds a bonded layer from its thickness and depth.
+pub fn sensor_body(
+    model: &PressModelConfig,
+    depth: f64,
+    layer: impl Fn(f64, f64) -> Result<Body, PressError>,
+) -> Result<Body, PressError> {
+    match (model, model.thickness()) {
+        (PressModelConfig::Hertz { poisson }, _) => Body::hertz(*poisson),
+        (_, Some(thickness)) => layer(thickness, depth),
+        (_, None) => Body::half_space(model.poisson(), depth),
+    }
+}
+
+/// Prior of the displacement that all markers share.
+pub const fn baseline(config: Baseline) -> Prior {
+    match config {
+        Baseline::Known => Prior::Exact,
+        Baseline::Fitted => Prior::Free,
+    }
+}
+
+/// Prior of a factor near 1 with this standard deviation.
+pub fn within(std: f64) -> Prior {
+    if std > 0.0 {
+        Prior::Within(std)
+    } else {
+        Prior::Exact
+    }
+}
+
+/// # Errors
+/// [`FieldError`] at `path` for a layer thicker than the sensor's radius.
+pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), FieldError> {
+    if thickness <= radius {
+        return Ok(());
+    }
+    let message = format!(
+        "must be at most the sensor's radius {}, is {}",
+        Number(radius),
+        Number(thickness)
+    );
+    Err(FieldError::at(path, message))
+}
+
+/// Converts an error of the body to one at its config field.
+pub fn body_error(table: &str, error: PressError) -> FieldError {
+    match error {
+        PressError::BadSetting(BadSetting {
+            setting: "depth", ..
+        }) => FieldError::at("scene.probe.marker_depth", error),
+        PressError::BadSetting(BadSetting { setting, .. }) => {
+            FieldError::at(format!("{table}.{setting}"), error)
+        }
+        _ => FieldError::at(table, error),
+    }
+}

@@ -1,0 +1,29 @@
+//! Tables of tracked markers.
+
+use palpate_study::{Table, number};
+use palpate_tracking::Track;
+
+/// Table with one row per marker: its place and hue at rest (or pressed, if it is new), and their changes if it was
+/// tracked. Values that were not measured stay empty.
+pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
+    let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
+    let mut table = Table::new(header.split(',').map(str::to_owned));
+    for (marker, track) in tracks.enumerate() {
+        let seen = track.and_then(|track| track.rest.or(track.pressed));
+        let change = track.and_then(Track::change);
+        let numbers = [
+            seen.map(|seen| seen.centroid_px[0]),
+            seen.map(|seen| seen.centroid_px[1]),
+            seen.map(|seen| seen.hue_turns),
+            change.map(|change| change.shift_px[0]),
+            change.map(|change| change.shift_px[1]),
+            change.map(|change| change.hue_turns),
+        ];
+        let status = track.map_or("not-seen", |track| track.status.name());
+        let mut row = vec![marker.to_string()];
+        row.extend(numbers.map(|one| one.map_or_else(String::new, number)));
+        row.push(status.to_owned());
+        table.rows.push(row);
+    }
+    table
+}

@@ -1,0 +1,38 @@
+//! Options of estimates from recorded readings, as a study has them: its sensor, noise and estimator.
+//!
+//! Each function converts the study's lengths to the unit of the readings.
+//!
+//! # Errors
+//! [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and a config that makes no scene.
+
+use palpate_recorded::{GlideOptions, PictureOptions, PressOptions, RollOptions, StudyMismatch};
+use palpate_scene::{Parts, PressScene, RollScene};
+use palpate_study::config::{LengthUnit, StudyConfig};
+
+/// Options of `estimate_roll`. The noise is that of the study's sensor.
+#[expect(clippy::missing_errors_doc, reason = "the module has them")]
+pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyMismatch> {
+    RollOptions::from_study(study, unit, |config| {
+        Ok(RollScene::new(config, study.seed)?.reading_noise())
+    })
+}
+
+/// Options of `estimate_glide`.
+#[expect(clippy::missing_errors_doc, reason = "the module has them")]
+pub fn glide(study: &StudyConfig, unit: LengthUnit) -> Result<GlideOptions, StudyMismatch> {
+    GlideOptions::from_study(study, unit)
+}
+
+/// Options of `estimate_press`. Standard deviations are those that the study states to its estimator.
+#[expect(clippy::missing_errors_doc, reason = "the module has them")]
+pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
+    PressOptions::from_study(study, unit, |config| {
+        Ok(PressScene::new(config, study.seed, &Parts::default())?.stated_stds())
+    })
+}
+
+/// Options of `estimate_pictures`.
+#[expect(clippy::missing_errors_doc, reason = "the module has them")]
+pub fn pictures(study: &StudyConfig, unit: LengthUnit) -> Result<PictureOptions, StudyMismatch> {
+    PictureOptions::from_study(study, unit)
+}

@@ -1,0 +1,405 @@
+//! Mistakes of signs, columns and units in rolls and glides: told where the readings show them, and only there.
+
+use std::path::Path;
+
+use palpate_recorded::{
+    GlideEstimate, GlideOptions, GlideReadings, ReadingNoise, RecordedFile, RollOptions,
+    RollReadings, estimate_glide, estimate_roll, parse_glide, parse_roll,
+};
+use palpate_scene::{Scene, Scenes};
+use palpate_sensing::{Channel, Stream};
+use palpate_study::config::{LengthUnit, SceneConfig, Study, StudyConfig, load, parse};
+
+/// Words of the warnings that these tests are about.
+const WORDS: [&str; 6] = [
+    "contradict the places of the contacts",
+    "they contradict each other by",
+    "less than from one pad to the next",
+    "as far as on a plane",
+    "whole turn",
+    "point inward",
+];
+
+fn warnings(estimate: &impl serde::Serialize) -> Vec<String> {
+    let json = serde_json::to_value(estimate).unwrap();
+    let all = json["warnings"].as_array().unwrap().iter();
+    all.map(|warning| warning["text"].as_str().unwrap().to_owned())
+        .filter(|warning| WORDS.iter().any(|words| warning.contains(words)))
+        .collect()
+}
+
+/// Warnings of a trial's readings, estimated as the study would; `None` where the trial fails.
+fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<String>> {
+    let unit = config.length_unit;
+    let trace = scene.trace(Some(trial), unit).ok()?;
+    let file = RecordedFile::new("readings.csv", trace.readings.to_csv().into_bytes());
+    match config.scene {
+        SceneConfig::Roll(_) => {
+            let options = palpate::study_options::roll(config, unit).unwrap();
+            let estimate = estimate_roll(&parse_roll(file).ok()?, &options).ok()?;
+            Some(warnings(&estimate))
+        }
+        SceneConfig::Glide(_) => {
+            let options = GlideOptions {
+                grid: 3,
+                ..palpate::study_options::glide(config, unit).unwrap()
+            };
+            let (estimate, _) = estimate_glide(&parse_glide(file).ok()?, &options).ok()?;
+            Some(warnings(&estimate))
+        }
+        _ => None,
+    }
+}
+
+/// Trials of a study that are estimated, and those that are doubted, over at most `most` of its cells.
+fn doubted(study: &Study, most: usize, trials: u64) -> (u64, Vec<String>) {
+    let step = study.cell_count().div_ceil(most);
+    let (mut estimated, mut told) = (0, Vec::new());
+    for number in (0..study.cell_count()).step_by(step) {
+        let config = study.cell(number).unwrap().config;
+        let Ok(scene) = study.estimable_scene(number) else {
+            continue;
+        };
+        for trial in 0..trials.min(scene.trials(trials)) {
+            if let Some(warnings) = of_trial(&scene, &config, trial) {
+                estimated += 1;
+                told.extend(
+                    warnings
+                        .into_iter()
+                        .map(|warning| format!("cell {number}: {warning}")),
+                );
+            }
+        }
+    }
+    (estimated, told)
+}
+
+/// No trial of a committed study of rolls or glides is doubted, nor of an example.
+#[test]
+fn studies_are_not_doubted() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let mut all = 0;
+    for folder in ["sim-configs", "examples"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|extension| extension != "toml") {
+                continue;
+            }
+            let study = load(&path).unwrap();
+            if !matches!(
+                study.config.scene,
+                SceneConfig::Roll(_) | SceneConfig::Glide(_)
+            ) {
+                continue;
+            }
+            let (estimated, told) = doubted(&study, 6, 3);
+            assert!(
+                told.is_empty(),
+                "{}: {} of {estimated}: {:#?}",
+                path.display(),
+                told.len(),
+                told
+            );
+            all += estimated;
+        }
+    }
+    println!("{all} trials of studies and examples, none doubted");
+    assert!(all > 150, "{all}");
+}
+
+fn study(scene: &str) -> Study {
+    parse(
+        "study.toml",
+        &format!("name = \"s\"\nlength_unit = \"mm\"\n{scene}"),
+    )
+    .unwrap()
+}
+
+/// Sensors, shapes and noise that no study has.
+#[test]
+fn other_scenes_are_not_doubted() {
+    let roll = |object: &str, motion: &str, sensor: &str| {
+        format!(
+            "scene.kind = \"roll\"\nscene.probe = {{ kind = \"sphere\", radius = 8.0 }}\nscene.object = {object}\n\
+             scene.motion = {{ {motion} }}\nscene.sensor = {sensor}\n"
+        )
+    };
+    let glide = |object: &str, noise: &str| {
+        format!(
+            "scene.kind = \"glide\"\nscene.probe = {{ kind = \"point\" }}\nscene.object = {object}\n\
+             scene.motion = {{ finger_positions = [-6.0, 0.0, 6.0], inter_finger_distance = 6.0, patch_length = 12.0, \
+             contacts_per_finger = 5 }}\nscene.noise = {noise}\n\
+             scene.evaluate = {{ half_width = 5.0, gaussian_threshold = 0.001, mean_threshold = 0.01 }}\n"
+        )
+    };
+    let ball = "{ kind = \"sphere\", radius = 30.0 }";
+    let dish = "{ kind = \"dish\", radius = 9.0 }";
+    let saddle = "{ kind = \"saddle\", a = 0.02 }";
+    let plane = "{ kind = \"plane\" }";
+    let few = "angle_deg = 20, directions_deg = [0, 90]";
+    let noisy = "{ position = { kind = \"gaussian\", std = 0.3 }, normal = { kind = \"gaussian\", std_deg = 10 } }";
+    let uniform = "{ position = { kind = \"uniform\", bound = 0.02 }, normal = { kind = \"gaussian\", std_deg = 1 } }";
+    let mut all = 0;
+    for scene in [
+        roll(ball, "angle_deg = 30", "{ kind = \"wrist\", std = 0.05 }"),
+        roll(plane, few, "{ kind = \"wrist\", std = 0.05 }"),
+        roll(dish, "angle_deg = 10", "{ kind = \"wrist\", std = 0.01 }"),
+        roll(
+            ball,
+            "angle_deg = 30",
+            "{ kind = \"pads\", pitch = 0.7, offset = \"random\" }",
+        ),
+        roll(
+            ball,
+            "angle_deg = 17",
+            "{ kind = \"pads\", pitch = 0.7, layout = \"uniform\", offset = \"random\" }",
+        ),
+        roll(
+            ball,
+            "angle_deg = 17",
+            "{ kind = \"pads\", pitch = 0.7, layout = \"uniform\" }",
+        ),
+        glide(ball, noisy),
+        glide(saddle, noisy),
+        glide(plane, noisy),
+        glide(saddle, uniform),
+    ] {
+        let (estimated, told) = doubted(&study(&scene), 1, 60);
+        assert!(
+            told.is_empty(),
+            "{scene}: {} of {estimated}: {told:#?}",
+            told.len()
+        );
+        assert!(estimated > 0, "{scene}");
+        all += estimated;
+    }
+    println!("{all} trials of other scenes, none doubted");
+    assert!(all > 400, "{all}");
+}
+
+/// Rolls of a probe of 8 mm on a ball of 30 mm, eight of 0.5 rad, with Gaussian noise of the shifts.
+fn rolls(std: f64, set: u64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+    let mut stream = Stream::new(set, 0, Channel::WristContact);
+    let mobility = 1.0 / (1.0 / 8.0 + 1.0 / 30.0);
+    (0..8)
+        .map(|probe| {
+            let angle = f64::from(probe) * std::f64::consts::FRAC_PI_4;
+            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+            let shift =
+                [cos, sin].map(|part| 0.5 * mobility * part + std * stream.standard_normal());
+            ([0.5 * sin, -0.5 * cos], shift)
+        })
+        .unzip()
+}
+
+fn of_rolls(rotations: &[[f64; 2]], shifts: &[[f64; 2]], noise: ReadingNoise) -> Vec<String> {
+    let readings = RollReadings::new(rotations, shifts, Some(LengthUnit::Mm)).unwrap();
+    let options = RollOptions {
+        noise,
+        ..RollOptions::new(8.0)
+    };
+    warnings(&estimate_roll(&readings, &options).unwrap())
+}
+
+fn shift_noise(shift_std: f64) -> ReadingNoise {
+    ReadingNoise {
+        shift_std,
+        ..ReadingNoise::default()
+    }
+}
+
+/// Correctly stated noise gives no warning in 2,000 sets. Noise that is stated eight times too large gives one in all
+/// of 250 sets, and so do shifts in cm.
+#[test]
+fn a_noise_that_is_stated_far_too_large_is_told() {
+    let (mut honest, mut large, mut in_cm) = (0, 0, 0);
+    for set in 0..2000 {
+        let (rotations, shifts) = rolls(0.1, set);
+        honest += of_rolls(&rotations, &shifts, shift_noise(0.1)).len();
+        if set < 250 {
+            let told = of_rolls(&rotations, &shifts, shift_noise(0.8));
+            large += usize::from(
+                told.iter()
+                    .any(|one| one.contains("noise of shifts is stated as 0.8 mm")),
+            );
+            let shifts: Vec<[f64; 2]> = shifts
+                .iter()
+                .map(|shift| shift.map(|part| 0.1 * part))
+                .collect();
+            let told = of_rolls(&rotations, &shifts, shift_noise(0.1));
+            in_cm += usize::from(
+                told.iter()
+                    .any(|one| one.contains("the shifts are in a larger unit than mm")),
+            );
+        }
+    }
+    println!(
+        "{honest} of 2,000 honest sets doubted; {large} and {in_cm} of 250 mistaken ones told"
+    );
+    assert_eq!((honest, large, in_cm), (0, 250, 250));
+}
+
+#[test]
+fn rotations_and_shifts_in_another_unit_are_told() {
+    let (rotations, shifts) = rolls(0.0, 0);
+    let scaled = |numbers: &[[f64; 2]], factor: f64| -> Vec<[f64; 2]> {
+        numbers
+            .iter()
+            .map(|pair| pair.map(|one| factor * one))
+            .collect()
+    };
+    let degrees = 1f64.to_degrees();
+    for (turned, moved, words) in [
+        (1.0, 1.0, None),
+        (degrees, 1.0, Some("are the rotations in degrees")),
+        (
+            1.0 / degrees,
+            1.0,
+            Some("are the rotations in rad, whatever the header says"),
+        ),
+        (1000.0, 1.0, Some("or the rotations in mrad?")),
+        (1.0, 1e-3, Some("are the shifts in m and the radius in mm")),
+        (
+            1e-3,
+            1.0,
+            Some("are the shifts in a smaller unit than the radius?"),
+        ),
+    ] {
+        let told = of_rolls(
+            &scaled(&rotations, turned),
+            &scaled(&shifts, moved),
+            ReadingNoise::default(),
+        );
+        match words {
+            None => assert!(told.is_empty(), "{told:?}"),
+            Some(words) => assert!(
+                told.len() == 1 && told[0].contains(words),
+                "{words}: {told:?}"
+            ),
+        }
+    }
+}
+
+#[test]
+fn a_pitch_that_is_longer_than_shifts_are_is_told() {
+    let (rotations, shifts) = rolls(0.0, 0);
+    for (pitch, is_told) in [(0.5, false), (3.0, false), (7.0, true), (8.0, true)] {
+        let noise = RollOptions::noise_of_pads(8.0, pitch).unwrap();
+        let told = of_rolls(&rotations, &shifts, noise);
+        assert_eq!(
+            told.iter().any(|one| one.contains("is the pitch right")),
+            is_told,
+            "{pitch}: {told:?}"
+        );
+    }
+    // A contact that does not move has no such shift.
+    let still = vec![[0.0, 0.0]; 8];
+    let readings = RollReadings::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
+    let options = RollOptions {
+        noise: RollOptions::noise_of_pads(8.0, 2.0).unwrap(),
+        ..RollOptions::new(8.0)
+    };
+    let said = estimate_roll(&readings, &options).unwrap_err().to_string();
+    assert!(!said.contains("is the pitch right"), "{said}");
+}
+
+/// Contacts of three fingers on z = −0.03 x² − 0.012 x y − 0.008 y² + 0.1 x, with noise, and their normals.
+fn contacts(set: u64, std: f64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<u64>) {
+    let mut stream = Stream::new(set, 0, Channel::Position);
+    let (mut points, mut normals, mut fingers) = (Vec::new(), Vec::new(), Vec::new());
+    for finger in 0..3_u32 {
+        for contact in 0..6_u32 {
+            let (x, y) = (
+                2.0 * f64::from(contact) - 5.0,
+                5.0 * f64::from(finger) - 5.0,
+            );
+            let z = -0.03 * x * x - 0.012 * x * y - 0.008 * y * y + 0.1 * x;
+            let slopes = [-0.06 * x - 0.012 * y + 0.1, -0.012 * x - 0.016 * y];
+            let length = (1.0 + slopes[0] * slopes[0] + slopes[1] * slopes[1]).sqrt();
+            let normal = [-slopes[0] / length, -slopes[1] / length, 1.0 / length];
+            points.push([x, y, z].map(|part| part + std * stream.standard_normal()));
+            normals.push(normal.map(|part| part + 0.02 * stream.standard_normal()));
+            fingers.push(u64::from(finger));
+        }
+    }
+    (points, normals, fingers)
+}
+
+/// Warnings of contacts, and the names of their doubts, or the error.
+fn of_contacts(
+    points: &[[f64; 3]],
+    normals: &[[f64; 3]],
+    fingers: &[u64],
+) -> (String, Vec<String>) {
+    let readings =
+        GlideReadings::new(points, Some(normals), Some(fingers), Some(LengthUnit::Mm)).unwrap();
+    match estimate_glide(&readings, &GlideOptions::default()) {
+        Ok((estimate, _)) => (warnings(&estimate).join("; "), doubts(&estimate)),
+        Err(error) => (error.to_string(), Vec::new()),
+    }
+}
+
+fn doubts(estimate: &GlideEstimate) -> Vec<String> {
+    let json = serde_json::to_value(estimate).unwrap();
+    let all = json["warnings"].as_array().unwrap().iter();
+    all.filter(|warning| warning["numbers"]["p_value"].is_number())
+        .map(|warning| warning["code"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+type Change = fn([f64; 3]) -> [f64; 3];
+
+#[test]
+fn normals_that_are_mirrored_or_swapped_are_told() {
+    let changes: [(Change, &str); 6] = [
+        (|[x, y, z]| [-x, y, z], "the sign of normal_x reversed"),
+        (|[x, y, z]| [x, -y, z], "the sign of normal_y reversed"),
+        (|[x, y, z]| [x, y, -z], "the sign of normal_z reversed"),
+        (|[x, y, z]| [y, x, z], "normal_x and normal_y swapped"),
+        (|[x, y, z]| [z, y, x], "normal_x and normal_z swapped"),
+        (|[x, y, z]| [x, z, y], "normal_y and normal_z swapped"),
+    ];
+    for set in 0..20 {
+        let (points, normals, fingers) = contacts(set, 0.02);
+        assert_eq!(of_contacts(&points, &normals, &fingers).0, "", "set {set}");
+        for (change, words) in changes {
+            let changed: Vec<[f64; 3]> = normals.iter().map(|normal| change(*normal)).collect();
+            let (told, doubts) = of_contacts(&points, &changed, &fingers);
+            assert!(told.contains(words), "set {set}, {words}: {told}");
+            // Where the other side is fitted, normals that are all turned contradict nothing.
+            let is_right = match doubts.as_slice() {
+                [] => words.contains("_z"),
+                [one] => one == "contradicting-normals",
+                _ => false,
+            };
+            assert!(is_right, "set {set}, {words}: {doubts:?}");
+        }
+        let inward: Vec<[f64; 3]> = normals
+            .iter()
+            .map(|normal| normal.map(|part| -part))
+            .collect();
+        let (told, _) = of_contacts(&points, &inward, &fingers);
+        assert!(
+            told.contains("point inward") && !told.contains("contradict the places"),
+            "{told}"
+        );
+    }
+}
+
+/// A plane and a ridge look the same with some components turned, and seven contacts are too few to say.
+#[test]
+fn what_normals_cannot_show_is_not_told() {
+    let (points, normals, fingers) = contacts(1, 0.02);
+    let turned: Vec<[f64; 3]> = normals.iter().map(|[x, y, z]| [-x, *y, *z]).collect();
+    let few = [0, 1, 2, 6, 7, 12, 13];
+    let pick = |all: &[[f64; 3]]| few.map(|place| all[place]);
+    let (told, _) = of_contacts(
+        &pick(&points),
+        &pick(&turned),
+        &few.map(|place| fingers[place]),
+    );
+    assert!(!told.contains("contradict the places"), "{told}");
+    let flat: Vec<[f64; 3]> = points.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
+    let up = vec![[0.0, 0.0, 1.0]; flat.len()];
+    assert_eq!(of_contacts(&flat, &up, &fingers).0, "");
+}

@@ -1,0 +1,200 @@
+//! Options of estimates from recorded readings, copied from a study.
+
+use palpate_study::config::{
+    FingertipConfig, GlideConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig,
+    ProbeConfig, Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
+};
+
+use super::patch::GlideOptions;
+use super::pressed::PressOptions;
+use super::roll::RollOptions;
+use palpate_ep1::ReadingNoise;
+use palpate_ep2::{RoundTip, TipPoint};
+use palpate_geometry::ShapeThresholds;
+use palpate_study::FieldError;
+
+/// Why the settings of a study cannot be used for readings.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyMismatch {
+    /// The study's scene is of another kind.
+    #[error("must be {needed:?} for these readings, is {found:?}")]
+    Kind {
+        /// Kind of scene that has such readings.
+        needed: &'static str,
+        /// The study's kind.
+        found: &'static str,
+    },
+    /// The study's lengths cannot be converted to the readings' unit.
+    #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
+    Unit {
+        /// The study's unit.
+        study: LengthUnit,
+        /// The readings'.
+        readings: LengthUnit,
+    },
+    /// A field of the study is invalid.
+    #[error("{}", .0.message)]
+    Plan(FieldError),
+}
+
+impl StudyMismatch {
+    /// Path of the field that is at fault.
+    pub fn path(&self) -> &str {
+        match self {
+            Self::Kind { .. } => "scene.kind",
+            Self::Unit { .. } => "length_unit",
+            Self::Plan(error) => &error.path,
+        }
+    }
+}
+
+impl From<FieldError> for StudyMismatch {
+    fn from(error: FieldError) -> Self {
+        Self::Plan(error)
+    }
+}
+
+/// Factor that converts the study's lengths to `unit`.
+pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, StudyMismatch> {
+    study.length_unit.to(unit).ok_or(StudyMismatch::Unit {
+        study: study.length_unit,
+        readings: unit,
+    })
+}
+
+fn of_kind<'a, T>(
+    study: &'a StudyConfig,
+    needed: &'static str,
+    pick: fn(&'a SceneConfig) -> Option<&'a T>,
+) -> Result<&'a T, StudyMismatch> {
+    pick(&study.scene).ok_or(StudyMismatch::Kind {
+        needed,
+        found: study.scene.kind(),
+    })
+}
+
+/// The press of a study.
+pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
+    of_kind(study, "press", |scene| match scene {
+        SceneConfig::Press(press) => Some(press),
+        _ => None,
+    })
+}
+
+impl RollOptions {
+    /// Options with the probe and the estimator of a study and with this noise of its sensor, lengths converted to `unit`.
+    ///
+    /// # Errors
+    /// [`StudyMismatch`] for a scene that is no roll, a unit that cannot be converted, and what `noise` refuses.
+    pub fn from_study(
+        study: &StudyConfig,
+        unit: LengthUnit,
+        noise: impl FnOnce(&RollConfig) -> Result<ReadingNoise, FieldError>,
+    ) -> Result<Self, StudyMismatch> {
+        let config: &RollConfig = of_kind(study, "roll", |scene| match scene {
+            SceneConfig::Roll(roll) => Some(roll),
+            _ => None,
+        })?;
+        let factor = factor(study, unit)?;
+        let ProbeConfig::Sphere { radius } = config.probe;
+        let noise = noise(config)?;
+        Ok(Self {
+            estimator: in_unit(&config.estimator, factor),
+            length_unit: Some(unit),
+            noise: ReadingNoise {
+                shift_std: noise.shift_std * factor,
+                shift_resolution: noise.shift_resolution * factor,
+                ..noise
+            },
+            ..Self::new(radius * factor)
+        })
+    }
+}
+
+impl GlideOptions {
+    /// Options with the estimator, the inter-finger distance and the thresholds of a study, and with its tip if
+    /// readings state the tip's lowest point; lengths are converted to `unit`.
+    ///
+    /// # Errors
+    /// [`StudyMismatch`] for a scene that is no glide, a unit that cannot be converted, and thresholds that contradict each
+    /// other.
+    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
+        let config: &GlideConfig = of_kind(study, "glide", |scene| match scene {
+            SceneConfig::Glide(glide) => Some(glide),
+            _ => None,
+        })?;
+        let factor = factor(study, unit)?;
+        let evaluate = &config.evaluate;
+        let thresholds = ShapeThresholds::new(
+            evaluate.gaussian_threshold / (factor * factor),
+            evaluate.mean_threshold / factor,
+        )
+        .map_err(|error| FieldError::at("scene.evaluate", error))?;
+        Ok(Self {
+            estimator: in_unit(&config.estimator, factor),
+            length_unit: Some(unit),
+            thresholds: Some(thresholds),
+            inter_finger_distance: Some(config.motion.inter_finger_distance * factor),
+            tip: tip(config, factor),
+            ..Self::default()
+        })
+    }
+}
+
+/// The round tip of a study whose sensor reports the tip's lowest point; lengths are multiplied by `factor`.
+fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
+    let FingertipConfig::Sphere { radius } = config.probe else {
+        return None;
+    };
+    let GlideSensorConfig::Ideal {
+        reports: Reports::LowestPoint,
+        ..
+    } = config.sensor
+    else {
+        return None;
+    };
+    Some(RoundTip {
+        radius: radius * factor,
+        told: TipPoint::Lowest,
+    })
+}
+
+impl PressOptions {
+    /// Options with the sensor and the estimator of a study, lengths converted to `unit`. The indentation of the study's
+    /// presses is not that of the readings. `stated_stds` gives the standard deviations of normal and tangential
+    /// displacements that the study states to its estimator.
+    ///
+    /// # Errors
+    /// [`StudyMismatch`] for a scene that is no press, a unit that cannot be converted, and what `stated_stds` refuses.
+    pub fn from_study(
+        study: &StudyConfig,
+        unit: LengthUnit,
+        stated_stds: impl FnOnce(&PressConfig) -> Result<[Option<f64>; 2], FieldError>,
+    ) -> Result<Self, StudyMismatch> {
+        let config = press_of(study)?;
+        let factor = factor(study, unit)?;
+        let [normal_std, tangential_std] =
+            stated_stds(config)?.map(|std| std.map(|std| std * factor));
+        Ok(Self {
+            model: in_unit(&config.model, factor),
+            estimator: in_unit(&config.estimator, factor),
+            normal_std,
+            tangential_std,
+            length_unit: Some(unit),
+            ..Self::of_probe(&in_unit(&config.probe, factor))
+        })
+    }
+
+    /// Options with the skin radius and the marker depth of a probe.
+    pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            ..
+        } = *probe;
+        Self {
+            marker_depth: Some(marker_depth),
+            ..Self::new(radius)
+        }
+    }
+}

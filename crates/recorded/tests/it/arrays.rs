@@ -1,0 +1,187 @@
+//! Readings from arrays: what files of the same numbers tell, and errors that name array, index and value.
+
+use palpate_ep1::SetRow;
+use palpate_recorded::{
+    GlideGiven, GlideOptions, GlideReadings, PressGiven, PressOptions, PressReadings,
+    RecordedError, RollGiven, RollOptions, RollReadings, RollSets, Wording, estimate_glide,
+    estimate_press, estimate_roll, read_glide, read_press, read_roll,
+};
+use palpate_study::config::LengthUnit;
+use serde::Serialize;
+
+fn example(name: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(name)
+}
+
+/// Rows of numbers of an example's columns from `first` on.
+fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
+    let text = std::fs::read_to_string(example(name)).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let row = |line: &str| -> [f64; D] {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        std::array::from_fn(|column| cells[first + column])
+    };
+    lines.map(row).collect()
+}
+
+fn same(one: &impl Serialize, other: &impl Serialize) {
+    assert_eq!(
+        serde_json::to_string(one).unwrap(),
+        serde_json::to_string(other).unwrap()
+    );
+}
+
+const MM: Option<LengthUnit> = Some(LengthUnit::Mm);
+
+#[test]
+fn rolls_are_those_of_a_file() {
+    let name = "roll-readings.csv";
+    let (rotations, shifts) = (columns::<2>(name, 1), columns::<2>(name, 3));
+    let options = RollOptions::new(10.0);
+    let readings = RollReadings::new(&rotations, &shifts, MM).unwrap();
+    let estimate = estimate_roll(&readings, &options).unwrap();
+    let of_file = estimate_roll(&read_roll(&example(name)).unwrap(), &options).unwrap();
+    same(&estimate, &of_file);
+    // A turn about the normal moves no contact.
+    let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
+    let readings = RollReadings::new(&spun, &shifts, MM).unwrap();
+    same(&estimate_roll(&readings, &options).unwrap(), &of_file);
+    assert_eq!(estimate.covariance(), of_file.covariance());
+
+    let sets = RollSets::new(40, rotations.len(), &rotations, &shifts).unwrap();
+    let mut rows: Vec<SetRow> = vec![[0.0; 11]; 40];
+    sets.estimate(&options, 0, &mut rows).unwrap();
+    let alone = serde_json::to_value(&estimate).unwrap();
+    for row in &rows {
+        let due = alone["mean_curvature"]["value"].as_f64().unwrap();
+        assert_eq!(row[4], due);
+        let due = alone["mean_curvature"]["std"].as_f64().unwrap();
+        assert_eq!(row[8], due);
+        let [least, greatest, angle] = RollSets::principal(row);
+        let due = alone["principal_curvature_max"]["value"].as_f64().unwrap();
+        assert!(greatest == due && least <= greatest);
+        let due = alone["principal_direction_max_deg"].as_f64().unwrap();
+        assert_eq!(angle, due);
+    }
+}
+
+#[test]
+fn glides_are_those_of_a_file() {
+    let name = "glide-readings.csv";
+    let points = columns::<3>(name, 1);
+    let normals = columns::<3>(name, 4);
+    let fingers: Vec<u64> = columns::<1>(name, 0)
+        .iter()
+        .map(|[one]| *one as u64)
+        .collect();
+    let options = GlideOptions::given(&GlideGiven::default(), None, true, Wording::Arguments);
+    let options = options.unwrap();
+    let readings = GlideReadings::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
+    let (estimate, map) = estimate_glide(&readings, &options).unwrap();
+    let (of_file, of_map) = estimate_glide(&read_glide(&example(name)).unwrap(), &options).unwrap();
+    same(&estimate, &of_file);
+    assert_eq!(map.to_csv(), of_map.to_csv());
+}
+
+#[test]
+fn presses_are_those_of_a_file() {
+    let name = "press-readings.csv";
+    let (places, along) = (columns::<2>(name, 0), columns::<2>(name, 3));
+    let normal: Vec<f64> = columns::<1>(name, 2).into_iter().flatten().collect();
+    let given = PressGiven {
+        sensor_radius: Some(20.0),
+        depth: Some(2.0),
+        ..PressGiven::default()
+    };
+    let options = PressOptions::given(&given, None, Wording::Arguments).unwrap();
+    let readings = PressReadings::new(&places, &normal, Some(&along), MM).unwrap();
+    let object = estimate_press(&readings, &options).unwrap();
+    let of_file = estimate_press(&read_press(&example(name)).unwrap(), &options).unwrap();
+    same(&object, &of_file);
+}
+
+fn is_of_array<T>(found: Result<T, RecordedError>, name: &str, place: &[usize], bad: Option<f64>) {
+    match found.err() {
+        Some(RecordedError::Array {
+            array,
+            index,
+            value,
+            ..
+        }) => {
+            assert_eq!((array, index.as_slice()), (name, place));
+            assert_eq!(value.map(f64::to_bits), bad.map(f64::to_bits));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn arrays_that_cannot_be_are_named() {
+    let mut shifts = [[2.0, 0.0], [0.0, 2.0]];
+    let rotations = [[0.0, -0.3], [0.3, 0.0]];
+    is_of_array(
+        RollReadings::new(&rotations, &shifts[..1], None),
+        "shifts",
+        &[],
+        None,
+    );
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        shifts[1][0] = bad;
+        let found = RollReadings::new(&rotations, &shifts, None);
+        is_of_array(found, "shifts", &[1, 0], Some(bad));
+        let sets = RollSets::new(
+            2,
+            2,
+            &rotations,
+            &[[2.0, 0.0], [0.0, 2.0], shifts[0], shifts[1]],
+        )
+        .unwrap()
+        .estimate(&RollOptions::new(10.0), 0, &mut [[0.0; 11]; 2]);
+        is_of_array(sets, "shifts", &[1, 1, 0], Some(bad));
+        let points = [[0.0, 0.0, 0.0], [1.0, bad, 0.0]];
+        let found = GlideReadings::new(&points, None, None, None);
+        is_of_array(found, "points", &[1, 1], Some(bad));
+        let found = PressReadings::new(&[[0.0, 0.0], [1.0, bad]], &[0.0, 0.0], None, None);
+        is_of_array(found, "positions", &[1, 1], Some(bad));
+        let found = PressReadings::new(&[[0.0, 0.0], [1.0, 0.0]], &[bad, 0.0], None, None);
+        is_of_array(found, "displacements", &[0], Some(bad));
+    }
+    let points = [[0.0; 3]; 2];
+    let found = GlideReadings::new(&points, Some(&points[..1]), None, None);
+    is_of_array(found, "normals", &[], None);
+    is_of_array(
+        GlideReadings::new(&points, None, Some(&[0]), None),
+        "fingers",
+        &[],
+        None,
+    );
+    let found = RollSets::new(3, 2, &rotations, &[[0.0; 2]; 5]).map(|_| ());
+    is_of_array(found, "shifts", &[], None);
+}
+
+#[test]
+fn settings_that_cannot_be_are_named() {
+    let roll = |change: fn(&mut RollGiven)| {
+        let mut given = RollGiven {
+            probe_radius: Some(10.0),
+            ..RollGiven::default()
+        };
+        change(&mut given);
+        let error = RollOptions::given(&given, None, Wording::Arguments).unwrap_err();
+        (error.setting.clone(), error.value, error.to_string())
+    };
+    let (setting, value, message) = roll(|given| given.probe_radius = Some(-1.0));
+    assert_eq!((setting.as_str(), value), ("probe_radius", Some(-1.0)));
+    assert_eq!(message, "probe_radius is -1; it must be finite and > 0");
+    let (setting, _, message) =
+        roll(|given| (given.pitch, given.shift_std) = (Some(1.0), Some(1.0)));
+    assert_eq!(setting, "shift_std");
+    assert_eq!(message, "shift_std is of use only without pitch");
+    // As flags, where the command line asks.
+    let error = RollOptions::given(&RollGiven::default(), None, Wording::Flags).unwrap_err();
+    assert!(error.to_string().contains("--probe-radius"), "{error}");
+    let error = RollOptions::given(&RollGiven::default(), None, Wording::Arguments).unwrap_err();
+    assert!(error.to_string().contains("probe_radius"), "{error}");
+}

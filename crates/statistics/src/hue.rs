@@ -1,0 +1,28 @@
+//! Hue of a colour.
+
+/// Hue of a colour in turns, from 0 to below 1, by the hexagonal formula of HSV. A grey has the hue 0.
+///
+/// ```
+/// use palpate_statistics::hue_turns;
+///
+/// assert_eq!(hue_turns([1.0, 1.0, 0.0]), 1.0 / 6.0);
+/// // Just below red, where a whole turn begins again.
+/// assert_eq!(hue_turns([1.0, 0.0, 1e-30]), 0.0);
+/// ```
+pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    let sixths = if chroma == 0.0 {
+        0.0
+    } else if most == red {
+        (green - blue) / chroma
+    } else if most == green {
+        2.0 + (blue - red) / chroma
+    } else {
+        4.0 + (red - green) / chroma
+    };
+    let turns = sixths / 6.0;
+    let turns = if turns < 0.0 { turns + 1.0 } else { turns };
+    // A tiny negative number plus 1 rounds to a whole turn.
+    if turns < 1.0 { turns } else { 0.0 }
+}

@@ -1,0 +1,147 @@
+//! Rao's score test: what residuals have of patterns, after the unknowns that were fitted have taken of them what they can.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::{SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL, chi_squared_tail, ratio_tail};
+
+/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model. More
+/// is needed of patterns that are themselves noisy.
+pub const LEFT: f64 = 0.02;
+
+/// Fall of chi-squared, to first order, if patterns were fitted too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Explained {
+    /// The fall of chi-squared.
+    pub fall: f64,
+    /// Number of patterns that the unknowns leave.
+    pub freedom: usize,
+}
+
+impl Explained {
+    /// Fall of chi-squared by patterns, from their squared sizes, their products with each other after the unknowns have taken what
+    /// they can, and their products with the residuals, all in standard deviations. Patterns of which the unknowns leave less
+    /// than the share `least` ([`LEFT`] where nothing speaks for more) do not count, and none where a number is not finite.
+    pub fn by(
+        squares: &[f64],
+        left: &DMatrix<f64>,
+        by_residuals: &DVector<f64>,
+        least: f64,
+    ) -> Self {
+        let there: Vec<usize> = (0..squares.len())
+            .filter(|&pattern| squares[pattern] > 0.0)
+            .collect();
+        let size = |pattern: usize| squares[there[pattern]].sqrt();
+        let count = there.len();
+        let mut explained = Self {
+            fall: 0.0,
+            freedom: 0,
+        };
+        if count == 0 {
+            return explained;
+        }
+        let scaled = DMatrix::from_fn(count, count, |row, column| {
+            left[(there[row], there[column])] / (size(row) * size(column))
+        });
+        let found = DVector::from_fn(count, |row, _| by_residuals[there[row]] / size(row));
+        if !scaled.iter().chain(&found).all(|number| number.is_finite()) {
+            return explained;
+        }
+        let eigen = scaled.symmetric_eigen();
+        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+            if value > least {
+                let along = eigen.eigenvectors.column(index).dot(&found);
+                explained.fall += along * along / value;
+                explained.freedom += 1;
+            }
+        }
+        explained
+    }
+
+    /// Probability by chance of as much where the noise is told.
+    pub fn p_value(self) -> f64 {
+        chi_squared_tail(self.fall, self.freedom)
+    }
+
+    /// Probability by chance of as much where the noise is found from the residuals, whose squares sum up to `chi_squared`
+    /// on `freedom` degrees of freedom.
+    pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
+        let rest = freedom.saturating_sub(self.freedom);
+        let below = (chi_squared - self.fall).max(0.0);
+        ratio_tail(self.fall, self.freedom, below, rest)
+    }
+}
+
+/// The least likely of alternatives by their probabilities by chance, and the probability that one of them all is as unlikely
+/// (Bonferroni); the first and 1 of none. Alternatives are numbers, as of probes.
+///
+/// ```
+/// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
+/// assert_eq!(found, (7, 0.02));
+/// ```
+pub fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
+    let (mut most, mut least, mut count) = (0, 1.0, 0.0_f64);
+    for (one, chance) in chances {
+        count += 1.0;
+        if chance < least {
+            (most, least) = (one, chance);
+        }
+    }
+    (most, (least * count.max(1.0)).min(1.0))
+}
+
+/// Doubts that are told: those less likely by chance than [`SIGNIFICANCE_LEVEL`], and the likeliest cause among the first `patterns` of
+/// them where all patterns together have less than [`SIGNIFICANCE_LEVEL_OF_ALL`]. What no pattern alone tells, all may tell together.
+pub fn doubted<D: Copy>(
+    doubts: &[D],
+    p_value: fn(D) -> f64,
+    patterns: usize,
+    by_all: f64,
+) -> Vec<D> {
+    let chances = doubts.iter().take(patterns).map(|doubt| p_value(*doubt));
+    let least = chances.fold(1.0, f64::min);
+    let is_told_by_all = by_all < SIGNIFICANCE_LEVEL_OF_ALL && least < 1.0;
+    let is_doubted = |doubt: &&D| {
+        let chance = p_value(**doubt);
+        chance < SIGNIFICANCE_LEVEL || is_told_by_all && chance == least
+    };
+    doubts.iter().filter(is_doubted).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_likeliest_pattern_is_told_where_all_together_are_unlikely() {
+        let told = |by_all| doubted(&[0.3, 0.05, 0.004, 0.01], |one| one, 3, by_all);
+        assert_eq!(told(0.5), [0.004]);
+        let of_two = |by_all| doubted(&[0.3, 0.05, 0.01], |one| one, 2, by_all);
+        assert_eq!((of_two(0.03), of_two(0.01)), (vec![], vec![0.05]));
+        assert_eq!(doubted(&[1.0, 1.0], |one| one, 2, 0.0), []);
+    }
+
+    #[test]
+    fn the_least_likely_of_many_is_likely() {
+        assert_eq!(least_likely((0..200).map(|one| (one, 0.01))), (0, 1.0));
+        assert_eq!(least_likely(std::iter::empty()), (0, 1.0));
+    }
+
+    #[test]
+    fn patterns_that_the_unknowns_take_do_not_count() {
+        // Residuals (1, −1) of a mean that was fitted: the pattern (1, 1) is gone, (1, −1) is left whole.
+        let left = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 2.0]);
+        let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
+        assert_eq!((explained.fall, explained.freedom), (2.0, 1));
+        let none = Explained::by(&[0.0], &DMatrix::zeros(1, 1), &DVector::zeros(1), LEFT);
+        assert_eq!((none.p_value(), none.p_value_beside(1.0, 3)), (1.0, 1.0));
+    }
+
+    #[test]
+    fn patterns_that_are_nearly_one_count_once() {
+        let near = 1.0 - 1e-9;
+        let left = DMatrix::from_row_slice(2, 2, &[1.0, near, near, 1.0]);
+        let explained = Explained::by(&[1.0, 1.0], &left, &DVector::from_vec(vec![3.0, 3.0]), LEFT);
+        assert_eq!(explained.freedom, 1);
+        assert!((explained.fall - 9.0).abs() < 1e-7, "{}", explained.fall);
+    }
+}

@@ -1,0 +1,392 @@
+//! Tails of sums of squares.
+
+use std::f64::consts::PI;
+
+/// Probability that chi-squared with `freedom` degrees of freedom is larger (Abramowitz and Stegun 26.4.4 and 26.4.5); 1
+/// without degrees of freedom, and 0 of what is not a number. The relative error is at most 1e-12 up to 100 degrees of
+/// freedom, and 1e-9 of any number of them.
+///
+/// ```
+/// assert!((palpate_statistics::chi_squared_tail(3.841459, 1) - 0.05).abs() < 1e-7);
+/// ```
+pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
+    let half = 0.5 * chi_squared;
+    if freedom == 0 || half <= 0.0 {
+        return 1.0;
+    }
+    if !half.is_finite() {
+        return 0.0;
+    }
+    if freedom > MOST_TERMS {
+        return many_squares_tail(half, 0.5 * freedom as f64);
+    }
+    let is_odd = freedom % 2 == 1;
+    let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
+    let log = libm::log(half);
+    // Logarithms, since powers and exponentials overflow where their products do not.
+    let term = |count: usize| {
+        let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
+        libm::exp(power * log - half - libm::lgamma(power + 1.0))
+    };
+    let rest: f64 = (0..freedom / 2).map(term).sum();
+    (first + rest).min(1.0)
+}
+
+/// Degrees of freedom of which terms are summed up.
+const MOST_TERMS: usize = 1_000_000;
+
+/// Upper share of the gamma function of large `a` (Temme's uniform expansion, DLMF 8.12.4).
+fn many_squares_tail(half: f64, a: f64) -> f64 {
+    let beyond = (half - a) / a;
+    let square = 2.0 * (beyond - libm::log1p(beyond)).max(0.0);
+    let eta = square.sqrt().copysign(beyond);
+    let density = libm::exp(-0.5 * a * square);
+    if density == 0.0 {
+        return if beyond < 0.0 { 1.0 } else { 0.0 };
+    }
+    let first = -1.0 / 3.0 + eta * (1.0 / 12.0 - eta * (2.0 / 135.0 - eta / 864.0));
+    let rest = (first - 1.0 / (540.0 * a)) / (2.0 * PI * a).sqrt();
+    (crate::normal_tail(eta * a.sqrt()) + density * rest).clamp(0.0, 1.0)
+}
+
+/// Probability that a ratio of two chi-squared, each over its degrees of freedom, is larger (the F distribution); 1 where
+/// one of them has none. The error is at most 1e-10, and with more than 10,000 degrees of freedom 1e-14 times as many; more
+/// than 1e9 count as 1e9.
+///
+/// ```
+/// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
+/// assert!((palpate_statistics::ratio_tail(2.0 * 3.885294, 2, 12.0, 12) - 0.05).abs() < 1e-7);
+/// ```
+pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f64 {
+    if of_above == 0 || of_below == 0 || above <= 0.0 {
+        return 1.0;
+    }
+    let [many_above, many_below] = [of_above, of_below].map(|freedom| freedom.min(MOST_FREEDOM));
+    let mut ratio = above / below;
+    if many_above < of_above || many_below < of_below {
+        let [counted, given] = [[many_above, many_below], [of_above, of_below]]
+            .map(|[above, below]| above as f64 / below as f64);
+        ratio *= counted / given;
+    }
+    if !ratio.is_finite() {
+        return 0.0;
+    }
+    // The share of the sum is distributed as beta.
+    let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
+    let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
+    // Of the two ways the one whose fraction converges.
+    if rest < (a + 1.0) / (a + b + 2.0) {
+        incomplete_beta([rest, share], a, b)
+    } else {
+        1.0 - incomplete_beta([share, rest], b, a)
+    }
+    .clamp(0.0, 1.0)
+}
+
+/// Most degrees of freedom whose powers leave a ratio enough digits.
+const MOST_FREEDOM: usize = 1_000_000_000;
+
+/// Half-width of the interval about an estimate that holds the truth with this probability, in standard deviations that
+/// were found from residuals with so many degrees of freedom (Student's t distribution, to 1e-9, and with more than 1e6 of
+/// them to 1e-8); infinite without any, and for a probability that is not below 1; 0 for one that is not above 0.
+///
+/// ```
+/// let half_width = palpate_statistics::student_half_width(0.95, 5);
+/// assert!((half_width - 2.570582).abs() < 1e-6);
+/// ```
+pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
+    let is_finite = freedom > 0 && probability < 1.0;
+    if !is_finite {
+        return f64::INFINITY;
+    }
+    if probability <= 0.0 {
+        return 0.0;
+    }
+    if probability < STRAIGHT {
+        let count = freedom.min(MOST_FREEDOM) as f64;
+        let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
+        return probability * per_probability;
+    }
+    // The square of Student's t is a ratio with one degree of freedom above.
+    let is_inside =
+        |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
+    let mut high = 1.0;
+    while high < f64::MAX.sqrt() && is_inside(high) {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
+    while high - low > 1e-10 * high {
+        let middle = 0.5 * (low + high);
+        if is_inside(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Probability up to which the density of Student's t is that in the middle, to 1e-11.
+const STRAIGHT: f64 = 1e-6;
+
+/// Difference from 1 of a factor at which the continued fraction is as good as its end, and most factors.
+const CONVERGED: f64 = 1e-13;
+const MOST_FACTORS: usize = 20_000;
+
+/// Regularised incomplete beta function of `x`, given with 1 − x (DLMF 8.17.22, by Lentz's algorithm).
+fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
+    let log = a * libm::log(x) + b * libm::log(rest) - log_beta(a, b);
+    let front = libm::exp(log) / a;
+    if front == 0.0 {
+        return 0.0;
+    }
+    let not_zero = |number: f64| match number.abs() < f64::MIN_POSITIVE {
+        true => f64::MIN_POSITIVE,
+        false => number,
+    };
+    let mut above = 1.0;
+    let mut below = not_zero(1.0 - (a + b) * x / (a + 1.0)).recip();
+    let mut value = below;
+    for count in 1..MOST_FACTORS {
+        let m = count as f64;
+        let twice = a + 2.0 * m;
+        let even = m * (b - m) * x / ((twice - 1.0) * twice);
+        let odd = -(a + m) * (a + b + m) * x / (twice * (twice + 1.0));
+        let mut factor = 1.0;
+        for coefficient in [even, odd] {
+            below = not_zero(1.0 + coefficient * below).recip();
+            above = not_zero(1.0 + coefficient / above);
+            factor = above * below;
+            value *= factor;
+        }
+        if (factor - 1.0).abs() < CONVERGED {
+            break;
+        }
+    }
+    front * value
+}
+
+/// Numbers from which on the logarithms of gamma functions are of Stirling's series, so that large ones do not cancel.
+const LARGE: f64 = 20.0;
+
+/// Logarithm of the beta function.
+fn log_beta(a: f64, b: f64) -> f64 {
+    let (small, large) = if a < b { (a, b) } else { (b, a) };
+    if large < LARGE {
+        return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
+    }
+    // ln Γ(large) − ln Γ(large + small), to 1e-15.
+    let sum = large + small;
+    let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
+    let of_large = rest_of_stirling(large) - rest_of_stirling(sum);
+    if small < LARGE {
+        return libm::lgamma(small) + of_large - growth;
+    }
+    let of_small = (small - 0.5) * libm::log(small) - small + 0.5 * libm::log(2.0 * PI);
+    of_small + rest_of_stirling(small) + of_large - growth
+}
+
+/// Sum of Stirling's series beyond (x − ½) ln x − x + ½ ln 2π.
+fn rest_of_stirling(x: f64) -> f64 {
+    let square = 1.0 / (x * x);
+    (1.0 / 12.0 - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square / 1680.0))) / x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Percentage points of chi-squared, as tables print them (Abramowitz and Stegun, table 26.8).
+    const POINTS: [(usize, f64, f64); 7] = [
+        (1, 3.841_459, 0.05),
+        (2, 9.210_340, 0.01),
+        (5, 11.070_50, 0.05),
+        (10, 29.588_30, 0.001),
+        (30, 18.492_66, 0.95),
+        (75, 96.216_67, 0.05),
+        (100, 135.806_72, 0.01),
+    ];
+
+    #[test]
+    fn tails_are_those_of_tables() {
+        for (freedom, chi_squared, probability) in POINTS {
+            let found = chi_squared_tail(chi_squared, freedom);
+            assert!(
+                (found / probability - 1.0).abs() < 1e-4,
+                "{found} with {freedom}"
+            );
+        }
+    }
+
+    /// Percentage points of F, as tables print them (Abramowitz and Stegun, table 26.9).
+    const RATIOS: [(usize, usize, f64, f64); 8] = [
+        (1, 1, 161.447_6, 0.05),
+        (1, 12, 4.747_225, 0.05),
+        (2, 1, 199.5, 0.05),
+        (4, 9, 6.422_085, 0.01),
+        (6, 5, 4.950_288, 0.05),
+        (10, 30, 2.979_1, 0.01),
+        (30, 30, 1.840_9, 0.05),
+        (120, 60, 1.467_3, 0.05),
+    ];
+
+    #[test]
+    fn ratios_are_those_of_tables() {
+        for (of_above, of_below, ratio, probability) in RATIOS {
+            let found = ratio_tail(ratio * of_above as f64, of_above, of_below as f64, of_below);
+            assert!(
+                (found / probability - 1.0).abs() < 3e-4,
+                "{found} with {of_above} and {of_below}"
+            );
+        }
+    }
+
+    /// Percentage points of Student's t, as tables print them (Abramowitz and Stegun, table 26.10).
+    #[test]
+    fn half_widths_are_those_of_tables() {
+        for (freedom, probability, half_width) in [
+            (1, 0.95, 12.706),
+            (5, 0.5, 0.727),
+            (5, 0.8, 1.476),
+            (13, 0.95, 2.160),
+            (30, 0.99, 2.750),
+            (120, 0.95, 1.980),
+        ] {
+            let found = student_half_width(probability, freedom);
+            assert!((found - half_width).abs() < 6e-4, "{found} with {freedom}");
+        }
+        let of_many = student_half_width(0.95, 100_000_000);
+        assert!((of_many - crate::NORMAL_95).abs() < 1e-6, "{of_many}");
+        for (probability, freedom) in [(0.95, 0), (1.0, 7), (f64::NAN, 3)] {
+            assert_eq!(student_half_width(probability, freedom), f64::INFINITY);
+        }
+        for probability in [0.0, -1.0, f64::NEG_INFINITY] {
+            assert_eq!(student_half_width(probability, 3), 0.0);
+        }
+        // The density of 3 degrees of freedom at 0 is 2/(π√3).
+        let narrow = student_half_width(1e-9, 3);
+        let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
+        assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
+    }
+
+    #[test]
+    fn ratios_to_a_sure_noise_are_chi_squared() {
+        for (chi_squared, freedom) in [(3.0, 1), (12.0, 4), (50.0, 30)] {
+            let count = 100_000_000;
+            let found = ratio_tail(chi_squared, freedom, count as f64, count);
+            let limit = chi_squared_tail(chi_squared, freedom);
+            assert!((found / limit - 1.0).abs() < 1e-5, "{found} {limit}");
+        }
+    }
+
+    #[test]
+    fn ratios_with_two_degrees_below_and_above_are_in_closed_form() {
+        for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
+            let below = ratio_tail(ratio, 2, 2.0, 2);
+            assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
+            // P(F > f) of 2 and n degrees of freedom is (1 + 2 f/n)^(−n/2).
+            let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
+            let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
+            assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
+        }
+    }
+
+    #[test]
+    fn tails_of_any_numbers_are_probabilities() {
+        let sums = [0.0, 1e-300, 1.0, 1e5, 1e300, f64::INFINITY];
+        let counts = [0, 1, 2, 77, 100_000];
+        for freedom in counts {
+            for sum in sums {
+                let found = chi_squared_tail(sum, freedom);
+                assert!((0.0..=1.0).contains(&found), "{found}");
+                for (below, of_below) in sums.iter().flat_map(|sum| counts.map(|n| (*sum, n))) {
+                    let found = ratio_tail(sum, freedom, below, of_below);
+                    assert!((0.0..=1.0).contains(&found), "{found}");
+                }
+            }
+            if freedom > 0 {
+                assert_eq!(chi_squared_tail(f64::INFINITY, freedom), 0.0);
+            }
+        }
+    }
+
+    /// Probabilities from mpmath with 50 digits.
+    #[test]
+    fn far_tails_and_many_degrees_keep_their_digits() {
+        let is_near = |found: f64, due: f64, bound: f64, what: &str| {
+            assert!(
+                (found - due).abs() <= bound,
+                "{what}: {found:e}, not {due:e}"
+            );
+        };
+        for (sum, freedom, due) in [
+            (1e-300, 6, 1.0),
+            (1e-9, 2, 0.999_999_999_5),
+            (30.0, 6, 3.930_844_818_448_461e-5),
+            (700.0, 100, 8.658_230_861_323_854e-91),
+            (1400.0, 2, 9.859_676_543_759_77e-305),
+        ] {
+            let found = chi_squared_tail(sum, freedom);
+            is_near(found, due, 1e-12 * due, "chi-squared");
+        }
+        // Degrees of freedom around the limit for summing terms (`MOST_TERMS`), and the largest `usize`.
+        for (freedom, due) in [
+            (999_999, 0.499_811_936_709_362_8),
+            (1_000_001, 0.499_811_936_897_426_03),
+            (usize::MAX, 0.499_999_999_956_213_14),
+        ] {
+            let found = chi_squared_tail(freedom as f64, freedom);
+            is_near(found, due, 1e-9, "as much as freedom");
+            assert_eq!(chi_squared_tail(1e200 * freedom as f64, freedom), 0.0);
+            assert!(chi_squared_tail(0.5 * freedom as f64, freedom) > 1.0 - 1e-9);
+            is_near(
+                ratio_tail(freedom as f64, freedom, freedom as f64, freedom),
+                0.5,
+                1e-14 * MOST_FREEDOM.min(freedom) as f64,
+                "as much above as below",
+            );
+        }
+        for (ratio, below, due) in [
+            (1e-9, 1, 0.999_999_999),
+            (30.0, 1000, 2.223_654_796_488_696_8e-13),
+            (1.0, usize::MAX, 0.367_879_441_171_442_33),
+        ] {
+            let found = ratio_tail(2.0 * ratio, 2, below as f64, below);
+            let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
+            is_near(found, due, bound, "ratio");
+        }
+        // Quantiles have closed forms: a tangent for one degree of freedom, a square root for two.
+        for (probability, of_one, of_two) in [
+            (
+                1e-300,
+                1.570_796_326_794_896_8e-300,
+                1.414_213_562_373_095e-300,
+            ),
+            (
+                0.99e-6,
+                1.555_088_363_528_201_3e-6,
+                1.400_071_426_750_050_3e-6,
+            ),
+            (0.999_999, 636_619.772_348_751_3, 999.999_249_985_465_9),
+            (
+                1.0 - f64::EPSILON / 2.0,
+                5_734_161_139_222_659.0,
+                94_906_265.624_251_54,
+            ),
+        ] {
+            for (freedom, due) in [(1, of_one), (2, of_two)] {
+                let found = student_half_width(probability, freedom);
+                is_near(found, due, 1e-9 * due, "Student's t");
+            }
+        }
+        let found = student_half_width(0.95, 1_000_000);
+        is_near(found, 1.959_966_356_811_284_4, 1e-8, "Student's t of many");
+        for none in [f64::NAN, f64::INFINITY] {
+            assert_eq!(chi_squared_tail(none, 3), 0.0);
+            assert_eq!(ratio_tail(none, 3, 1.0, 5), 0.0);
+        }
+        assert_eq!(chi_squared_tail(-1.0, 3), 1.0);
+        assert_eq!(ratio_tail(1.0, 3, 0.0, 5), 0.0);
+        assert_eq!(ratio_tail(0.0, 3, 0.0, 5), 1.0);
+    }
+}

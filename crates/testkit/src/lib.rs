@@ -1,0 +1,3 @@
+//! What tests and measurements share.
+
+pub mod frames;
