@@ -1,33 +1,30 @@
-//! Instruction counts and accuracy against the committed baseline.
+//! Comparison of instruction counts and errors with the committed baseline.
 //!
-//! Wall time is no part of it: it is only reported, by `cargo bench`; see crates/assay/BENCHES.md.
+//! Wall time is not compared. `cargo bench` reports it; see crates/assay/BENCHES.md. This task also checks that this page
+//! lists all bench targets, and that the changelog describes every change of an error.
 
-mod baseline;
-mod benches;
-mod changelog;
-
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use serde_json::Value;
 use xshell::{Shell, cmd};
 
-use crate::palpate;
+use crate::baseline::{self, Comparison, DIRECTORY, Limits};
 use crate::peers::replace;
+use crate::programs;
 use crate::tools::has;
-use baseline::{Comparison, Limits};
 
-const DIRECTORY: &str = "crates/assay/baseline";
-
-/// Counts hardly scatter, but depend on where the linker puts what.
-const COST: Limits = Limits {
+/// Counts hardly vary, but depend on the layout by the linker.
+pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Below 20 roundings, every mathematical library rounds its own way.
-const ERROR: Limits = Limits {
+/// Errors below 20 roundings depend on the mathematical library.
+pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
     allowed: 0.01,
@@ -36,13 +33,13 @@ const ERROR: Limits = Limits {
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Take what is measured as the baseline; where an error changes, CHANGELOG.md must say why.
+    /// Replace the baseline by the measured figures. If an error changes, CHANGELOG.md must describe why.
     #[arg(long)]
     pub(crate) accept: bool,
 }
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
-    benches::check(shell)?;
+    check_page(shell)?;
     let mut comparisons = vec![compare(shell, &ERROR)?];
     match has(shell, "valgrind") {
         true => comparisons.push(compare(shell, &COST)?),
@@ -55,7 +52,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let failed: Vec<&str> = failed.map(|one| one.limits.what).collect();
     if !failed.is_empty() {
         bail!(
-            "{} not as in {DIRECTORY}; if that is meant, run `cargo xtask bench-check --accept` and commit",
+            "{} not as in {DIRECTORY}; if this is intended, run `cargo xtask bench-check --accept` and commit",
             failed.join(" and ")
         );
     }
@@ -64,12 +61,12 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
 
 /// Runs a harness of palpate-assay, compares its figures with the baseline and prints those that differ.
 fn compare(shell: &Shell, limits: &'static Limits) -> Result<Comparison> {
-    let (assay, harness) = (palpate::build(shell, "palpate-assay")?, limits.harness);
+    let (assay, harness) = (programs::build(shell, "palpate-assay")?, limits.harness);
     let now = baseline::read(&cmd!(shell, "{assay} {harness}").quiet().read()?)?;
     let path = limits.path();
     let before = match shell.path_exists(&path) {
         true => baseline::read(&shell.read_file(&path)?)
-            .with_context(|| format!("{path} is unsound"))?,
+            .with_context(|| format!("{path} is invalid"))?,
         false => Vec::new(),
     };
     let comparison = Comparison {
@@ -84,14 +81,133 @@ fn compare(shell: &Shell, limits: &'static Limits) -> Result<Comparison> {
 fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
     let is_error = |one: &&Comparison| one.limits.what == ERROR.what;
     if comparisons.iter().filter(is_error).any(Comparison::alters) {
-        changelog::demand_line(shell)?;
+        require_changelog_line(shell)?;
     }
     shell.create_dir(DIRECTORY)?;
     for comparison in comparisons {
         let path = comparison.limits.path();
         let whole = shell.current_dir().join(Path::new(&path));
         replace(&whole, &comparison.to_csv()?)?;
-        println!("{path} is written");
+        println!("{path} written");
     }
     Ok(())
+}
+
+/// Page that lists every bench target.
+const PAGE: &str = "crates/assay/BENCHES.md";
+
+/// Fails unless the page lists exactly the bench targets of the workspace.
+fn check_page(shell: &Shell) -> Result<()> {
+    let existing = targets(&programs::packages(shell)?)?;
+    let listed = listed(&shell.read_file(PAGE)?);
+    let differences: Vec<String> = existing
+        .difference(&listed)
+        .map(|bench| format!("{bench} is not listed"))
+        .chain(
+            listed
+                .difference(&existing)
+                .map(|bench| format!("{bench} is listed but does not exist")),
+        )
+        .collect();
+    if !differences.is_empty() {
+        bail!("{PAGE}: {}", differences.join("; "));
+    }
+    println!("benches: {} targets as in {PAGE}", existing.len());
+    Ok(())
+}
+
+/// `package/target` of every bench.
+fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
+    let mut benches = BTreeSet::new();
+    for package in packages {
+        let name = package["name"]
+            .as_str()
+            .context("a package without a name")?;
+        for target in package["targets"].as_array().into_iter().flatten() {
+            if target["kind"][0] == "bench" {
+                let target = target["name"].as_str().context("a target without a name")?;
+                benches.insert(format!("{name}/{target}"));
+            }
+        }
+    }
+    Ok(benches)
+}
+
+/// First cells of the page's table: `` `package/target` ``.
+fn listed(page: &str) -> BTreeSet<String> {
+    let cell = |line: &str| {
+        line.strip_prefix("| `")?
+            .split_once('`')
+            .map(|(cell, _)| cell.to_owned())
+    };
+    page.lines().filter_map(cell).collect()
+}
+
+const CHANGELOG: &str = "CHANGELOG.md";
+/// Section that must have a line for every change of an error.
+const HEADING: &str = "### Numerical changes";
+
+/// Fails unless the changelog's section of numerical changes has a line that the last commit does not have.
+fn require_changelog_line(shell: &Shell) -> Result<()> {
+    let committed = cmd!(shell, "git show HEAD:{CHANGELOG}")
+        .quiet()
+        .ignore_stderr()
+        .read();
+    if has_new_line(&committed.unwrap_or_default(), &shell.read_file(CHANGELOG)?) {
+        return Ok(());
+    }
+    bail!(
+        "an error differs from the baseline, is new or is missing, but `{HEADING}` in {CHANGELOG} has no new line since the last \
+         commit: describe there the change, its reason and its size, then accept"
+    )
+}
+
+fn has_new_line(committed: &str, now: &str) -> bool {
+    let known: BTreeSet<&str> = section(committed).collect();
+    section(now).any(|line| !known.contains(line))
+}
+
+/// The lines below the heading that are not empty, up to the next heading.
+fn section(text: &str) -> impl Iterator<Item = &str> {
+    let below = text
+        .lines()
+        .skip_while(|line| line.trim_end() != HEADING)
+        .skip(1);
+    let lines = below.take_while(|line| !line.starts_with('#'));
+    lines.map(str::trim).filter(|line| !line.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    const COMMITTED: &str =
+        "# Changelog\n\n### Added\n\n- A.\n\n### Numerical changes\n\n- Old.\n\n## 0.1\n\n- B.\n";
+
+    #[test]
+    fn only_a_new_line_below_the_heading_counts() {
+        assert!(!has_new_line(COMMITTED, COMMITTED));
+        let with = |old: &str, new: &str| has_new_line(COMMITTED, &COMMITTED.replace(old, new));
+        assert!(with("- Old.\n", "- Old.\n- New: smaller by 2 %.\n"));
+        assert!(!with("- A.\n", "- A.\n- New.\n"));
+        assert!(!with("- B.\n", "- B.\n- New.\n"));
+        assert!(!with("- Old.\n", "- Old.\n\n  \n"));
+        assert!(!with("- Old.\n", ""));
+        assert!(has_new_line("", COMMITTED));
+    }
+
+    #[test]
+    fn the_page_lists_bench_targets_only() {
+        let packages = [
+            json!({"name": "a", "targets": [
+                {"name": "a", "kind": ["lib"]}, {"name": "quick", "kind": ["bench"]}]}),
+            json!({"name": "b", "targets": []}),
+        ];
+        let page =
+            "# Benches\n\n| bench | path |\n| --- | --- |\n| `a/quick` | all of `b/slow` |\n";
+        assert_eq!(targets(&packages).unwrap(), listed(page));
+        assert_eq!(listed(page).len(), 1);
+    }
 }

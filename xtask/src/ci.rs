@@ -1,14 +1,16 @@
-//! The whole of continuous integration, one step after the other.
+//! Continuous integration: all steps, one after the other.
 
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::palpate::{FEATURES, PYTHON};
-use crate::{bench_check, harness, house, palpate, python, readme, reproduce, tools};
+use crate::programs::{FEATURES, PYTHON};
+use crate::{
+    assay_harness, bench_check, crate_imports, programs, python, readme, reproduce, tools,
+};
 
-/// Environment in which the Python package is checked, which no interpreter has to link: Python would load it.
+/// Environment for checks of the Python package, which need no interpreter to link against.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -19,7 +21,7 @@ type Step = (&'static str, fn(&Shell) -> Result<()>);
 const STEPS: [Step; 14] = [
     ("tools", tools::prepare),
     ("format", format),
-    ("house", house::check),
+    ("house", crate_imports::check),
     ("clippy", clippy),
     ("tests", tests),
     ("examples", examples),
@@ -27,7 +29,7 @@ const STEPS: [Step; 14] = [
     ("licences", licences),
     ("results", results),
     ("WebAssembly", web_assembly),
-    ("answers", harness::check_answers),
+    ("answers", assay_harness::check_answers),
     ("python", python),
     ("instructions and accuracy", bench),
     ("README", readme::check),
@@ -68,11 +70,13 @@ fn tests(shell: &Shell) -> Result<()> {
     Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
 
-/// Programs that use the library, built with the tests, each run to its end.
+/// Runs every example program of the library. They are built with the tests.
 fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();
-        let program = palpate::target_dir(shell).join("debug/examples").join(name);
+        let program = programs::target_dir(shell)
+            .join("debug/examples")
+            .join(name);
         cmd!(shell, "{program}").run()?;
     }
     Ok(())
@@ -91,12 +95,13 @@ fn licences(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?)
 }
 
-/// Promises and the corpus of the fuzz targets are among the tests.
+/// Compares instructions and accuracy with the baseline. The check of `auto` and the fuzz corpus are among the tests.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
-/// The wheel shares what the steps before have built. What is left out without an interpreter the first step says.
+/// Tests the Python package. The wheel uses the crates that the earlier steps have built. Without an interpreter, the first
+/// step has already reported that this one is skipped.
 fn python(shell: &Shell) -> Result<()> {
     match tools::has(shell, "python3") {
         true => python::check(shell),
@@ -121,5 +126,5 @@ fn results(shell: &Shell) -> Result<()> {
         check: true,
         all: true,
     };
-    reproduce::run_with(shell, &palpate::build(shell, "palpate")?, &options)
+    reproduce::run_with(shell, &programs::build(shell, "palpate")?, &options)
 }

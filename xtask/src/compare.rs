@@ -1,4 +1,4 @@
-//! Files of a study against the committed ones.
+//! Comparison of a study's files with the committed ones.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,25 +6,25 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// Table that has a row for every cell that was run.
+/// Table with a row for every cell of a run.
 const CELLS: &str = "cells.csv";
-/// Table that a report writes, not a run.
+/// Table of a report; runs do not write it.
 const SCORED: &str = "claims.csv";
-/// List that palpate keeps of the files that it wrote, which is not committed.
+/// Palpate's list of the files that it wrote, which is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Column by which a partial run's rows are found among the committed ones.
+/// Column that identifies the rows of a partial run among the committed ones.
 const CELL: &str = "cell";
 /// Relative tolerance for differences due to another C library or processor.
 const TOLERANCE: f64 = 1e-9;
-/// Numbers smaller than this are held to the tolerance of this one.
+/// Numbers below this one have its absolute tolerance.
 const SMALL: f64 = 1e-3;
-/// Statistics from a histogram, and the width of its bins as a share of the distance to the truth.
+/// Statistics from a histogram, and the width of its bins relative to the distance from the true value.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
 const BIN: f64 = 0.008;
-/// Text of a file that is not there.
+/// Placeholder for a missing file.
 const ABSENT: &str = "–";
 
-/// A number, text or row that is not as committed.
+/// A number, text or row that differs from the committed one.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
@@ -36,7 +36,7 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Difference of two numbers relative to the larger; none where one of them is no number.
+    /// Difference of two numbers relative to the larger one; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))
@@ -97,7 +97,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells that a run had.
+/// Numbers of the cells of a run.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -112,7 +112,7 @@ fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     }
 }
 
-/// Names of the tables and configs in a folder, but of what a report adds.
+/// Names of the tables and configs in a folder, except those of a report.
 fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
     let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
@@ -122,7 +122,7 @@ fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     Ok(names.into_iter().flatten().filter(is_text).collect())
 }
 
-/// Differences of a file; of a table only in the rows of some cells, where these are given.
+/// Differences of a file. If `cells` is given, only the rows of these cells count.
 fn compare(
     file: &str,
     committed: &str,
@@ -140,7 +140,7 @@ fn compare(
         return Ok(Vec::new());
     }
     if !file.ends_with(".csv") {
-        return Ok(vec![difference(&[], "text", "as it was", "another")]);
+        return Ok(vec![difference(&[], "text", "as committed", "different")]);
     }
     let (header, mut old) = table(committed)?;
     let (new_header, new) = table(now)?;
@@ -172,7 +172,7 @@ fn compare(
 
 type Row = Vec<String>;
 
-/// Header and rows, all of one length.
+/// Header and rows, all of the same length.
 fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Row>();
@@ -184,7 +184,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Number of the differences, the largest of them, and a list of at most `shown`.
+/// Number of the differences, the largest one, and a list of at most `shown`.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()
@@ -266,7 +266,7 @@ cell,radius,quantity,truth,mean
     }
 
     #[test]
-    fn of_a_partial_run_only_its_cells_are_compared() {
+    fn only_the_cells_of_a_partial_run_are_compared() {
         let ran = "cell,radius,quantity,truth,mean\n7,50,curvature,0.02,0.021\n";
         assert_eq!(found(CELLS, ran, &["7"]), []);
         assert_eq!(
@@ -274,22 +274,22 @@ cell,radius,quantity,truth,mean
             1
         );
         assert_ne!(found(CELLS, ran, &[]), []);
-        // Rows that a cell has lost.
+        // Cell 0 has no rows.
         assert_eq!(found(CELLS, ran, &["0", "7"]), [pair("", "rows")]);
     }
 
     #[test]
-    fn files_that_are_gone_and_runs_without_cells_are_noticed() {
+    fn missing_files_and_runs_without_cells_are_noticed() {
         let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
         let [old, new] = folders.each_ref().map(|folder| folder.path());
         for name in ["cells.csv", "map.csv", "claims.csv"] {
             fs::write(old.join(name), CELLS).unwrap();
         }
         fs::write(new.join("cells.csv"), CELLS).unwrap();
-        let gone = study("s", old, new, true).unwrap();
-        assert_eq!(gone.len(), 1);
+        let missing = study("s", old, new, true).unwrap();
+        assert_eq!(missing.len(), 1);
         assert_eq!(
-            (gone[0].file.as_str(), gone[0].column.as_str()),
+            (missing[0].file.as_str(), missing[0].column.as_str()),
             ("s/map.csv", "file")
         );
         fs::write(new.join("cells.csv"), "cell,mean\n").unwrap();

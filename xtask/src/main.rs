@@ -1,15 +1,15 @@
 //! Development tasks: `cargo xtask ci`, `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod assay_harness;
+mod baseline;
 mod bench_check;
 mod ci;
-mod cli;
 mod compare;
+mod crate_imports;
 mod fuzz;
-mod harness;
-mod house;
-mod palpate;
 mod peers;
+mod programs;
 mod python;
 mod readme;
 mod reproduce;
@@ -21,10 +21,51 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use xshell::Shell;
 
-use cli::{Cli, Task};
+/// Development tasks of palpate.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Run all checks of a change: format, lints, tests, docs, licences, results, README.
+    Ci,
+    /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
+    Reproduce(reproduce::Options),
+    /// Kill runs, fill a disk, and share a study on a local cluster: the results must be those of one undisturbed run.
+    Scale(scale::Options),
+    /// Measure every ladder of models: error against cost, into results/tradeoff/.
+    Tradeoff(tradeoff::Options),
+    /// Compare answers on fixed scenes with references, into results/answers.csv.
+    Answers(assay_harness::Options),
+    /// Compare the intervals of EP2 with the truth on random surfaces, into results/intervals.csv.
+    Intervals(assay_harness::Options),
+    /// Compare the intervals of camera presses with the truth on random scenes, into results/camera-intervals.csv.
+    CameraIntervals(assay_harness::Options),
+    /// Compare the intervals and warnings of presses without a camera with the truth on random scenes, into
+    /// results/press-intervals.csv.
+    PressIntervals(assay_harness::Options),
+    /// Compare the intervals and warnings of rolls with the truth on random scenes, into results/roll-intervals.csv.
+    RollIntervals(assay_harness::Options),
+    /// Compare the warnings of glides with the truth on random surfaces, into results/glide-intervals.csv.
+    GlideIntervals(assay_harness::Options),
+    /// Compare instruction counts and accuracy with the committed baseline.
+    BenchCheck(bench_check::Options),
+    /// Compare palpate with other programs on the same tasks, into results/peers.csv.
+    Peers(peers::Options),
+    /// Build the wheel of the Python package, install it into a separate environment, and test it there.
+    Python(python::Options),
+    /// Fuzz the readers of files.
+    Fuzz(fuzz::Options),
+    /// Check that crates import each other only as ARCHITECTURE.md allows.
+    House,
+}
 
 fn main() -> ExitCode {
     match run(Cli::parse()) {
@@ -39,7 +80,7 @@ fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
-        .context("xtask lies in no workspace")?;
+        .context("xtask is not in a workspace")?;
     let shell = Shell::new()?;
     shell.change_dir(root);
     match cli.task {
@@ -47,16 +88,16 @@ fn run(cli: Cli) -> Result<()> {
         Task::Reproduce(options) => reproduce::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
-        Task::Answers(options) => harness::run(&shell, "answers", &options),
-        Task::Intervals(options) => harness::run(&shell, "intervals", &options),
-        Task::CameraIntervals(options) => harness::run(&shell, "camera-intervals", &options),
-        Task::PressIntervals(options) => harness::run(&shell, "press-intervals", &options),
-        Task::RollIntervals(options) => harness::run(&shell, "roll-intervals", &options),
-        Task::GlideIntervals(options) => harness::run(&shell, "glide-intervals", &options),
+        Task::Answers(options) => assay_harness::run(&shell, "answers", &options),
+        Task::Intervals(options) => assay_harness::run(&shell, "intervals", &options),
+        Task::CameraIntervals(options) => assay_harness::run(&shell, "camera-intervals", &options),
+        Task::PressIntervals(options) => assay_harness::run(&shell, "press-intervals", &options),
+        Task::RollIntervals(options) => assay_harness::run(&shell, "roll-intervals", &options),
+        Task::GlideIntervals(options) => assay_harness::run(&shell, "glide-intervals", &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Python(options) => python::run(&shell, &options),
         Task::Fuzz(options) => fuzz::run(&shell, &options),
-        Task::House => house::check(&shell),
+        Task::House => crate_imports::check(&shell),
     }
 }

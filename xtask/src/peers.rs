@@ -1,9 +1,8 @@
-//! Comparison of palpate with other programs that a user could take instead: the same tasks on the same inputs in the
-//! same run, on one core.
+//! Comparison of palpate with other programs that a user could use instead: the same tasks with the same inputs in the same
+//! run, on one core.
 
-mod figure;
-mod table;
-mod workshop;
+mod peer_programs;
+mod peer_table;
 
 use std::fs;
 use std::path::Path;
@@ -12,14 +11,14 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate;
-use figure::{Figure, medians};
-use workshop::{Absent, Kind, Workshop};
+use crate::programs;
+use peer_programs::{Absent, Kind, PeerPrograms};
+use peer_table::{Figure, medians};
 
-/// Name of palpate for Python, which xtask/peers/python_package.py times beside its peers.
+/// Name of palpate for Python. xtask/peers/python_package.py times it together with its peers.
 const PACKAGE: &str = "palpate for Python";
 
-/// Where the table is committed.
+/// The committed table.
 const RESULTS: &str = "results/peers.csv";
 
 #[derive(Args)]
@@ -27,7 +26,7 @@ pub(crate) struct Options {
     /// Groups of tasks; all of them by default.
     #[arg(value_name = "GROUP")]
     groups: Vec<String>,
-    /// How often a peer and palpate take turns.
+    /// Number of alternating runs of a peer and of palpate.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     /// The core to run on.
@@ -35,22 +34,22 @@ pub(crate) struct Options {
     core: usize,
 }
 
-/// Tasks that one peer does in one go.
+/// Tasks of one run of a peer.
 struct Group {
     name: &'static str,
     peer: Kind,
-    /// Factor by which palpate is to be quicker.
+    /// Target ratio of the peer's time to that of palpate.
     target: f64,
-    /// Another factor on some of the tasks.
-    of_task: &'static [(&'static str, f64)],
-    /// Share of the peer's error by which palpate's may exceed it and still count as equal: 0 where both read the same
-    /// inputs, the effect of chance where each draws its own.
+    /// Other targets of single tasks.
+    task_targets: &'static [(&'static str, f64)],
+    /// Share of the peer's error by which that of palpate may exceed it: 0 if both have the same inputs, the sampling error if
+    /// each draws its own.
     slack: f64,
 }
 
 impl Group {
     fn target_of(&self, task: &str) -> f64 {
-        let own = self.of_task.iter().find(|(of, _)| *of == task);
+        let own = self.task_targets.iter().find(|(of, _)| *of == task);
         own.map_or(self.target, |(_, target)| *target)
     }
 }
@@ -60,72 +59,72 @@ const GROUPS: [Group; 11] = [
         name: "rolling-long",
         peer: Kind::Rust("ode_solvers"),
         target: 2.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
     Group {
         name: "rolling-short",
         peer: Kind::Cpp("rolling_short.cpp"),
         target: 3.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
-    // The root of the mean square over 100 000 trials is known to 0.2 %.
+    // The root mean square over 100 000 trials has a standard error of 0.2 %.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
         target: 2.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.01,
     },
     Group {
         name: "ep2-few",
         peer: Kind::Python("ep2_few.py"),
         target: 2.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
     Group {
         name: "ep2-many",
         peer: Kind::Python("ep2_many.py"),
         target: 5.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
     Group {
         name: "press-contact",
         peer: Kind::Python("press_contact.py"),
         target: 100.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
     Group {
         name: "image",
         peer: Kind::Python("image.py"),
         target: 1.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 0.0,
     },
     Group {
         name: "python-roll",
         peer: Kind::Package("python-roll"),
         target: 5.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 1e-9,
     },
     Group {
         name: "python-batch",
         peer: Kind::Package("python-batch"),
         target: 3.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 1e-9,
     },
-    // The peer is palpate in Rust: what Python adds.
+    // The peer is palpate in Rust: this measures the overhead of Python.
     Group {
         name: "python-glide",
         peer: Kind::Package("python-glide"),
         target: 1.0 / 1.3,
-        of_task: &[(
+        task_targets: &[(
             "estimate_glide of 100 000 contacts, map of 30 x 30",
             1.0 / 1.1,
         )],
@@ -135,7 +134,7 @@ const GROUPS: [Group; 11] = [
         name: "python-two-pass",
         peer: Kind::Package("python-two-pass"),
         target: 2.0,
-        of_task: &[],
+        task_targets: &[],
         slack: 1e-3,
     },
 ];
@@ -148,19 +147,21 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         .run()
         .is_err()
     {
-        println!("skipped: taskset is missing, so that nothing can be pinned to one core");
+        println!("skipped: taskset is missing, so programs cannot be pinned to one core");
         return Ok(());
     }
-    let directory = palpate::target_dir(shell).join("peers");
+    let directory = programs::target_dir(shell).join("peers");
     shell.create_dir(&directory)?;
-    let ours = palpate::build(shell, "palpate-assay")?;
+    let ours = programs::build(shell, "palpate-assay")?;
     let inputs = directory.join("inputs");
-    cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
-    let workshop = Workshop::new(shell, &directory);
+    cmd!(shell, "{ours} peer-tasks --inputs {inputs}")
+        .quiet()
+        .run()?;
+    let programs = PeerPrograms::new(shell, &directory);
     let core = options.core.to_string();
     let (mut rows, mut is_whole) = (Vec::new(), options.groups.is_empty());
     for group in &groups {
-        let peer = match workshop.make(&group.peer)? {
+        let peer = match programs.make(&group.peer)? {
             Ok(peer) => peer,
             Err(Absent(why)) => {
                 println!("skipped: {}: {why}", group.name);
@@ -179,38 +180,41 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             theirs.extend(others);
             let limits = strictest(&theirs);
             let in_rust = || {
-                let command = cmd!(shell, "taskset -c {core} {ours} ours {name} {limits...}");
+                let command = cmd!(
+                    shell,
+                    "taskset -c {core} {ours} peer-tasks {name} {limits...}"
+                );
                 Figure::read(&command.quiet().read()?)
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // It times its peers itself, but for palpate in Rust.
+                // The package times its peers itself, except palpate in Rust.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }
             mine.extend(package);
         }
-        rows.extend(table::rows(
+        rows.extend(peer_table::rows(
             &medians(theirs),
             &medians(mine),
             |task| group.target_of(task),
             group.slack,
         ));
     }
-    print!("{}", table::render(&rows));
+    print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
-    let text = table::csv(&rows, &palpate::machine(shell))?;
-    // A ratio is of one run and names its machine: rows of tasks that were not run stay.
+    let text = peer_table::csv(&rows, &programs::machine(shell))?;
+    // A row compares times of one run on one machine, so rows of tasks that were not run stay as they are.
     let text = match is_whole {
         true => text,
-        false => table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
+        false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
     };
     replace(&path, &text)?;
     println!("{RESULTS} is written");
     Ok(())
 }
 
-/// The least error of any peer on each task: what a rung with a tolerance is held to.
+/// Smallest error of the peers on each task, as the limit for a rung with a tolerance.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {
@@ -235,7 +239,7 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {
     asked.iter().map(find).collect()
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file as a whole or not at all.
 pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
     let unfinished = path.with_extension("unfinished");
     fs::write(&unfinished, text)

@@ -1,4 +1,4 @@
-//! The Python package: its wheel, installed into a virtual environment of its own, and all that is tested of it.
+//! The Python package: its wheel, a virtual environment with it, and its tests.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,29 +8,29 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate;
+use crate::programs;
 
 /// Folder of the package.
-const OF_PACKAGE: &str = "crates/python";
+const PACKAGE: &str = "crates/python";
 
-/// What the environment has beside the wheel.
+/// List of the other packages of the environment.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
 
 /// Largest size of a wheel, MB.
-const MOST_MB: f64 = 8.0;
+const MAX_WHEEL_MB: f64 = 8.0;
 
 #[derive(Args)]
 pub(crate) struct Options {
     /// Build and install the wheel, and test nothing.
     #[arg(long)]
     install: bool,
-    /// Install it instead as a new user does: `pip install .` in a fresh clone and an empty virtual environment, then the
-    /// Python lines of README.md; prints how long that takes.
+    /// Install the package as a new user does instead: `pip install .` in a fresh clone and an empty virtual environment, then
+    /// run the Python lines of README.md. Prints the time.
     #[arg(long, conflicts_with = "install")]
     from_clone: bool,
 }
 
-/// Runs a part of the work, and prints how long it took.
+/// Runs a part of the work, and prints its time.
 fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -40,7 +40,7 @@ fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 
 /// Folder of the environment and of the wheels.
 fn place(shell: &Shell) -> PathBuf {
-    palpate::target_dir(shell).join("python")
+    programs::target_dir(shell).join("python")
 }
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
@@ -70,16 +70,16 @@ pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     let size = size_mb(&wheel)?;
     println!("{}: {size:.1} MB", wheel.display());
     ensure!(
-        size <= MOST_MB,
-        "the wheel has {size:.1} MB, more than {MOST_MB}"
+        size <= MAX_WHEEL_MB,
+        "the size of the wheel is {size:.1} MB, more than {MAX_WHEEL_MB}"
     );
     Ok(python)
 }
 
 /// Builds the wheel, installs it, and runs the tests, the type checkers and the notebooks.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
-    // The program that the tests compare with, whose crates the wheel shares.
-    let program = timed("program", || palpate::build(shell, "palpate"))?;
+    // The tests compare the package with this program. The wheel uses the same crates.
+    let program = timed("program", || programs::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
     // IPython, Jupyter and Matplotlib write user files into HOME.
@@ -91,8 +91,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
 
 fn tests(shell: &Shell, python: &Path, program: &Path) -> Result<()> {
     let root = shell.current_dir();
-    let tests = root.join(OF_PACKAGE).join("tests");
-    // Away from the sources, so that nothing but the wheel is imported.
+    let tests = root.join(PACKAGE).join("tests");
+    // Outside the sources, so that Python imports the wheel.
     let _elsewhere = shell.push_dir(place(shell));
     cmd!(shell, "{python} -m pytest -q -p no:cacheprovider {tests}")
         .env("PALPATE", program)
@@ -104,7 +104,7 @@ fn tests(shell: &Shell, python: &Path, program: &Path) -> Result<()> {
 fn types(shell: &Shell, python: &Path) -> Result<()> {
     let root = shell.current_dir();
     let config = root.join("pyproject.toml");
-    let allowed = root.join(OF_PACKAGE).join("stubtest.txt");
+    let allowed = root.join(PACKAGE).join("stubtest.txt");
     let _elsewhere = shell.push_dir(place(shell));
     cmd!(shell, "{python} -m mypy --config-file {config} -p palpate").run()?;
     cmd!(
@@ -137,7 +137,7 @@ fn from_clone(shell: &Shell) -> Result<()> {
             shell,
             "{python} -m pip install --quiet --disable-pip-version-check ."
         );
-        // Into a target directory of its own, from nothing.
+        // Without the shared target directory, as for a new user.
         Ok(install.env_remove("CARGO_TARGET_DIR").run()?)
     })?;
     let readme = shell.read_file("README.md")?;
@@ -150,7 +150,7 @@ fn from_clone(shell: &Shell) -> Result<()> {
     })
 }
 
-/// Runs every notebook in `examples/notebooks` to its end.
+/// Runs every notebook in `examples/notebooks`.
 fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     let folder = root.join("examples").join("notebooks");
     let mut notebooks = shell.read_dir(&folder)?;
@@ -184,11 +184,11 @@ pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Resu
     .quiet()
     .run()
     .with_context(|| format!("pip cannot install {list}; is there a network?"))?;
-    fs::copy(&wanted, &installed).context("cannot note what is installed")?;
+    fs::copy(&wanted, &installed).context("cannot store the list of the installed packages")?;
     Ok(python)
 }
 
-/// The wheel, built as the released programs are, with whose crates it shares what is built.
+/// Builds the wheel with the same settings as the release programs, so that they share crates.
 fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     let wheels = place.join("wheels");
     shell.remove_path(&wheels)?;
@@ -202,7 +202,7 @@ fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     built
         .into_iter()
         .next()
-        .context("maturin has built no wheel")
+        .context("maturin did not build a wheel")
 }
 
 fn size_mb(path: &Path) -> Result<f64> {

@@ -1,4 +1,4 @@
-//! The README's commands, which must work as they are printed.
+//! Check of the README: its commands must work as they are printed.
 
 use std::env;
 use std::ffi::OsString;
@@ -9,20 +9,19 @@ use anyhow::{Context, Result, bail};
 use clap::Parser;
 use xshell::{Shell, cmd};
 
-use crate::cli::Cli;
-use crate::palpate;
+use crate::{Cli, programs};
 
-/// Inputs that a reader of the README has at hand; commands may write beside them.
+/// Folders of the repository that the commands need.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
-/// Where commands write, which git ignores.
+/// Folder of the outputs, which git ignores.
 const OUTPUT: &str = "out";
 
-/// Runs the commands of the `sh` blocks in a copy of the repository's inputs, `palpate` on the path.
+/// Runs the commands of the `sh` blocks in a copy of the repository's inputs, with `palpate` on the path.
 ///
-/// Commands of cargo are not run, for this is run by them; but `cargo xtask …` must parse.
+/// Commands of cargo are not run, because they would run this check again. But `cargo xtask …` must parse.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     let readme = shell.read_file("README.md")?;
-    let binary = palpate::build(shell, "palpate")?;
+    let binary = programs::build(shell, "palpate")?;
     let directory = tempfile::tempdir()?;
     for name in COPIED {
         let to = directory.path();
@@ -42,11 +41,11 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     }
     match strays(directory.path())?.as_slice() {
         [] => Ok(()),
-        strays => bail!("README.md: its commands leave {strays:?} outside {OUTPUT}/"),
+        strays => bail!("README.md: its commands write {strays:?} outside {OUTPUT}/"),
     }
 }
 
-/// Names that lie beside the inputs and the ignored directory of outputs.
+/// Names that are neither inputs nor the folder of outputs.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;
@@ -71,7 +70,7 @@ fn run(sandbox: &Shell, command: &str) -> Result<()> {
     Ok(())
 }
 
-/// The commands of all blocks that are tagged `sh` and nothing else; a line that ends in `\` goes on in the next.
+/// The commands of all blocks with the tag `sh`. A line that ends with `\` continues in the next one.
 fn commands(markdown: &str) -> Vec<String> {
     let mut commands = Vec::new();
     let mut block: Option<bool> = None;
@@ -144,7 +143,7 @@ palpate untagged
     }
 
     #[test]
-    fn files_beside_inputs_and_outputs_are_strays() {
+    fn files_outside_inputs_and_outputs_are_strays() {
         let directory = tempfile::tempdir().unwrap();
         for name in ["examples", "out", "mine.toml"] {
             fs::create_dir(directory.path().join(name)).unwrap();

@@ -1,4 +1,4 @@
-//! Study → figure: every config in `sim-configs/` to its results.
+//! Reproduction of the results: runs and plots the configs in `sim-configs/`.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,25 +7,26 @@ use anyhow::{Result, bail};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::{compare, palpate};
+use crate::{compare, programs};
 
-/// Every how many cells `--quick` runs one.
+/// `--quick` runs one of this many cells.
 const QUICK_STRIDE: usize = 13;
-/// Differences that are printed.
+/// Largest number of differences that are printed.
 const SHOWN: usize = 20;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Names of configs in sim-configs/, without `.toml`; by default those that score a claim of the papers.
+    /// Names of configs in sim-configs/, without `.toml`. By default those that score a claim of the papers.
     #[arg(value_name = "STUDY")]
     pub(crate) studies: Vec<String>,
     /// Run all studies, also those that score no claim.
     #[arg(long, conflicts_with = "studies")]
     pub(crate) all: bool,
-    /// Run only every thirteenth cell; never written to results/.
+    /// Run only every thirteenth cell, and do not write to results/.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Compare with the committed results instead of replacing them: numbers to 1e-9, quantiles to a bin of their histogram.
+    /// Compare with the committed results instead of replacing them: numbers within 1e-9, quantiles within a bin of their
+    /// histogram.
     #[arg(long)]
     pub(crate) check: bool,
 }
@@ -33,7 +34,7 @@ pub(crate) struct Options {
 /// Builds only the program `palpate`, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     chosen(&known_studies(shell)?, &options.studies)?;
-    run_with(shell, &palpate::build_alone(shell)?, options)
+    run_with(shell, &programs::build_alone(shell)?, options)
 }
 
 /// Runs studies with a program that is already built.
@@ -66,13 +67,13 @@ fn draw(
     quick: bool,
 ) -> Result<()> {
     let results = match quick {
-        true => palpate::target_dir(shell).join("reproduce-quick"),
+        true => programs::target_dir(shell).join("reproduce-quick"),
         false => PathBuf::from("results"),
     };
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Committed results are palpate's, whatever was checked out since.
+        // Without its manifest, palpate overwrites the committed files.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
@@ -99,7 +100,7 @@ fn draw(
     Ok(())
 }
 
-/// Runs the studies elsewhere and compares their tables with the committed ones.
+/// Runs the studies in a temporary folder and compares their tables with the committed ones.
 fn check(shell: &Shell, palpate: &Path, studies: &[String], quick: bool) -> Result<()> {
     let directory = tempfile::tempdir()?;
     let mut differences = Vec::new();
@@ -121,7 +122,7 @@ fn check(shell: &Shell, palpate: &Path, studies: &[String], quick: bool) -> Resu
     }
     print!("{}", compare::render(&differences, SHOWN));
     bail!(
-        "{} differences from results/; if they are meant, run `cargo xtask reproduce --all` and commit",
+        "{} differences from results/; if they are intended, run `cargo xtask reproduce --all` and commit",
         differences.len()
     )
 }
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_unknown_name_lists_the_known() {
+    fn an_unknown_name_is_an_error_with_the_known_ones() {
         let known = ["one".to_owned(), "two".to_owned()];
         assert_eq!(chosen(&known, &known[1..]).unwrap(), ["two"]);
         let error = chosen(&known, &["three".to_owned()])

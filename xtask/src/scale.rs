@@ -1,4 +1,4 @@
-//! Runs that are killed, that fill a disk, and that a cluster shares: each must end with the bytes of an undisturbed run.
+//! Runs that are killed, runs on a full disk, and runs on a cluster. Each must write the same bytes as an undisturbed run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,12 +10,11 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use xshell::{Shell, TempDir, cmd};
 
-use crate::palpate;
+use crate::programs;
 
-/// Settings of the task.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Kill so many runs, each at a random moment.
+    /// Number of runs to kill, each at a random time.
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub(crate) kills: u32,
 }
@@ -24,30 +23,30 @@ pub(crate) struct Options {
 const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 /// Number of shards on the cluster.
 const SHARDS: u64 = 16;
-/// Longest time that the cluster may take for a submission.
+/// Longest time for a submission to the cluster.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
-    let program = palpate::build(shell, "palpate")?;
-    let desk = Desk {
+    let program = programs::build(shell, "palpate")?;
+    let bench = TestBench {
         shell,
         program,
         dir: shell.create_temp_dir()?,
     };
-    desk.kill(options.kills)?;
-    desk.fill_a_disk()?;
+    bench.kill(options.kills)?;
+    bench.fill_a_disk()?;
     match missing(shell) {
-        None => desk.cluster(),
+        None => bench.cluster(),
         Some(what) => {
-            println!("no cluster is tried: {what}");
+            println!("the cluster is skipped: {what}");
             Ok(())
         }
     }
 }
 
-/// Lack of this machine that keeps a cluster from being tried, if there is one.
+/// What the cluster needs and this machine lacks, if anything.
 fn missing(shell: &Shell) -> Option<String> {
-    // Daemons stand where root alone looks, and no command of Slurm runs without a config.
+    // Slurm's daemons are in /usr/sbin. Test for the files, because its commands fail without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
     let is_there = |program: &&str| {
         places
@@ -61,7 +60,7 @@ fn missing(shell: &Shell) -> Option<String> {
             "{program} is missing (Debian: apt-get install {packages})"
         ));
     }
-    (!is_root(shell)).then(|| "it takes root to start one".to_owned())
+    (!is_root(shell)).then(|| "only root can start it".to_owned())
 }
 
 fn is_root(shell: &Shell) -> bool {
@@ -71,19 +70,19 @@ fn is_root(shell: &Shell) -> bool {
         .is_ok_and(|id| id == "0")
 }
 
-/// Directory with configs, and the program that is tried there.
-struct Desk<'a> {
+/// Directory of the runs, and the program under test.
+struct TestBench<'a> {
     shell: &'a Shell,
     program: PathBuf,
     dir: TempDir,
 }
 
-impl Desk<'_> {
+impl TestBench<'_> {
     fn path(&self, name: &str) -> PathBuf {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls of these many radii, the first with so many trials more.
+    /// Writes a config of rolls on balls of different radii, a cell each. `trials` are those of the first cell and of the others.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -101,16 +100,16 @@ impl Desk<'_> {
         Ok(path)
     }
 
-    fn begun(&self, config: &Path, out: &Path) -> Result<Child> {
+    fn start(&self, config: &Path, out: &Path) -> Result<Child> {
         let mut command = Command::new(&self.program);
         command.arg("run").arg(config).arg("--out").arg(out);
         let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-        child.context("palpate does not start")
+        child.context("cannot start palpate")
     }
 
-    /// Runs a study to its end.
-    fn ended(&self, config: &Path, out: &Path) -> Result<()> {
-        let status = self.begun(config, out)?.wait()?;
+    /// Runs a study.
+    fn complete(&self, config: &Path, out: &Path) -> Result<()> {
+        let status = self.start(config, out)?.wait()?;
         ensure!(
             status.success(),
             "palpate run {}: {status}",
@@ -119,23 +118,23 @@ impl Desk<'_> {
         Ok(())
     }
 
-    /// Kills runs at random moments, and resumes them.
+    /// Kills runs at random times, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
         // A heavy cell, and some light ones.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
-        self.ended(&config, &whole)?;
+        self.complete(&config, &whole)?;
         let time = start.elapsed();
         let mut random = fastrand::Rng::with_seed(1);
         for number in 0..kills {
             let share = random.f64();
             let out = self.path("killed");
-            let mut child = self.begun(&config, &out)?;
+            let mut child = self.start(&config, &out)?;
             sleep(time.mul_f64(share));
             child.kill()?;
             child.wait()?;
-            self.ended(&config, &out)?;
+            self.complete(&config, &out)?;
             same(&whole, &out)
                 .with_context(|| format!("kill {number}, after {share:.3} of the time"))?;
             fs::remove_dir_all(&out)?;
@@ -144,15 +143,15 @@ impl Desk<'_> {
         Ok(())
     }
 
-    /// Fills a disk, makes room and goes on.
+    /// Fills a disk, enlarges it, and resumes the run.
     fn fill_a_disk(&self) -> Result<()> {
         if !is_root(self.shell) {
-            println!("no disk is filled: it takes root to mount one");
+            println!("the full disk is skipped: only root can mount one");
             return Ok(());
         }
         let config = self.config("full.toml", 400, [100, 100])?;
         let (whole, disk) = (self.path("roomy"), self.path("disk"));
-        self.ended(&config, &whole)?;
+        self.complete(&config, &whole)?;
         fs::create_dir(&disk)?;
         let shell = self.shell;
         if cmd!(shell, "mount -t tmpfs -o size=128k tmpfs {disk}")
@@ -161,12 +160,12 @@ impl Desk<'_> {
             .run()
             .is_err()
         {
-            println!("no disk is filled: none can be mounted here");
+            println!("the full disk is skipped: it cannot be mounted on this machine");
             return Ok(());
         }
-        let tried = self.fill(&config, &whole, &disk);
+        let outcome = self.fill(&config, &whole, &disk);
         cmd!(shell, "umount {disk}").quiet().run()?;
-        tried
+        outcome
     }
 
     fn fill(&self, config: &Path, whole: &Path, disk: &Path) -> Result<()> {
@@ -176,7 +175,7 @@ impl Desk<'_> {
             cmd!(shell, "mount -o remount,size={size} {disk}")
                 .quiet()
                 .run()?;
-            if self.begun(config, &out)?.wait()?.success() {
+            if self.start(config, &out)?.wait()?.success() {
                 same(whole, &out).context("a run on a disk that was full")?;
                 ensure!(full > 0, "the disk was never full");
                 println!("a run that found the disk full {full} times ends with the same bytes");
@@ -190,7 +189,7 @@ impl Desk<'_> {
         bail!("a disk of 8 MB was too small")
     }
 
-    /// Shares a study among the nodes of a cluster, with all that can go wrong there.
+    /// Shares a study among the nodes of a cluster, with a killed shard, a failing one and a node that goes down.
     fn cluster(&self) -> Result<()> {
         let shell = self.shell;
         let start = Instant::now();
@@ -198,8 +197,8 @@ impl Desk<'_> {
         let scripts = shell.current_dir().join("xtask/slurm");
         let (up, down) = (scripts.join("up.sh"), scripts.join("down.sh"));
         if let Err(error) = cmd!(shell, "{up} {lab}").quiet().run() {
-            // Not every machine lets daemons bind to names of their own.
-            println!("no cluster is tried: it does not start here: {error}");
+            // Some machines do not allow daemons with their own host names.
+            println!("the cluster is skipped: it does not start on this machine: {error}");
             cmd!(shell, "{down} {lab}")
                 .quiet()
                 .ignore_stderr()
@@ -207,7 +206,7 @@ impl Desk<'_> {
                 .run()?;
             return Ok(());
         }
-        let tried = {
+        let outcome = {
             let _conf = shell.push_env("SLURM_CONF", lab.join("slurm.conf"));
             self.share()
         };
@@ -216,7 +215,7 @@ impl Desk<'_> {
             .ignore_stderr()
             .ignore_status()
             .run()?;
-        tried?;
+        outcome?;
         println!("cluster: ok, {:.1} s", start.elapsed().as_secs_f64());
         Ok(())
     }
@@ -225,9 +224,10 @@ impl Desk<'_> {
         let shell = self.shell;
         let config = self.config("shared.toml", 64, [3_000_000, 700_000])?;
         let (whole, out) = (self.path("alone"), self.path("cluster"));
-        self.ended(&config, &whole)?;
+        self.complete(&config, &whole)?;
 
-        // Scripts run the program that submits them: a copy, in whose place another stands until all shards have ended.
+        // The scripts run the program that submits them. It is a copy, which a failing program replaces until all shards have
+        // ended.
         let program = self.path("palpate");
         fs::copy(&self.program, &program)?;
         self.hold(true)?;
@@ -235,7 +235,7 @@ impl Desk<'_> {
         self.replace_by_failing(&program, 5)?;
         self.hold(false)?;
         let killed = self.running()?;
-        // It may have ended by now.
+        // The process may already have ended.
         let kill = cmd!(shell, "kill -9 {killed}");
         kill.quiet().ignore_status().ignore_stderr().run()?;
         self.running()?;
@@ -243,16 +243,19 @@ impl Desk<'_> {
             .quiet()
             .run()?;
         sleep(Duration::from_millis(500));
-        // Unless it has come back by itself.
+        // The node may already be back.
         let back = cmd!(shell, "scontrol update NodeName=n2 State=RESUME");
         back.quiet().ignore_status().ignore_stderr().run()?;
         self.wait()?;
-        let said = fs::read_to_string(out.join("logs/merge.txt")).unwrap_or_default();
+        let log = fs::read_to_string(out.join("logs/merge.txt")).unwrap_or_default();
         ensure!(
-            said.contains("shard 5 of 16 is missing"),
-            "the merge said: {said}"
+            log.contains("shard 5 of 16 is missing"),
+            "the log of the merge: {log}"
         );
-        ensure!(!out.join("cells.csv").exists(), "a table lacks a shard");
+        ensure!(
+            !out.join("cells.csv").exists(),
+            "a table was written without a shard"
+        );
         let job = format!("{array}_5");
         let state = cmd!(shell, "scontrol show job {job}").quiet().read()?;
         ensure!(
@@ -261,10 +264,10 @@ impl Desk<'_> {
         );
         fs::remove_file(&program)?;
         fs::copy(&self.program, &program)?;
-        let told = cmd!(shell, "{program} status {out}").quiet().read()?;
+        let status = cmd!(shell, "{program} status {out}").quiet().read()?;
         ensure!(
-            told.contains("done     15: ") && told.contains("missing  1: shards 5"),
-            "{told}"
+            status.contains("done     15: ") && status.contains("missing  1: shards 5"),
+            "{status}"
         );
 
         let shards = SHARDS.to_string();
@@ -276,14 +279,14 @@ impl Desk<'_> {
         ensure!(script.contains("#SBATCH --array=5\n"), "{script}");
         self.submit(&program, &config, &out)?;
         self.wait()?;
-        same(&whole, &out).context("shards put together")?;
+        same(&whole, &out).context("merged shards")?;
         println!(
-            "{SHARDS} shards, one killed, one that exits 3, a node down: the bytes of one run"
+            "{SHARDS} shards, one killed, one that exits with 3, a node down: the same bytes as one run"
         );
         Ok(())
     }
 
-    /// Submits the shards, and gives the number of their job.
+    /// Submits the shards, and returns the number of their job.
     fn submit(&self, program: &Path, config: &Path, out: &Path) -> Result<String> {
         let (shell, shards) = (self.shell, SHARDS.to_string());
         let said = cmd!(
@@ -296,7 +299,7 @@ impl Desk<'_> {
         Ok(job.with_context(|| said.clone())?.to_owned())
     }
 
-    /// Keeps jobs from being started, or lets them start.
+    /// Stops or starts the queue.
     fn hold(&self, is_held: bool) -> Result<()> {
         let state = if is_held { "DOWN" } else { "UP" };
         let shell = self.shell;
@@ -304,7 +307,7 @@ impl Desk<'_> {
         Ok(update.quiet().run()?)
     }
 
-    /// Puts a program in place of another that does the same, but exits with 3 where it is to run one of the shards.
+    /// Replaces the program by a script that exits with 3 for one of the shards, and otherwise runs the program.
     fn replace_by_failing(&self, program: &Path, shard: u64) -> Result<()> {
         let real = self.program.display();
         let script = format!(
@@ -316,11 +319,11 @@ impl Desk<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Process of a shard; that of shard 5 ends at once.
+    /// Identifier of the process of a shard. Shard 5 ends at once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();
-        // The brackets keep the search from finding itself.
+        // With the brackets, the search does not find its own process.
         let words = "[c]luster/run.toml --shard";
         while start.elapsed() < PATIENCE {
             let found = cmd!(shell, "pgrep -n -f {words}");
@@ -330,7 +333,7 @@ impl Desk<'_> {
             }
             sleep(Duration::from_millis(20));
         }
-        bail!("no shard runs")
+        bail!("no shard is running")
     }
 
     /// Waits until the queue is empty.

@@ -1,4 +1,4 @@
-//! Tools that tasks call: installed by cargo or rustup where they are missing, named where only the system can.
+//! Tools that tasks call. Missing ones are installed by cargo or rustup; missing programs of the system are reported.
 
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
@@ -31,7 +31,7 @@ const INSTALLED: [[&str; 3]; 4] = [
     ],
 ];
 
-/// Programs of the system, what is left out without them, and the package of Debian that holds them.
+/// Programs of the system, the step that is skipped without them, and their Debian package.
 const OPTIONAL: [[&str; 3]; 2] = [
     ["valgrind", "instructions are not counted", "valgrind"],
     [
@@ -41,16 +41,16 @@ const OPTIONAL: [[&str; 3]; 2] = [
     ],
 ];
 
-/// Installs what is missing and says what is left out for want of a program of the system.
+/// Installs missing tools, and reports missing programs of the system.
 ///
 /// # Errors
-/// Where an installation fails, with the command that was tried.
+/// If an installation fails.
 pub(crate) fn prepare(shell: &Shell) -> Result<()> {
     for [probe, shows, install] in INSTALLED {
         if output(shell, probe).is_some_and(|text| text.contains(shows)) {
             continue;
         }
-        println!("missing, so now: {install}");
+        println!("installing a missing tool: {install}");
         let (program, arguments) = words(install);
         cmd!(shell, "{program} {arguments...}")
             .run()
@@ -61,7 +61,7 @@ pub(crate) fn prepare(shell: &Shell) -> Result<()> {
             println!("{without}: {program} is missing (Debian: apt-get install {package})");
         }
     }
-    // For every platform, so that licences are checked without a network.
+    // All platforms, so that licences can be checked without a network.
     cmd!(shell, "cargo fetch --quiet --locked").run()?;
     Ok(())
 }
@@ -71,7 +71,7 @@ pub(crate) fn has(shell: &Shell, program: &str) -> bool {
     output(shell, &format!("{program} --version")).is_some()
 }
 
-/// Standard output of a command; none where it fails.
+/// Standard output of a command; `None` if it fails.
 fn output(shell: &Shell, command: &str) -> Option<String> {
     let (program, arguments) = words(command);
     let run = cmd!(shell, "{program} {arguments...}").quiet();

@@ -1,5 +1,5 @@
-//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`; and whether `auto` keeps its
-//! word (`promise.csv`).
+//! Error against cost of every ladder, measured and drawn into `results/tradeoff/`; and the check of `auto`
+//! (`promise.csv`).
 
 use std::path::Path;
 use std::time::Instant;
@@ -8,14 +8,15 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate;
+use crate::programs;
 
 const RESULTS: &str = "results/tradeoff";
-const PROMISE: &str = "promise.csv";
+/// Table of the check of `auto`.
+const AUTO_CHECK: &str = "promise.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Time as short as may be; into the target directory, never into results/.
+    /// Measure for a short time only, into the target directory instead of results/.
     #[arg(long)]
     quick: bool,
     /// Draw the committed tables again without measuring.
@@ -25,50 +26,52 @@ pub(crate) struct Options {
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let start = Instant::now();
-    let assay = palpate::build(shell, "palpate-assay")?;
+    let assay = programs::build(shell, "palpate-assay")?;
     if options.draw {
-        cmd!(shell, "{assay} fronts {RESULTS}").quiet().run()?;
+        cmd!(shell, "{assay} pareto-fronts {RESULTS}")
+            .quiet()
+            .run()?;
         return Ok(());
     }
     let out = match options.quick {
-        true => palpate::target_dir(shell).join("tradeoff-quick"),
+        true => programs::target_dir(shell).join("tradeoff-quick"),
         false => shell.current_dir().join(RESULTS),
     };
-    let parent = out.parent().context("results lie in no folder")?;
+    let parent = out.parent().context("the results have no parent folder")?;
     shell.create_dir(parent)?;
-    // Beside the old tables, so that the new ones take their place whole or not at all.
+    // The new tables are beside the old ones, so that they can replace them all at once.
     let temporary = tempfile::tempdir_in(parent)?;
     let fresh = temporary.path().join("tradeoff");
     measure(shell, &assay, &fresh, options.quick)?;
-    cmd!(shell, "{assay} fronts {fresh}")
+    cmd!(shell, "{assay} pareto-fronts {fresh}")
         .quiet()
         .ignore_stdout()
         .run()?;
-    let judged = judge(shell, &assay, &fresh.join(PROMISE));
-    keep(PROMISE, &fresh, &out)?;
+    let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
+    keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // A promise that is broken stands in the tables, too.
-    judged?;
+    // The tables are kept even if the check fails.
+    checked?;
     println!(
-        "{}: {:.1} s; `cargo xtask reproduce` puts it on the page",
+        "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",
         out.display(),
         start.elapsed().as_secs_f64()
     );
     Ok(())
 }
 
-/// Measures on the last core, where the system has a way to say so. What stages do is counted by a build with counters,
-/// whose counts are the same in any profile; what they cost, by the one without.
+/// Measures on the last core, if taskset is available. A debug build with counters counts the work of the stages; the release
+/// build without counters measures their cost.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
-    let tallies = tempfile::NamedTempFile::new()?;
-    let tallies = tallies.path();
+    let work_counts = tempfile::NamedTempFile::new()?;
+    let work_counts = work_counts.path();
     cmd!(
         shell,
-        "cargo run --quiet -p palpate-assay -- tallies --out {tallies}"
+        "cargo run --quiet -p palpate-assay -- work-counts --out {work_counts}"
     )
     .quiet()
     .run()?;
-    let machine = palpate::machine(shell);
+    let machine = programs::machine(shell);
     let quick = quick.then_some("--quick");
     let cores = std::thread::available_parallelism()?.get();
     let last = (cores - 1).to_string();
@@ -79,11 +82,11 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     match pinned {
         Ok(()) => cmd!(
             shell,
-            "taskset --cpu-list {last} {assay} tradeoff --out {out} --tallies {tallies} --machine {machine} {quick...}"
+            "taskset --cpu-list {last} {assay} tradeoff --out {out} --work-counts {work_counts} --machine {machine} {quick...}"
         ),
         Err(_) => cmd!(
             shell,
-            "{assay} tradeoff --out {out} --tallies {tallies} --machine {machine} {quick...}"
+            "{assay} tradeoff --out {out} --work-counts {work_counts} --machine {machine} {quick...}"
         ),
     }
     .quiet()
@@ -91,22 +94,20 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     Ok(())
 }
 
-/// Whether `auto` keeps its word, by instructions.
-fn judge(shell: &Shell, assay: &Path, promise: &Path) -> Result<()> {
+/// Checks the choices of `auto` by instructions.
+fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
     if valgrind.ignore_stderr().run().is_err() {
-        println!(
-            "valgrind is missing: what `auto` promises is not judged; {PROMISE} stays as it was"
-        );
+        println!("valgrind is missing: `auto` is not checked, and {AUTO_CHECK} stays as it was");
         return Ok(());
     }
-    cmd!(shell, "{assay} promise --out {promise}")
+    cmd!(shell, "{assay} auto-check --out {table}")
         .quiet()
         .run()?;
     Ok(())
 }
 
-/// Where a fresh folder lacks a file, it gets the one of the folder whose place it is to take, if there is one.
+/// Copies a file from the old folder to the new one if the new one lacks it.
 fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     let (missing, known) = (fresh.join(name), out.join(name));
     if !missing.exists() && known.exists() {
@@ -116,7 +117,7 @@ fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Puts a fresh folder in the place of another, which goes beside where it was.
+/// Replaces a folder by a new one, and moves the old one to the parent of the new one.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
         std::fs::rename(out, fresh.with_file_name("replaced"))
@@ -131,24 +132,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_not_judged_again_is_kept() {
+    fn a_table_that_was_not_written_again_is_kept() {
         let parent = tempfile::tempdir().unwrap();
         let [out, fresh] = ["tradeoff", "fresh"].map(|name| parent.path().join(name));
-        let promise = |folder: &Path| std::fs::read_to_string(folder.join(PROMISE)).ok();
+        let table = |folder: &Path| std::fs::read_to_string(folder.join(AUTO_CHECK)).ok();
         std::fs::create_dir(&fresh).unwrap();
-        keep(PROMISE, &fresh, &out).unwrap();
-        assert_eq!(promise(&fresh), None);
+        keep(AUTO_CHECK, &fresh, &out).unwrap();
+        assert_eq!(table(&fresh), None);
         std::fs::create_dir(&out).unwrap();
-        std::fs::write(out.join(PROMISE), "known").unwrap();
-        keep(PROMISE, &fresh, &out).unwrap();
-        assert_eq!(promise(&fresh).as_deref(), Some("known"));
-        std::fs::write(fresh.join(PROMISE), "judged").unwrap();
-        keep(PROMISE, &fresh, &out).unwrap();
-        assert_eq!(promise(&fresh).as_deref(), Some("judged"));
+        std::fs::write(out.join(AUTO_CHECK), "known").unwrap();
+        keep(AUTO_CHECK, &fresh, &out).unwrap();
+        assert_eq!(table(&fresh).as_deref(), Some("known"));
+        std::fs::write(fresh.join(AUTO_CHECK), "new").unwrap();
+        keep(AUTO_CHECK, &fresh, &out).unwrap();
+        assert_eq!(table(&fresh).as_deref(), Some("new"));
     }
 
     #[test]
-    fn a_fresh_folder_takes_the_place_of_the_old_one() {
+    fn a_new_folder_replaces_the_old_one() {
         let parent = tempfile::tempdir().unwrap();
         let out = parent.path().join("tradeoff");
         std::fs::create_dir(&out).unwrap();

@@ -2,7 +2,7 @@
 #![allow(missing_docs, unreachable_pub)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use palpate_assay::hot::pictures::{Bodies, Step, half_spaces, layers, worked};
+use palpate_assay::workloads::image_fits::{Bodies, Step, half_spaces, layers, workload};
 
 fn pictures(criterion: &mut Criterion) {
     let bodies: [(&str, Bodies); 2] = [("half-space", half_spaces), ("layer", layers)];
@@ -10,14 +10,14 @@ fn pictures(criterion: &mut Criterion) {
         ("rest", Step::Rest),
         ("fit", Step::Fit),
         ("fit, cold", Step::Cold),
-        ("doubts", Step::Doubts),
+        ("doubts", Step::Misfits),
     ];
     for (body, bodies) in bodies {
         for (name, step) in steps {
             let name = format!("{body}, {name}");
-            let mut path = worked(&name, bodies, step).expect("a press");
+            let mut workload = workload(&name, bodies, step).expect("a press");
             criterion.bench_function(&name, |bencher| {
-                bencher.iter(|| path.run());
+                bencher.iter(|| workload.run());
             });
         }
     }

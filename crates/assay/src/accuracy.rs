@@ -10,11 +10,13 @@ use palpate_press::Body;
 use palpate_rolling::HeldAxis;
 use palpate_tracking::{Finder, FinderSettings};
 
-use crate::hot::camera::{self, Disc};
-use crate::hot::patches;
-use crate::hot::presses::{AT, INDENTATION, OBJECT, SKIN, Told, fit, markers};
-use crate::hot::rolls::{self, Chart, Ep1, Model, paraboloid, roller, sphere};
-use crate::pressed::{self, Pressed, largest_error};
+use crate::paraboloid_reference::{self, ParaboloidPress, largest_error};
+use crate::workloads::camera_frames::{self, Disc};
+use crate::workloads::ep2_contacts;
+use crate::workloads::marker_presses::{
+    AT, INDENTATION, MarkerReadings, OBJECT, SKIN, fit, markers,
+};
+use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, paraboloid, roller, sphere};
 
 type Figures = Vec<(String, f64)>;
 
@@ -24,11 +26,11 @@ type Figures = Vec<(String, f64)>;
 /// If a scene cannot be run, or an error is not finite.
 pub fn figures() -> Result<Vec<(String, f64)>> {
     let figures = [
-        of_rolls()?,
-        of_trials()?,
-        of_fits()?,
-        of_presses()?,
-        of_frames()?,
+        roll_errors()?,
+        trial_errors()?,
+        ep2_errors()?,
+        press_errors()?,
+        frame_errors()?,
     ]
     .concat();
     for (name, error) in &figures {
@@ -45,7 +47,7 @@ pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Errors of rolls at every fidelity level, compared with closed forms.
-fn of_rolls() -> Result<Figures> {
+fn roll_errors() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
     let dop853 = |tolerance, chart| Model::Dop853 { tolerance, chart };
@@ -64,7 +66,8 @@ fn of_rolls() -> Result<Figures> {
                 ("DOP853, 1e-10, chart-free", dop853(1e-10, Chart::Free)),
                 ("DOP853, 1e-10, in charts", dop853(1e-10, charts)),
             ] {
-                let error = rolls::error(&roller(shape.clone(), model, angle_rad)?, angle_rad)?;
+                let error =
+                    unit_rolls::error(&roller(shape.clone(), model, angle_rad)?, angle_rad)?;
                 let name = format!("roll {angle_rad} rad over a {object}, {rung}");
                 figures.push((name, error));
             }
@@ -74,7 +77,7 @@ fn of_rolls() -> Result<Figures> {
 }
 
 /// Trials of EP1.
-fn of_trials() -> Result<Figures> {
+fn trial_errors() -> Result<Figures> {
     let mut figures = Vec::new();
     for (sensor, setting) in [("uniform errors", Ep1::UNIFORM), ("pads", Ep1::PADS)] {
         let statistics = Ep1::new(setting)?.statistics(1 << 14)?;
@@ -89,7 +92,7 @@ fn of_trials() -> Result<Figures> {
 }
 
 /// Errors of the curvatures that EP2 estimates from contacts.
-fn of_fits() -> Result<Figures> {
+fn ep2_errors() -> Result<Figures> {
     const MANY: usize = 10_000;
     let methods: [(&str, &dyn Method); 3] = [
         ("quadric", &Quadric::default()),
@@ -100,10 +103,10 @@ fn of_fits() -> Result<Figures> {
     for (name, method) in methods {
         let mut found = Vec::new();
         for patch in 0..50 {
-            let patch = patches::patch(&patches::few(patch))?;
+            let patch = ep2_contacts::patch(&ep2_contacts::few(patch))?;
             found.extend(method.fit(&patch)?.curvatures(20)?);
         }
-        let radius = patches::RADIUS;
+        let radius = ep2_contacts::RADIUS;
         let mean = |one: &Curvature| one.mean * radius - 1.0;
         let gaussian = |one: &Curvature| one.gaussian * radius * radius - 1.0;
         let name = |of: &str| format!("EP2, 30 contacts, {name}, {of} curvature");
@@ -114,25 +117,25 @@ fn of_fits() -> Result<Figures> {
         intervals: Some(6),
         ..Penalised::default()
     };
-    let fit = method.fit(&patches::patch(&patches::many(MANY))?)?;
+    let fit = method.fit(&ep2_contacts::patch(&ep2_contacts::many(MANY))?)?;
     let name = format!("EP2, {MANY} contacts, penalised, mean curvature, 1/length");
-    figures.push((name, patches::error_on_waves(&fit)?));
+    figures.push((name, ep2_contacts::error_on_waves(&fit)?));
     Ok(figures)
 }
 
 /// Errors of the markers that the tracker finds in a frame with a dark background and in a rendered frame.
-fn of_frames() -> Result<Figures> {
-    let (frame, discs) = camera::frame(640);
-    let dark = camera::errors(&camera::finder(640)?.find(&frame)?.markers, &discs);
-    let (optics, motions) = (camera::optics(640)?, camera::motions());
-    let frame = optics.rendered(&motions, None)?;
-    let discs = optics.projected(&motions)?.into_iter().flatten();
+fn frame_errors() -> Result<Figures> {
+    let (frame, discs) = camera_frames::frame(640);
+    let dark = camera_frames::errors(&camera_frames::finder(640)?.find(&frame)?.markers, &discs);
+    let (optics, motions) = (camera_frames::optics(640)?, camera_frames::motions());
+    let frame = optics.render(&motions, None)?;
+    let discs = optics.project(&motions)?.into_iter().flatten();
     let discs = discs.map(|disc| Disc {
         centroid_px: disc.centroid_px,
         hue_turns: disc.hue_turns,
     });
     let mut finder = Finder::new(FinderSettings::default())?;
-    let rendered = camera::errors(&finder.find(&frame)?.markers, &discs.collect::<Vec<_>>());
+    let rendered = camera_frames::errors(&finder.find(&frame)?.markers, &discs.collect::<Vec<_>>());
     let named = |frame, [px, turns]: [f64; 2]| {
         [
             (format!("find, {frame}, centroid, px"), px),
@@ -146,28 +149,28 @@ fn of_frames() -> Result<Figures> {
 const LAYER: (f64, f64) = (5.0, 2.0);
 
 /// Errors of the displacement field of a press, and of the curvatures that the fits estimate from it.
-fn of_presses() -> Result<Figures> {
+fn press_errors() -> Result<Figures> {
     let (thickness, depth) = LAYER;
     let half_space = Body::half_space(0.5, 2.0)?;
     let table = Body::bonded_layer(thickness, depth)?;
     let solved = Body::solved_layer(thickness, depth)?;
     let figures = [
-        ("half-space at its surface", at_the_surface()?),
-        ("half-space at depth, on the axis", on_the_axis()?),
-        ("layer from its table", of_a_layer(table.clone())?),
-        ("layer, solved", of_a_layer(solved)?),
+        ("half-space at its surface", surface_error()?),
+        ("half-space at depth, on the axis", axis_error()?),
+        ("layer from its table", layer_error(table.clone())?),
+        ("layer, solved", layer_error(solved)?),
         (
             "half-space fit, object curvature",
-            of_a_press_fit(half_space)?,
+            press_fit_error(half_space)?,
         ),
-        ("layer fit, object curvature", of_a_press_fit(table)?),
+        ("layer fit, object curvature", press_fit_error(table)?),
     ];
     let name = |(name, error)| (format!("press, {name}"), error);
     Ok(figures.map(name).to_vec())
 }
 
 /// Largest relative error of the normal displacement in the contact, against Hertz's profile δ − r²/(2R).
-fn at_the_surface() -> Result<f64> {
+fn surface_error() -> Result<f64> {
     let body = Body::hertz(0.3)?;
     let contact = body.press(1.0 / SKIN, INDENTATION)?;
     let off = |share: f64| {
@@ -181,7 +184,7 @@ fn at_the_surface() -> Result<f64> {
 }
 
 /// Relative error of the displacement on the axis, against Boussinesq's solution integrated over Hertz's pressure.
-fn on_the_axis() -> Result<f64> {
+fn axis_error() -> Result<f64> {
     let (poisson, depth) = (0.5, 2.0);
     let body = Body::half_space(poisson, depth)?;
     let contact = body.press(1.0 / SKIN, INDENTATION)?;
@@ -210,11 +213,11 @@ fn on_the_axis() -> Result<f64> {
 }
 
 /// Largest error of a layer's displacements, relative to the largest, against a quadrature over wavenumbers.
-fn of_a_layer(body: Body) -> Result<f64> {
+fn layer_error(body: Body) -> Result<f64> {
     let (thickness, depth) = LAYER;
-    let layer = pressed::Body::Layer { thickness };
+    let layer = paraboloid_reference::Body::Layer { thickness };
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
-    let truth = Pressed::new(layer, 1.0 / SKIN, INDENTATION)?;
+    let truth = ParaboloidPress::new(layer, 1.0 / SKIN, INDENTATION)?;
     let truth = truth.displacements(depth, &distances)?;
     let contact = body.press(1.0 / SKIN, INDENTATION)?;
     let found = distances.iter().map(|r| contact.displacement(*r));
@@ -223,15 +226,15 @@ fn of_a_layer(body: Body) -> Result<f64> {
 }
 
 /// Rms error of the object's fitted curvature, relative to the sum of the curvatures of skin and object.
-fn of_a_press_fit(body: Body) -> Result<f64> {
+fn press_fit_error(body: Body) -> Result<f64> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;
     let moved = markers.displacements(&contact, AT);
     let fit = fit(body.clone());
     let mut errors = Vec::new();
     for press in 0..20 {
-        let told = Told::new(&moved, press);
-        let estimate = fit.estimate(&told.reading(&markers))?;
+        let readings = MarkerReadings::new(&moved, press);
+        let estimate = fit.estimate(&readings.reading(&markers))?;
         errors.push((estimate.object_curvature().value - OBJECT) / (OBJECT + 1.0 / SKIN));
     }
     Ok(rms(errors))

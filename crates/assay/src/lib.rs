@@ -1,19 +1,20 @@
-//! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), and check that
-//! `auto` chooses a cheap rung that is accurate enough ([`promise`]), that the answers of `design` and `distinguish` hold
-//! ([`answers`]), and that stated intervals contain the true value ([`intervals`]). The instructions of the [`hot`]
-//! paths and the errors in [`accuracy`] must not grow. [`ours`] times palpate on the tasks of its peers. The true
-//! values come from independent computations: [`pressed`] for presses, [`touched`] for fingertips with a radius,
-//! [`rolled`] for rolls.
+//! Harnesses over the whole of palpate.
+//!
+//! [`tradeoff`] measures the error and the cost of each fidelity level, and [`auto_check`] checks that `auto` chooses a cheap
+//! level that is accurate enough. [`answer_check`] checks the answers of `design` and `distinguish`, and [`intervals`] the
+//! coverage of the intervals. The instructions of the [`workloads`] and the errors in [`accuracy`] must not grow.
+//! [`peer_tasks`] times palpate on the tasks of its peers. True values come from independent computations:
+//! [`paraboloid_reference`] for presses, [`contact_reference`] for rolls and round fingertips.
 
 pub mod accuracy;
-pub mod answers;
-mod columns;
-pub mod hot;
+pub mod answer_check;
+mod answer_scenes;
+pub mod auto_check;
+pub mod contact_reference;
+pub mod csv_table;
 pub mod intervals;
-pub mod measured;
-pub mod ours;
-pub mod pressed;
-pub mod promise;
-pub mod rolled;
-pub mod touched;
+pub mod paraboloid_reference;
+pub mod peer_tasks;
+pub mod timing;
 pub mod tradeoff;
+pub mod workloads;

@@ -1,13 +1,15 @@
-//! Program by which `cargo xtask` runs the harnesses.
+//! Program that runs the harnesses for `cargo xtask`.
 #![allow(clippy::print_stdout)]
 
-use std::fmt::Display;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
-use palpate_assay::{accuracy, answers, hot, intervals, ours, tradeoff};
+use palpate_assay::csv_table::{row_in_words, text};
+use palpate_assay::{
+    accuracy, answer_check, auto_check, intervals, peer_tasks, tradeoff, workloads,
+};
 use palpate_report::{Files, tradeoff_figures};
 use serde::Serialize;
 
@@ -21,39 +23,39 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Harness {
-    /// Judges the rungs that `auto` takes on random scenes; fails if one errs by more than the tolerance, or costs more
-    /// than twice the cheapest that would do.
-    Promise {
+    /// Checks the models that `auto` chooses on random scenes. Fails if one errs by more than the tolerance, or costs more
+    /// than twice as much as the cheapest model within the tolerance.
+    AutoCheck {
         /// The table to write.
         #[arg(long)]
         out: PathBuf,
-        /// Count instructions instead; the program calls itself so under valgrind.
+        /// Count instructions instead. The program starts itself with this option under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
-    /// Asks for answers on fixed scenes, and holds them against references; fails if too few are right.
+    /// Compares answers on fixed scenes with references. Fails if too few are right.
     Answers {
         /// The table to write.
         #[arg(long)]
         out: Option<PathBuf>,
-        /// Seeds with which each design is asked.
+        /// Number of seeds for each scene.
         #[arg(long, default_value = "20", value_parser = at_least_one())]
         seeds: u64,
-        /// Pairs of trials against which each probability is held.
+        /// Number of pairs of trials for each probability.
         #[arg(long, default_value = "1000000", value_parser = at_least_one())]
         pairs: u64,
-        /// Only scenes whose names hold these words.
+        /// Only scenes whose names contain these words.
         #[arg(long, default_value = "")]
         only: String,
     },
-    /// Holds the intervals of EP2 against the truth on random surfaces, of which every fifth is a ball.
+    /// Compares the intervals of EP2 with the true values on random surfaces, every fifth of them a ball.
     Intervals(Scenes),
-    /// Holds the intervals of presses by a camera against the truth on random scenes, with another sensor in every trial.
+    /// Compares the intervals of presses with a camera with the true values on random scenes. Each trial redraws the sensor.
     CameraIntervals(Scenes),
-    /// Holds the intervals and the doubts of presses that are read directly against the truth on random scenes.
+    /// Compares the intervals and warnings of presses without a camera with the true values on random scenes.
     PressIntervals(Scenes),
-    /// Writes the table from which `palpate check` tells whether intervals were tested, from those of the harnesses.
-    Tested {
+    /// Writes the table of measured coverages that `palpate check` reads, from the tables of the harnesses.
+    CoverageTable {
         /// Folder of the harnesses' tables.
         #[arg(long)]
         results: PathBuf,
@@ -61,33 +63,33 @@ enum Harness {
         #[arg(long)]
         out: PathBuf,
     },
-    /// Holds the intervals and the doubts of rolls against the truth on random scenes.
+    /// Compares the intervals and warnings of rolls with the true values on random scenes.
     RollIntervals(Scenes),
-    /// Holds the doubts of glides against the truth on random surfaces.
+    /// Checks the warnings of glides on random surfaces.
     GlideIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
-    /// Prints the instructions of the hot paths, as CSV.
+    /// Prints the instructions of the workloads, as CSV.
     Instructions {
-        /// Run only the path of this name. The program starts itself with this option under valgrind.
+        /// Run only the workload with this name. The program starts itself with this option under valgrind.
         #[arg(long, hide = true)]
         counted: Option<String>,
     },
-    /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
-    Ours {
+    /// Times palpate on the tasks of its peers, and prints a line of JSON per rung; or writes the inputs of the peers.
+    PeerTasks {
         /// The group of tasks.
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
-        /// Largest error that a rung with a tolerance may have on a task, `TASK=ERROR`; 1e-12 on tasks not named.
+        /// Largest error of a rung with a tolerance, `TASK=ERROR`; 1e-12 on other tasks.
         #[arg(long, value_parser = limit)]
         error_at_most: Vec<(String, f64)>,
-        /// Folder to write the peers' inputs to; nothing is timed.
+        /// Write the inputs of the peers to this folder, and time nothing.
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Counts what each stage of a scene does, for `tradeoff`: draws, derivatives, frames.
+    /// Counts the work of each stage of a scene for `tradeoff`: draws, derivatives, frames.
     #[cfg(feature = "count")]
-    Tallies {
+    WorkCounts {
         /// The table to write.
         #[arg(long)]
         out: PathBuf,
@@ -97,27 +99,27 @@ enum Harness {
         /// The folder to write to.
         #[arg(long)]
         out: PathBuf,
-        /// Table that `tallies` has written.
+        /// Table from `work-counts`.
         #[arg(long)]
-        tallies: PathBuf,
-        /// Words for the machine, written beside the times.
+        work_counts: PathBuf,
+        /// Description of the machine, written to the tables.
         #[arg(long)]
         machine: String,
-        /// Time each rung only briefly.
+        /// Time each rung for a short time only.
         #[arg(long)]
         quick: bool,
-        /// Count instructions instead; the program calls itself so under valgrind.
+        /// Count instructions instead. The program starts itself with this option under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
-    /// Draws the Pareto fronts of a folder that `tradeoff` has filled.
-    Fronts {
+    /// Draws the Pareto fronts from the tables of `tradeoff`.
+    ParetoFronts {
         /// The folder.
         folder: PathBuf,
     },
 }
 
-/// Random scenes whose intervals are held against the truth.
+/// Random scenes of a harness of intervals.
 #[derive(clap::Args)]
 struct Scenes {
     /// The table to write.
@@ -126,24 +128,24 @@ struct Scenes {
     /// Seed of the scenes and the noise.
     #[arg(long, default_value = "1919")]
     seed: u64,
-    /// Number of scenes, of each case where there are several.
+    /// Number of scenes of each case.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene; before a camera a third where presses calibrate the sensor, and a tenth where the model is
-    /// wrong [default: 12 of EP2 and glides, else 300]
+    /// Number of trials of each scene. With a camera, a third of them if presses calibrate the sensor, and a tenth if the
+    /// model is wrong [default: 12 of EP2 and glides, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
-    /// Only cases whose names hold each of these words.
+    /// Only cases whose names contain each of these words.
     #[arg(long, default_value = "")]
     only: String,
 }
 
 impl Scenes {
-    /// Scores the chosen cases, prints each score and writes the table of scores. Fails if no case is chosen.
-    fn score<S: Serialize + Display>(
+    /// Scores the selected cases, prints each score and writes the table. Fails if no case is selected.
+    fn score<S: Serialize>(
         &self,
         trials: u64,
-        scores: impl FnOnce(intervals::Options<'_>, fn(&S)) -> Result<Vec<S>>,
+        scores: impl FnOnce(intervals::Options<'_>, fn(&S) -> Result<()>) -> Result<Vec<S>>,
     ) -> Result<Vec<S>> {
         let options = intervals::Options {
             seed: self.seed,
@@ -151,18 +153,21 @@ impl Scenes {
             trials: self.trials.unwrap_or(trials),
             only: &self.only,
         };
-        let scores = scores(options, |score| println!("{score}"))?;
+        let scores = scores(options, |score| {
+            println!("{}", row_in_words(score)?);
+            Ok(())
+        })?;
         if scores.is_empty() {
-            bail!("no case has a name that holds each word of `{}`", self.only);
+            bail!("no case has a name with each word of `{}`", self.only);
         }
         if let Some(out) = &self.out {
-            std::fs::write(out, intervals::table(&scores)?)?;
+            std::fs::write(out, text(&scores)?)?;
         }
         Ok(scores)
     }
 }
 
-/// Parser of counts of which none would leave nothing to tell.
+/// Parser of counts that must not be 0.
 fn at_least_one() -> RangedU64ValueParser {
     clap::value_parser!(u64).range(1..)
 }
@@ -185,8 +190,8 @@ fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
 
 fn main() -> Result<()> {
     match Cli::parse().harness {
-        Harness::Promise { out, counted } => {
-            println!("{}", palpate_assay::promise::run(&out, counted)?);
+        Harness::AutoCheck { out, counted } => {
+            println!("{}", auto_check::run(&out, counted)?);
             Ok(())
         }
         Harness::Answers {
@@ -195,25 +200,25 @@ fn main() -> Result<()> {
             pairs,
             only,
         } => {
-            let options = answers::Options {
+            let options = answer_check::Options {
                 seeds,
                 pairs,
                 only: &only,
             };
-            let scores = answers::scores(options, |score| {
+            let scores = answer_check::scores(options, |score| {
                 println!(
                     "{}, {}: {} of {} right",
                     score.command, score.scene, score.right, score.cases
                 );
             })?;
             if let Some(out) = out {
-                std::fs::write(out, intervals::table(&scores)?)?;
+                std::fs::write(out, text(&scores)?)?;
             }
-            answers::check(&scores)
+            answer_check::check(&scores)
         }
         Harness::Intervals(scenes) => {
-            let scores = scenes.score(12, intervals::scores)?;
-            println!("{}", intervals::summary(&scores));
+            let scores = scenes.score(12, intervals::patch::scores)?;
+            println!("{}", intervals::patch::summary(&scores));
             Ok(())
         }
         Harness::CameraIntervals(scenes) => {
@@ -224,47 +229,49 @@ fn main() -> Result<()> {
             Ok(())
         }
         Harness::PressIntervals(scenes) => scenes.score(300, intervals::press::scores).map(drop),
-        Harness::Tested { results, out } => Ok(std::fs::write(
-            out,
-            intervals::table(&intervals::tested(&results)?)?,
-        )?),
+        Harness::CoverageTable { results, out } => {
+            let table = intervals::coverage_table(&results)?;
+            Ok(std::fs::write(out, text(&table)?)?)
+        }
         Harness::RollIntervals(scenes) => scenes.score(300, intervals::roll::scores).map(drop),
         Harness::GlideIntervals(scenes) => scenes.score(12, intervals::glide::scores).map(drop),
         Harness::Accuracy => print_figures("error", accuracy::figures()?),
         Harness::Instructions { counted } => match counted {
-            Some(path) => hot::count(&path),
-            None => print_figures("instructions", hot::counts()?),
+            Some(name) => workloads::count(&name),
+            None => print_figures("instructions", workloads::counts()?),
         },
-        Harness::Ours {
+        Harness::PeerTasks {
             group,
             error_at_most,
             inputs,
         } => {
-            inputs.as_deref().map_or(Ok(()), ours::write_inputs)?;
-            for line in group.map_or(Ok(Vec::new()), |group| ours::lines(&group, &error_at_most))? {
+            inputs.as_deref().map_or(Ok(()), peer_tasks::write_inputs)?;
+            for line in group.map_or(Ok(Vec::new()), |group| {
+                peer_tasks::lines(&group, &error_at_most)
+            })? {
                 println!("{line}");
             }
             Ok(())
         }
         #[cfg(feature = "count")]
-        Harness::Tallies { out } => tradeoff::tallies(&out),
+        Harness::WorkCounts { out } => tradeoff::write_work_counts(&out),
         Harness::Tradeoff {
             out,
-            tallies,
+            work_counts,
             machine,
             quick,
             counted,
         } => tradeoff::run(
             tradeoff::Options {
                 out: &out,
-                tallies: &tallies,
+                work_counts: &work_counts,
                 machine: &machine,
                 quick,
                 counted,
             },
             |line| println!("{line}"),
         ),
-        Harness::Fronts { folder } => {
+        Harness::ParetoFronts { folder } => {
             for figure in tradeoff_figures(&Files::in_folder(&folder))? {
                 for (ending, bytes) in [("svg", figure.svg.as_bytes()), ("png", &figure.png()?)] {
                     let file = folder.join(format!("{}.{ending}", figure.name));

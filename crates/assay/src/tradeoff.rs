@@ -1,131 +1,129 @@
-//! Error against a trusted truth and cost per evaluation, for every ladder of the system.
+//! Error against a reference and cost per evaluation, for every ladder of the system.
 //!
-//! | ladder | truth |
+//! | ladder | reference |
 //! |---|---|
-//! | rolling | closed forms of a ball and a paraboloid; on the ellipsoid, integrators in charts, whose equations are others |
+//! | rolling | closed forms of a ball and a paraboloid; integrators with other equations, in charts, on the ellipsoid |
 //! | gliding | the offset surface of a ball, a saddle, an ellipsoid |
 //! | pads, probes, fits, maps | the object's curvature, in closed form |
-//! | press models | quadrature over wavenumbers: [`crate::pressed`] |
-//! | press sensors, press estimators | the effective radius that was pressed with |
-//! | Monte Carlo | the standard error, from the trials' own scatter |
+//! | press models | quadrature over wavenumbers: [`crate::paraboloid_reference`] |
+//! | press sensors, press estimators | the true effective radius |
+//! | Monte Carlo | the standard error, from the scatter of the trials |
 
-mod front;
-mod glides;
+mod ep1_trials;
+mod ep2_trials;
+mod gliding_models;
 mod ladder;
+mod ladder_tables;
 mod monte_carlo;
-mod pads;
-mod patches;
-mod press_estimators;
+mod pareto_front;
 mod press_models;
-mod press_sensors;
-mod probes;
-mod rolling;
+mod press_trials;
+mod rolling_models;
+mod scene_trials;
 mod stages;
-mod table;
-mod trials;
 
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 
-use crate::measured::{self, Evaluation};
+use crate::timing::{self, Evaluation};
 use ladder::{Ladder, SceneRungs};
-use table::{Measured, MeasuredRung};
+use ladder_tables::{MeasuredRung, MeasuredScene};
 
-/// How a run is made.
+/// Settings of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// The folder to write to.
     pub out: &'a Path,
-    /// Table that [`tallies`] has written.
-    pub tallies: &'a Path,
-    /// Words for the machine on which costs are measured.
+    /// Table of [`write_work_counts`].
+    pub work_counts: &'a Path,
+    /// Description of the machine.
     pub machine: &'a str,
-    /// Whether to time each rung only briefly.
+    /// Whether to time each rung for a short time only.
     pub quick: bool,
-    /// Count the evaluations for [`measured::instructions`], and do nothing else.
+    /// Whether to count the evaluations for [`timing::instructions`], and do nothing else.
     pub counted: bool,
 }
 
 /// All ladders, in the order of the pipeline.
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
-        rolling::ladder()?,
-        glides::ladder(),
-        pads::ladder(),
-        probes::ladder(),
-        patches::fits(),
-        patches::maps(),
+        rolling_models::ladder()?,
+        gliding_models::ladder(),
+        ep1_trials::pads(),
+        ep1_trials::probes(),
+        ep2_trials::fits(),
+        ep2_trials::maps(),
         press_models::ladder(),
-        press_sensors::ladder(),
-        press_estimators::ladder(),
+        press_trials::sensors(),
+        press_trials::estimators(),
         monte_carlo::ladder(),
     ])
 }
 
-/// Measures every ladder and writes `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv`. `tell` is told what is
-/// under way.
+/// Measures every ladder and writes `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv`. `report` gets the name of each
+/// step.
 ///
 /// # Errors
 /// If a rung fails on its scene, counting fails, or a table cannot be written.
-pub fn run(options: Options<'_>, tell: impl Fn(&str)) -> Result<()> {
+pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     let ladders = ladders()?;
     let stages = stages::stages();
-    let of_stages = stages.iter().map(stages::Stage::evaluation);
+    let stage_evaluations = stages.iter().map(stages::Stage::evaluation);
     if options.counted {
-        let of_rungs = ladders.into_iter().flat_map(|ladder| ladder.scenes);
-        let of_rungs = of_rungs.flat_map(|stage| stage.rungs);
-        measured::count(of_rungs.map(|rung| rung.evaluation).chain(of_stages));
+        let scenes = ladders.into_iter().flat_map(|ladder| ladder.scenes);
+        let rungs = scenes.flat_map(|scene| scene.rungs);
+        timing::count(rungs.map(|rung| rung.evaluation).chain(stage_evaluations));
         return Ok(());
     }
     std::fs::create_dir_all(options.out)
         .with_context(|| format!("cannot make {}", options.out.display()))?;
-    tell("counting instructions");
-    let scale = rungs(&ladders).chain(of_stages.map(|one| one.scale()));
-    let counts = measured::instructions(&scale.collect::<Vec<u32>>())?;
+    report("counting instructions");
+    let scale = rungs(&ladders).chain(stage_evaluations.map(|one| one.scale()));
+    let counts = timing::instructions(&scale.collect::<Vec<u32>>())?;
     if counts.is_none() {
-        tell(measured::NO_VALGRIND);
+        report(timing::NO_VALGRIND);
     }
     let patience = Duration::from_millis(if options.quick { 10 } else { 250 });
     let rung_count = rungs(&ladders).count();
-    let mut of_rungs = counts
+    let mut rung_counts = counts
         .iter()
         .flat_map(|counts| counts[..rung_count].iter().copied());
     let mut all = Vec::new();
     for ladder in ladders {
-        tell(ladder.name);
-        for stage in ladder.scenes {
-            let rungs = measure(stage.rungs, &mut of_rungs, patience)
-                .with_context(|| format!("{} on {}", ladder.name, stage.scene))?;
-            all.push(Measured {
+        report(ladder.name);
+        for scene in ladder.scenes {
+            let rungs = measure(scene.rungs, &mut rung_counts, patience)
+                .with_context(|| format!("{} on {}", ladder.name, scene.scene))?;
+            all.push(MeasuredScene {
                 ladder: ladder.name,
                 title: ladder.title,
                 error: ladder.error,
                 evaluation: ladder.evaluation,
-                ease: stage.ease,
-                scene: stage.scene,
+                ease: scene.ease,
+                scene: scene.scene,
                 rungs,
             });
         }
     }
-    table::write(&all, options.machine, options.out)?;
-    tell("stages");
-    let of_stages = counts.as_ref().map(|counts| &counts[rung_count..]);
-    let tallies = stages::read_tallies(options.tallies)?;
-    stages::write(&stages, of_stages, &tallies, patience, options.out)
+    ladder_tables::write(&all, options.machine, options.out)?;
+    report("stages");
+    let stage_counts = counts.as_ref().map(|counts| &counts[rung_count..]);
+    let work_counts = stages::read_work_counts(options.work_counts)?;
+    stages::write(&stages, stage_counts, &work_counts, patience, options.out)
 }
 
-/// Writes what one trial of each stage does. Costs are measured by another build of this program, which counts nothing.
+/// Writes the work of one trial of each stage. Another build of this program, without counters, measures the costs.
 ///
 /// # Errors
-/// If a stage makes no scene, or the table cannot be written.
+/// If a stage is not a valid scene, or the table cannot be written.
 #[cfg(feature = "count")]
-pub fn tallies(out: &Path) -> Result<()> {
-    stages::write_tallies(out)
+pub fn write_work_counts(out: &Path) -> Result<()> {
+    stages::write_work_counts(out)
 }
 
-/// How many evaluations a run of each rung is.
+/// Number of evaluations per run of each rung.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))
@@ -137,7 +135,7 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // First, for it tells whether there is anything to evaluate.
+        // The error comes first, because it checks that the rung can be evaluated.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);

@@ -62,7 +62,7 @@ fn benches(criterion: &mut Criterion) {
     ] {
         let optics = published(640, misalignment, clean);
         criterion.bench_function(name, |bencher| {
-            bencher.iter(|| optics.projected(black_box(&motions)).unwrap());
+            bencher.iter(|| optics.project(black_box(&motions)).unwrap());
         });
     }
     for (name, size_px, misalignment, blemishes) in [
@@ -78,7 +78,7 @@ fn benches(criterion: &mut Criterion) {
             bencher.iter(|| {
                 let mut stream = Stream::new(1, 0, Channel::Pixel);
                 optics
-                    .rendered(black_box(&motions), Some(&mut stream))
+                    .render(black_box(&motions), Some(&mut stream))
                     .unwrap()
             });
         });

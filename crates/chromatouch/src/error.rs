@@ -11,13 +11,13 @@ pub enum LayoutError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
-    /// The markers reach around the sphere and meet themselves.
+    /// The row of markers reaches around the sphere.
     #[error(
         "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
         reach_deg = Number(*reach_deg)
     )]
     AroundTheSphere {
-        /// Name of the setting that makes them reach so far.
+        /// Name of the setting that is too large.
         setting: &'static str,
         /// Polar angle of the last marker, degrees.
         reach_deg: f64,
@@ -28,9 +28,9 @@ pub enum LayoutError {
         markers = Number(*markers)
     )]
     TooManyMarkers {
-        /// How many there would be.
+        /// Number of markers of the layout.
         markers: f64,
-        /// The most that there may be.
+        /// Largest allowed number.
         limit: usize,
     },
     /// The markers are so far apart that none lies on the cap.
@@ -61,7 +61,7 @@ impl LayoutError {
         self.into()
     }
 
-    /// The setting that is wrong, as in the config, if it is one.
+    /// The wrong setting with its name in the config, if a setting is the reason.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {
             Self::BadSetting(BadSetting { setting, .. })

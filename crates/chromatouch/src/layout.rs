@@ -1,5 +1,6 @@
 //! Layouts of markers on a spherical skin.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use palpate_sensing::UniformLattice;
@@ -29,9 +30,9 @@ pub enum Layout {
     /// One marker at the apex and rows of markers in each of several equal gores, as the skin is cut to be folded onto
     /// the sphere.
     Gores {
-        /// How many gores share the circle.
+        /// Number of gores per turn.
         gores: u32,
-        /// How many markers each row of a gore has, from the apex outward; evenly spread over the gore's width.
+        /// Number of markers in each row of a gore, from the apex outward; they are evenly spaced over the gore's width.
         rows: Vec<u32>,
         /// Polar angle between neighbouring rows, degrees.
         row_spacing_deg: f64,
@@ -60,8 +61,8 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// The 77 markers of the 2020 paper's sensor that its camera sees, as far as its photograph tells: the apex, and 1,
-    /// 3, 3, 5, 7 markers in rows 11.9° apart in each of four gores.
+    /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph: the apex, and 1, 3, 3, 5, 7
+    /// markers in rows 11.9° apart in each of four gores.
     pub fn published() -> Self {
         Self::Gores {
             gores: 4,
@@ -177,7 +178,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// Equal steps from 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
+/// Equal steps from 0 to `length`. The farthest place, `reach` from the apex, must be less than half a turn away.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -192,6 +193,52 @@ fn equal_steps(
     within_half_turn("length", (reach / sensor_radius).to_degrees())?;
     let share = move |marker: u32| f64::from(marker) / (count - 1.0);
     Ok((0..markers).map(move |marker| length * share(marker)))
+}
+
+/// Two points with too small a distance.
+pub(crate) struct TooClose {
+    /// Index from 0; the pair is the first one in the order of `second`.
+    pub(crate) first: usize,
+    pub(crate) second: usize,
+    /// Distance between the points.
+    pub(crate) distance: f64,
+}
+
+/// Two points with a distance less than `reach`, if there are any. The points are sorted into cells as wide as `reach`, but
+/// at least as wide as `narrowest`, because the number of a cell must fit into an integer.
+pub(crate) fn too_close<const D: usize>(
+    points: &[[f64; D]],
+    reach: f64,
+    narrowest: f64,
+) -> Option<TooClose> {
+    let width = reach.max(narrowest);
+    let mut cells: HashMap<[i64; D], Vec<usize>> = HashMap::new();
+    for (second, point) in points.iter().enumerate() {
+        let cell = point.map(|coordinate| (coordinate / width).floor() as i64);
+        for around in 0..3_usize.pow(D as u32) {
+            let neighbour = std::array::from_fn(|axis| {
+                let step = around / 3_usize.pow(axis as u32) % 3;
+                cell[axis] + step as i64 - 1
+            });
+            for &first in cells.get(&neighbour).into_iter().flatten() {
+                let distance = distance(&points[first], point);
+                if distance < reach {
+                    return Some(TooClose {
+                        first,
+                        second,
+                        distance,
+                    });
+                }
+            }
+        }
+        cells.entry(cell).or_default().push(second);
+    }
+    None
+}
+
+fn distance<const D: usize>(one: &[f64; D], other: &[f64; D]) -> f64 {
+    let steps = one.iter().zip(other).map(|(one, other)| one - other);
+    steps.fold(0.0, libm::hypot)
 }
 
 #[cfg(test)]
@@ -291,6 +338,7 @@ mod tests {
         let lattice = |pitch, cap_deg| Layout::Lattice { pitch, cap_deg };
         let line = |markers, length| Layout::Line { markers, length };
         let radius = |markers, length| Layout::Radius { markers, length };
+        let (around, spacing) = ("around-the-sphere", Some("row_spacing_deg"));
         for (layout, name, setting) in [
             (gores(0, &[1], 10.0), "bad-setting", Some("gores")),
             (gores(4, &[1], 0.0), "bad-setting", Some("row_spacing_deg")),
@@ -299,11 +347,7 @@ mod tests {
                 "bad-setting",
                 Some("row_spacing_deg"),
             ),
-            (
-                gores(4, &[1, 1], 90.0),
-                "around-the-sphere",
-                Some("row_spacing_deg"),
-            ),
+            (gores(4, &[1, 1], 90.0), around, spacing),
             (gores(u32::MAX, &[u32::MAX], 1.0), "too-many-markers", None),
             (lattice(0.0, 60.0), "bad-setting", Some("pitch")),
             (lattice(f64::INFINITY, 60.0), "bad-setting", Some("pitch")),

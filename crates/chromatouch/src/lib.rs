@@ -1,11 +1,10 @@
-//! The spherical colour-marker sensor, forward: where its markers lie, the flat pattern that its skin is cut from, and
-//! what its camera sees of displaced markers.
+//! The forward model of the spherical colour-marker sensor: the layout of its markers, the flat pattern of its skin, and
+//! the image of displaced markers in its camera.
 
 mod error;
 mod layout;
 mod optics;
 mod pattern;
-mod spacing;
 
 pub use error::LayoutError;
 pub use layout::{Layout, MOST_MARKERS};

@@ -1,24 +1,21 @@
-//! Pictures of the markers by a camera in the sensor's centre or near it: with and without pixels.
+//! Images of the markers in a camera at the centre of the sensor or near it, with and without pixels.
 
 mod array;
-mod blemishes;
 mod camera;
 mod colours;
-mod departed;
 mod departure;
 mod error;
 mod lens;
 mod odd_terms;
 mod overlap;
 mod pose;
-mod projected;
-mod rendered;
+mod projection;
+mod rendering;
 mod sight_slopes;
 mod sines;
 mod slopes;
 
 pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
-pub use blemishes::{Blemishes, Seams};
 pub use camera::{Camera, LARGEST_FRAME};
 pub use colours::Colours;
 pub use departure::Departure;
@@ -26,12 +23,13 @@ pub use error::OpticsError;
 pub use lens::Lens;
 pub use odd_terms::OddTerms;
 pub use pose::Pose;
+pub use rendering::{Blemishes, Seams};
 pub use slopes::MarkerSlopes;
 
 use array::MarkerSight;
 use colours::Contrasts;
 
-/// A sensor's markers and the camera that looks at them.
+/// The markers of a sensor and the camera that observes them.
 ///
 /// ```
 /// use palpate_chromatouch::{
@@ -44,9 +42,9 @@ use colours::Contrasts;
 /// let array = MarkerArray::new(20.0, &places, discs, depths)?;
 /// let camera = Camera::new(Lens::Fisheye, 640, 70.0)?;
 /// let optics = Optics::new(array, camera, Colours::default(), Blemishes::default())?;
-/// // At rest the first marker, at the apex, is seen in the image's centre.
-/// let seen = optics.projected(&[Some(MarkerMotion::default()); 77])?;
-/// let apex = seen[0].ok_or("outside the image circle")?;
+/// // At rest the first marker, at the apex, is in the centre of the image.
+/// let markers = optics.project(&[Some(MarkerMotion::default()); 77])?;
+/// let apex = markers[0].ok_or("outside the image circle")?;
 /// assert!(apex.centroid_px.iter().all(|place| (*place - 319.5).abs() < 1e-9));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -57,29 +55,29 @@ pub struct Optics {
     colours: Colours,
     blemishes: Blemishes,
     contrasts: Contrasts,
-    /// Stand of the camera; `None` in the very centre, looking at the apex.
+    /// Pose of the camera; `None` exactly in the centre with the axis through the apex.
     pose: Option<Pose>,
 }
 
-/// A marker in the image of a sensor without blemishes.
+/// The features of a marker in an image without blemishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
     /// Centroid of the image with the weights of `size_px2`, px.
     pub centroid_px: [f64; 2],
-    /// Mean hue in turns, from 0 (red) to below 1: the hue, as HSV has it, of the light of the image summed, so that each
-    /// place counts with its chroma. 0 where there is none.
+    /// Mean hue in turns, from 0 (red) to below 1: the hue, as in HSV, of the summed light of the image, so that each point
+    /// has its chroma as weight. 0 if there is no chroma.
     pub hue_turns: f64,
-    /// The shares of the white layer's green and of its blue light that the marker takes, summed over its image, px²:
-    /// a disc that takes all of one of them counts with its area.
+    /// Sum over the image of the absorbed shares of the white layer's green and blue light, px². A disc that absorbs all of
+    /// one of them contributes its area.
     pub size_px2: f64,
 }
 
 impl Optics {
-    /// Optics of these markers before a camera, with the colours of the sensor's parts and the blemishes of the
-    /// picture.
+    /// The optics of these markers in front of a camera, with the colours of the sensor's parts and the blemishes of the
+    /// image.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for a colour that is not a share, `light_at_rim`, `blur_px`, `gores`, `seam_width`
+    /// [`OpticsError::BadSetting`] for a colour outside the range from 0 to 1, `light_at_rim`, `blur_px`, `gores`, `seam_width`
     /// or `pixel_std`.
     pub fn new(
         array: MarkerArray,
@@ -97,18 +95,18 @@ impl Optics {
         })
     }
 
-    /// Optics of these markers before a camera that stands elsewhere or looks elsewhere. Discs are then seen as circular caps
-    /// of the solid angle that they fill, to first order in it; seams and the fall of light stay as seen from the centre.
+    /// These optics with another pose of the camera. The image of a disc is then that of a circular cap with the same solid
+    /// angle, to first order in it; seams and the decrease of light stay those at the centre.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `place` unless the camera stands nearer to the sensor's centre than 0.9 times the
-    /// nearest disc, and for `turn_rad` unless each part is from -1 to 1.
+    /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times the
+    /// distance of the nearest disc, and for `turn_rad` unless each component is from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)
     }
 
-    /// Stand of the camera.
+    /// Pose of the camera.
     pub fn pose(&self) -> Pose {
         self.pose.unwrap_or_default()
     }
@@ -118,7 +116,7 @@ impl Optics {
         &self.camera
     }
 
-    /// The blemishes of the picture.
+    /// The blemishes of the image.
     pub const fn blemishes(&self) -> &Blemishes {
         &self.blemishes
     }
@@ -128,7 +126,7 @@ impl Optics {
         &self.array
     }
 
-    /// How each marker is seen from the centre after its motion; `None` for one that is not there.
+    /// Direction and angular size of the discs of each marker after its motion; `None` for an absent marker.
     fn sights<'a>(
         &'a self,
         motions: &'a [Option<MarkerMotion>],

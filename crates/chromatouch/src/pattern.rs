@@ -7,18 +7,22 @@
 
 mod drawing;
 mod error;
-mod gores;
 mod sheet;
 mod strain;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub use error::PatternError;
-pub use gores::{FEWEST_GORES, MOST_GORES};
 pub use sheet::{CuttingSheet, Discs};
 pub use strain::FoldStrain;
 
 use crate::LayoutError;
+
+/// Least number of gores of a pattern.
+pub const FEWEST_GORES: u32 = 3;
+
+/// Largest number of gores of a pattern.
+pub const MOST_GORES: u32 = 360;
 
 /// Largest number of steps in which the quarter circle is drawn.
 pub const MOST_SAMPLES: u32 = 1000;
@@ -46,11 +50,11 @@ pub struct Pattern {
     radius: f64,
 }
 
-/// Place of the flat pattern at which a place of the skin lies.
+/// Point of the flat pattern for a point of the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FlatPlace {
-    /// Number of the gore, from 0, counter-clockwise from +x. The apex, which all gores share, counts to gore 0.
+    /// Number of the gore, from 0, counter-clockwise from +x. The apex belongs to gore 0.
     pub gore: u32,
     /// Distance from the gore's middle meridian, counter-clockwise about the apex, length.
     pub across: f64,
@@ -61,8 +65,8 @@ pub struct FlatPlace {
 }
 
 impl Pattern {
-    /// Pattern of `gores` gores per turn, their outlines drawn in `samples` steps from the apex to the equator, on a
-    /// sphere of this radius, length: that of the layer which is cut.
+    /// A pattern of `gores` gores per turn. Their outlines have `samples` steps from the apex to the equator. The radius, a
+    /// length, is that of the layer to be cut.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] for the others.
@@ -83,7 +87,7 @@ impl Pattern {
         })
     }
 
-    /// How many gores make the turn.
+    /// Number of gores per turn.
     pub const fn gores(&self) -> u32 {
         self.gores
     }
@@ -101,11 +105,11 @@ impl Pattern {
         self.outline().map(upright).collect()
     }
 
-    /// Place of the flat pattern at which a place of the skin lies, given in the chart of
-    /// [`Layout::places`](crate::Layout::places): the inverse of folding.
+    /// Point of the flat pattern for a point of the skin, given in the chart of [`Layout::places`](crate::Layout::places): the
+    /// inverse of folding.
     ///
     /// # Errors
-    /// [`PatternError::BeyondTheEquator`], which calls the place marker 0.
+    /// [`PatternError::BeyondTheEquator`], with 0 as the number of the marker.
     pub fn flatten(&self, place: [f64; 2]) -> Result<FlatPlace, PatternError> {
         self.flatten_marker(0, place)
     }

@@ -1,8 +1,8 @@
-//! Tests of the least squares against readings that contradict them.
+//! Tests of the least squares: do the readings contradict its model?
 //!
-//! Residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ` of the noise of shifts and rotations. In standard
-//! deviations of it, weighted least squares take of them what a change of `B` can explain, so that their squares are
-//! distributed as chi-squared. Rao's score test asks how much this would fall if a pattern were fitted too.
+//! The residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ`, from the noise of shifts and rotations. Weighted least
+//! squares remove the part that a change of `B` explains, so the sum of squares follows a chi-squared distribution. Rao's
+//! score test computes how much it would fall if a pattern were fitted too.
 
 use std::ops::Range;
 
@@ -11,14 +11,14 @@ use palpate_statistics::{Explained, GoodnessOfFit, LEFT, doubted, least_likely};
 
 use crate::{Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 
-/// Entries of `B`, and the part that all shifts have in common where pads round the first contact.
-const OF_MOBILITY: usize = 3;
+/// Number of entries of `B`, and the same with the common part of all shifts, for pads that round the first contact.
+const MOBILITY_ENTRIES: usize = 3;
 const WITH_PADS: usize = 5;
-/// Unknowns with the patterns that change no curvature.
+/// Number of unknowns, including the patterns that do not change the curvature.
 const UNKNOWNS: usize = WITH_PADS + EVEN;
-/// Patterns, in this order: of a common shift, squares, a twist and third powers.
+/// Number of patterns. Their order is: common shift, squares, twist, third powers.
 const PATTERNS: usize = 12;
-/// Patterns that are the same of a roll to and fro.
+/// Number of patterns that are equal for a roll and its reverse.
 const EVEN: usize = 6;
 const COMMON: Range<usize> = 0..2;
 const SQUARES: Range<usize> = 2..6;
@@ -26,18 +26,18 @@ const TWIST: Range<usize> = 6..7;
 const THIRD_POWERS: Range<usize> = 7..12;
 /// Powers of the rotations in the patterns.
 const DEGREES: [f64; PATTERNS] = [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 1.0, 3.0, 3.0, 3.0, 3.0, 3.0];
-/// Probability of what patterns leave above which it is of chance.
-const UNREMARKABLE: f64 = 0.1;
-/// Probability that noise which is larger than stated gives patterns as much beside what they leave, below which they are large.
-const REMARKABLE: f64 = 0.2;
-/// Most that squares of the rotations are of a shift where an object's curvature varies, as a share of the angle that its
-/// surface turns by along the roll.
-const MOST_SQUARES: f64 = 0.5;
-/// Third powers of a roll where the curvature varies, as a share of that angle's square.
+/// P-value of the remaining residuals above which they are noise.
+const NOISE_P_VALUE: f64 = 0.1;
+/// Significance level of a pattern if the stated noise is too small.
+const PATTERN_LEVEL: f64 = 0.2;
+/// Largest relative effect of squared rotations on a shift if an object's curvature varies, per angle by which its surface
+/// turns along the roll.
+const MAX_SQUARES: f64 = 0.5;
+/// Relative effect of third powers of a rotation if the curvature varies, per square of that angle.
 const THIRD_POWERS_OF_BEND: f64 = 1.0 / 16.0;
-/// Noise that is found, as a share of the longest shift, below which it may be rounding.
-const ROUNDING: f64 = 1e-3;
-/// Least share of an unknown or of noise in a direction that tells it from rounding.
+/// Smallest estimated noise, relative to the longest shift, that is not a rounding error.
+const MIN_NOISE: f64 = 1e-3;
+/// Smallest share of an unknown or of noise in a direction that is not a rounding error.
 const SINGULAR: f64 = 1e-10;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -47,10 +47,10 @@ type Patterns = SMatrix<f64, 2, PATTERNS>;
 /// Agreement of readings with the fit to them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Agreement {
-    /// Goodness of fit; `None` where no noise is stated. Of pads the p-value is too large rather than too small: their
-    /// errors are no independent noise.
+    /// Goodness of fit; `None` if no noise is stated. For pads the p-value is rather too large, because their errors are not
+    /// independent.
     pub goodness: Option<GoodnessOfFit>,
-    /// Ways in which the readings contradict the model; none without more equations than unknowns.
+    /// Ways in which the readings contradict the model; empty unless there are more equations than unknowns.
     pub doubts: Vec<Doubt>,
 }
 
@@ -140,7 +140,7 @@ impl Test {
         let longest =
             |part: fn(&ProbeReading) -> f64| readings.iter().map(part).fold(0.0, f64::max);
         let turned = longest(|reading| reading.rotation.norm());
-        if !is_noise_told && residual <= ROUNDING * longest(|reading| reading.shift.norm()) {
+        if !is_noise_told && residual <= MIN_NOISE * longest(|reading| reading.shift.norm()) {
             return None;
         }
         let sizes = readings
@@ -160,7 +160,7 @@ impl Test {
             if !has_pads {
                 weighted
                     .slopes
-                    .fixed_columns_mut::<2>(OF_MOBILITY)
+                    .fixed_columns_mut::<2>(MOBILITY_ENTRIES)
                     .fill(0.0);
             }
             normal += weighted.slopes.tr_mul(&weighted.slopes);
@@ -169,7 +169,7 @@ impl Test {
         // What rounding of the first contact shifts all probes by is uniform over a pad.
         let start = noise.shift_resolution * estimate.probe_curvature / (12.0_f64.sqrt() * least);
         let per_start = if has_pads { start.powi(-2) } else { 0.0 };
-        for common in OF_MOBILITY..WITH_PADS {
+        for common in MOBILITY_ENTRIES..WITH_PADS {
             normal[(common, common)] += per_start;
         }
         let covariance = inverse(normal)?;
@@ -185,9 +185,9 @@ impl Test {
             .iter()
             .map(|reading| square(reading.rotation.norm() / turned));
         let mean = turns.sum::<f64>() / readings.len() as f64;
-        let of_start = change.fixed_rows::<2>(OF_MOBILITY).norm_squared() * per_start;
+        let of_start = change.fixed_rows::<2>(MOBILITY_ENTRIES).norm_squared() * per_start;
         let chi_squared = squares.sum::<f64>() + of_start;
-        let freedom = (2 * probes.len()).saturating_sub(OF_MOBILITY);
+        let freedom = (2 * probes.len()).saturating_sub(MOBILITY_ENTRIES);
         let goodness = GoodnessOfFit::new(chi_squared, freedom);
         Some(Self {
             rotation_noise: square(noise.relative_rotation_std)
@@ -280,11 +280,10 @@ impl Test {
         );
         // Where the others are too large as well, all are of one cause.
         let beside = explained.p_value_beside(self.chi_squared, self.freedom);
-        let is_large = beside < REMARKABLE && left.p_value > UNREMARKABLE;
+        let is_large = beside < PATTERN_LEVEL && left.p_value > NOISE_P_VALUE;
         let is_alone = !self.is_noise_told || is_large || beside < Doubt::LEVEL;
         let is_balanced = !products.squares.iter().enumerate().any(is_taken);
-        let most =
-            MOST_SQUARES * MOST_SQUARES * self.sum(|weighted| weighted.signal * weighted.bend);
+        let most = MAX_SQUARES * MAX_SQUARES * self.sum(|weighted| weighted.signal * weighted.bend);
         if self.has_pads || !is_balanced || !is_alone || explained.fall > most {
             return false;
         }

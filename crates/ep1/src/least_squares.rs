@@ -19,18 +19,18 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
-use crate::many::MOST;
+use crate::batch::BATCH_SIZE;
 use crate::symmetric::{SMALLEST_SPREAD, Symmetric, Symmetric3};
 use crate::{
-    Ep1Error, Estimate, ManyEstimates, ManyMoments, Measured, Moments, ProbeReading, ReadingNoise,
+    BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
-/// A contact that moves less than this times what it would on a plane did not move.
-const SMALLEST_TRAVEL: f64 = 1e-12;
+/// Smallest travel of a contact, relative to that on a plane, that is not a rounding error.
+const MIN_TRAVEL: f64 = 1e-12;
 
 /// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A
 /// scene is checked with its true rotations. This is stricter, because errors make measured rotations larger.
-const MOST_NOISE: f64 = 0.5;
+const MAX_NOISE_SHARE: f64 = 0.5;
 
 /// Standard deviation of the rounding errors in the entries of `K₁ B`, from the last digits of readings and sums.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
@@ -61,7 +61,7 @@ pub struct LeastSquares {
     pub(crate) law: Law,
 }
 
-/// Linear map from shifts to estimates. A copy is at hand where many are made side by side.
+/// Linear map from shifts to estimates. It is copied for batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     radius: f64,
@@ -133,7 +133,7 @@ impl LeastSquares {
         // Measurement errors add their variance to the squared rotations.
         let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
         let share = added / gram.least();
-        if share > MOST_NOISE {
+        if share > MAX_NOISE_SHARE {
             return Err(Ep1Error::NoisyRotations { share });
         }
         gram.uu -= added;
@@ -304,23 +304,23 @@ impl LeastSquares {
         self.noise
     }
 
-    /// Estimates from the first `count` of `moments`, to the last bit those of [`LeastSquares::estimate`]. Tells how many
-    /// there are before the first that cannot be found.
+    /// Estimates from the first `count` of `moments`. They equal those of [`LeastSquares::estimate`] to the last bit. Returns
+    /// the number of estimates before the first one that is not determined.
     ///
-    /// Compiled for the vectors of whoever calls it.
+    /// It is compiled for the vector instructions of its caller.
     #[inline(always)]
-    pub fn estimate_many(
+    pub fn estimate_batch(
         &self,
-        moments: &ManyMoments,
+        moments: &BatchMoments,
         count: usize,
-        estimates: &mut ManyEstimates,
+        estimates: &mut BatchEstimates,
     ) -> usize {
         estimates.have_stds = self.noise.is_stated();
         match estimates.have_stds {
-            true => self.law.solve_many::<true>(moments, count, estimates),
-            false => self.law.solve_many::<false>(moments, count, estimates),
+            true => self.law.solve_batch::<true>(moments, count, estimates),
+            false => self.law.solve_batch::<false>(moments, count, estimates),
         }
-        estimates.told(count)
+        estimates.determined(count)
     }
 
     /// The error where the contact did not move, or moved backwards, in some direction.
@@ -341,7 +341,7 @@ impl LeastSquares {
             direction.into_owned()
         };
         let direction_rad = libm::atan2(along.y, along.x);
-        if smallest < -SMALLEST_TRAVEL * eigen.eigenvalues.max().max(1.0) {
+        if smallest < -MIN_TRAVEL * eigen.eigenvalues.max().max(1.0) {
             let travel_per_radian = smallest * self.radius;
             return Ep1Error::NotRolling {
                 direction_rad,
@@ -402,13 +402,13 @@ impl Law {
     }
 
     #[inline(always)]
-    fn solve_many<const IS_STATED: bool>(
+    fn solve_batch<const IS_STATED: bool>(
         self,
-        moments: &ManyMoments,
+        moments: &BatchMoments,
         count: usize,
-        estimates: &mut ManyEstimates,
+        estimates: &mut BatchEstimates,
     ) {
-        for place in 0..count.min(MOST) {
+        for place in 0..count.min(BATCH_SIZE) {
             let moments = moments.at(place);
             let solution = self.solve::<IS_STATED>(&moments);
             estimates.put::<IS_STATED>(
@@ -444,7 +444,7 @@ impl Law {
         };
         let determinant = travel.determinant();
         let trace = travel.uu + travel.vv;
-        let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * SMALLEST_TRAVEL < determinant);
+        let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * MIN_TRAVEL < determinant);
         let scale = self.probe_curvature / determinant;
         // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
         let mixed = deviation.uv * deviation.uv;

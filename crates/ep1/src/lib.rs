@@ -1,33 +1,31 @@
 //! EP1: the curvature of an object at the contact, from a few small rolls of a spherical probe.
 //!
-//! Each probe gives the rotation summed in the probe's contact frame and the contact's shift on
-//! the probe. Montana's equation relates them through the relative curvature,
+//! The reading of a probe is its rotation, summed in the probe's contact frame, and the contact's shift on the probe.
+//! Montana's equation relates them by the relative curvature,
 //!
 //! ```text
 //! (Δp_u, Δp_v)ᵀ = (K₁ + K₂)⁻¹ (−Δθ_y, Δθ_x)ᵀ
 //! ```
 //!
-//! which the least squares of the 1996 paper (equations 2 to 4) solve over any number of probes.
+//! The least squares of the 1996 paper (equations 2 to 4) solve it for any number of probes.
 //! See [`LeastSquares`].
 
 mod agreement;
+mod batch;
 mod doubt;
 mod error;
 mod estimate;
 mod least_squares;
-mod many;
-mod moments;
 mod reading;
 mod sets;
 mod symmetric;
 
 pub use agreement::Agreement;
+pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
 pub use doubt::Doubt;
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
 pub use least_squares::{LeastSquares, rounding_std};
-pub use many::{MOST, ManyEstimates, ManyMoments};
-pub use moments::{Moments, ProbeRotation};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
 pub use sets::{SetRow, Sets};
 

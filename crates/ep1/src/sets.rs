@@ -1,4 +1,4 @@
-//! Many sets of readings, several of them side by side.
+//! Many sets of readings, several of which are fitted at once.
 
 use nalgebra::Vector2;
 
@@ -6,17 +6,17 @@ use crate::least_squares::{Law, LeastSquares, Solution};
 use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{Ep1Error, Moments, PadStart, ProbeReading, ReadingNoise};
 
-/// Row of estimates from one set of readings: normal curvature along u and v, twist k_uv, Gaussian and mean curvature; the
-/// standard deviations of all but the twist, in the same order; mean length of the shifts; root mean square of the
-/// residuals of a component of a shift.
+/// Row of estimates from one set of readings: normal curvature along u and v, twist k_uv, Gaussian and mean curvature; their
+/// standard deviations in the same order, except for the twist; mean length of the shifts; root mean square residual of a
+/// component of a shift.
 pub type SetRow = [f64; 11];
 
-/// Sets of readings of as many probes each, one after the other.
+/// Consecutive sets of readings, each of the same number of probes.
 ///
 /// ```
 /// use palpate_ep1::{ReadingNoise, SetRow, Sets};
 ///
-/// // Two probes of radius 1 turn as far in both sets; their contacts move on balls of radius 3 and 1.
+/// // Two probes of radius 1 turn equally in both sets. The objects are balls of radius 3 and 1.
 /// let sets = Sets {
 ///     radius: 1.0,
 ///     noise: ReadingNoise::default(),
@@ -33,51 +33,52 @@ pub type SetRow = [f64; 11];
 pub struct Sets<'a> {
     /// Radius of the probes, length.
     pub radius: f64,
-    /// Noise of the readings; where none is stated, standard deviations follow from the residuals of each set.
+    /// Noise of the readings. If none is stated, standard deviations follow from the residuals of each set.
     pub noise: ReadingNoise,
     /// Number of probes of each set.
     pub probes: usize,
-    /// `(Δθ_x, Δθ_y)` of the probes of each set, rad; of one set alone where all have turned alike.
+    /// `(Δθ_x, Δθ_y)` of the probes of each set, rad; or of a single set, if the rotations of all sets are equal.
     pub rotations: &'a [[f64; 2]],
-    /// `(Δp_u, Δp_v)` of the probes of each set, length; of one set alone likewise.
+    /// `(Δp_u, Δp_v)` of the probes of each set, length; or of a single set likewise.
     pub shifts: &'a [[f64; 2]],
 }
 
-/// Number of sets side by side: those of a vector, so that sums over their probes stay in registers.
-const ABREAST: usize = 8;
+/// Number of sets that are fitted at once: a vector of sets, so that sums over their probes stay in registers.
+const GROUP: usize = 8;
 
-/// A number of each of the sets side by side.
-type Abreast = [f64; ABREAST];
+/// A number for each set of a group.
+type Group = [f64; GROUP];
 
 impl Sets<'_> {
-    /// Estimates of the sets from `first` on, to the last bit as [`LeastSquares`] finds them one by one: a row each. A set
-    /// that tells no curvature has a row of NaN; standard deviations are NaN where neither noise nor residuals tell them.
+    /// Estimates of the sets from `first` on, one row for each. They equal those of [`LeastSquares`] to the last bit. If a set
+    /// does not determine the curvature, its row is NaN. Standard deviations are NaN if neither noise nor residuals
+    /// determine them.
     ///
-    /// Compiled for the vectors of whoever calls it.
+    /// It is compiled for the vector instructions of its caller.
     ///
     /// # Errors
-    /// [`Ep1Error::NotFinite`] with the set and the probe, for a number that is not finite; rows after it are not written.
+    /// [`Ep1Error::NotFinite`] with set and probe, if a number is not finite. Rows after this set are not written.
     #[inline(always)]
     pub fn estimate(&self, first: usize, rows: &mut [SetRow]) -> Result<(), (usize, Ep1Error)> {
         let law = self.law();
         let is_shared = self.rotations.len() == self.probes;
-        let mut kept = [[[0.0; ABREAST]; 4]; KEPT];
-        for (group, rows) in rows.chunks_mut(ABREAST).enumerate() {
-            let first = first + group * ABREAST;
-            let mut told = [0; ABREAST];
-            if let (Some(law), Ok(rows)) = (law, <&mut [SetRow; ABREAST]>::try_from(&mut *rows)) {
-                told = match (is_shared, self.noise.is_stated()) {
-                    (true, true) => self.together::<true, true>(first, law, rows, &mut kept),
-                    (true, false) => self.together::<true, false>(first, law, rows, &mut kept),
-                    (false, true) => self.together::<false, true>(first, law, rows, &mut kept),
-                    (false, false) => self.together::<false, false>(first, law, rows, &mut kept),
+        let mut cache = [[[0.0; GROUP]; 4]; CACHED];
+        for (group, rows) in rows.chunks_mut(GROUP).enumerate() {
+            let first = first + group * GROUP;
+            let mut is_valid = [0; GROUP];
+            if let (Some(law), Ok(rows)) = (law, <&mut [SetRow; GROUP]>::try_from(&mut *rows)) {
+                is_valid = match (is_shared, self.noise.is_stated()) {
+                    (true, true) => self.fit_group::<true, true>(first, law, rows, &mut cache),
+                    (true, false) => self.fit_group::<true, false>(first, law, rows, &mut cache),
+                    (false, true) => self.fit_group::<false, true>(first, law, rows, &mut cache),
+                    (false, false) => self.fit_group::<false, false>(first, law, rows, &mut cache),
                 };
             }
             for (place, row) in rows.iter_mut().enumerate() {
-                if told[place] == 1 {
+                if is_valid[place] == 1 {
                     continue;
                 }
-                *row = match self.alone(first + place) {
+                *row = match self.fit_one(first + place) {
                     Ok(row) => row,
                     Err(error @ Ep1Error::NotFinite { .. }) => return Err((first + place, error)),
                     Err(_) => [f64::NAN; 11],
@@ -87,8 +88,8 @@ impl Sets<'_> {
         Ok(())
     }
 
-    /// Law by which sets are fitted side by side: that of the rotations that all share, or of any rotations, which lacks
-    /// these; `None` where the sets have to be fitted one by one.
+    /// The law for groups: for the shared rotations, or without rotations, which are added later. `None` if the sets must be
+    /// fitted one by one.
     fn law(&self) -> Option<Law> {
         if self.rotations.len() == self.probes {
             let rotations = self.rotations.iter().map(|one| (*one).into());
@@ -99,7 +100,7 @@ impl Sets<'_> {
                     .law,
             );
         }
-        // Noise of rotations that differ from set to set has to be told set by set.
+        // If rotations differ between sets, their noise must be included set by set.
         let noise = self.noise;
         let is_of_shifts = noise.relative_rotation_std == 0.0
             && noise.rotation_std_rad == 0.0
@@ -117,43 +118,43 @@ impl Sets<'_> {
 
     /// Readings of one set.
     #[inline(always)]
-    fn of_set<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> &'n [[f64; 2]] {
+    fn set_of<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> &'n [[f64; 2]] {
         match numbers.len() == self.probes {
             true => numbers,
             false => &numbers[set * self.probes..][..self.probes],
         }
     }
 
-    /// Readings of the sets from this one on.
+    /// Readings of a group of sets, starting with this one.
     #[inline(always)]
-    fn of_sets<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> Probes<'n> {
+    fn group_of<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> Probes<'n> {
         std::array::from_fn(
             #[inline(always)]
-            |place| self.of_set(numbers, set + place),
+            |place| self.set_of(numbers, set + place),
         )
     }
 
-    /// Rows of the sets from `first` on, and 1 for each that tells a curvature; of the others, which may tell one alone, the
-    /// row is not to be used.
+    /// Sets the rows of a group. Returns 1 for each set whose curvature is determined. The other rows are invalid; these sets
+    /// must be fitted alone.
     #[inline(always)]
-    fn together<const IS_SHARED: bool, const IS_STATED: bool>(
+    fn fit_group<const IS_SHARED: bool, const IS_STATED: bool>(
         &self,
         first: usize,
         law: Law,
-        rows: &mut [SetRow; ABREAST],
-        kept: &mut [Probe; KEPT],
-    ) -> [u64; ABREAST] {
+        rows: &mut [SetRow; GROUP],
+        cache: &mut [Probe; CACHED],
+    ) -> [u64; GROUP] {
         let readings = Readings::<IS_SHARED> {
-            rotations: self.of_sets(self.rotations, first),
-            shifts: self.of_sets(self.shifts, first),
+            rotations: self.group_of(self.rotations, first),
+            shifts: self.group_of(self.shifts, first),
         };
-        let sums = Sums::of(self.radius, &readings, kept);
+        let sums = Sums::of(self.radius, &readings, cache);
         let half_turn = std::f64::consts::PI * self.radius;
         let half_turn_squared = half_turn * half_turn;
-        let mut told = [0; ABREAST];
-        let mut mobility = [[0.0; ABREAST]; 3];
-        let mut columns = [[0.0; ABREAST]; 11];
-        for place in 0..ABREAST {
+        let mut is_valid = [0; GROUP];
+        let mut mobility = [[0.0; GROUP]; 3];
+        let mut columns = [[0.0; GROUP]; 11];
+        for place in 0..GROUP {
             let moments = sums.moments(place);
             let (law, spans) = match IS_SHARED {
                 true => (law, true),
@@ -170,36 +171,34 @@ impl Sets<'_> {
                 moved,
                 in_range,
             } = law.solve::<IS_STATED>(&moments);
-            let is_told = spans & moved & in_range & (sums.longest[place] <= half_turn_squared);
-            told[place] = u64::from(is_told);
+            let is_determined =
+                spans & moved & in_range & (sums.longest[place] <= half_turn_squared);
+            is_valid[place] = u64::from(is_determined);
             mobility[0][place] = self.radius * travel.uu;
             mobility[1][place] = self.radius * travel.uv;
             mobility[2][place] = self.radius * travel.vv;
-            columns[0][place] = curvatures[0];
-            columns[1][place] = curvatures[1];
-            columns[2][place] = curvature.uv;
-            columns[3][place] = curvatures[2];
-            columns[4][place] = curvatures[3];
-            columns[5][place] = stds[0];
-            columns[6][place] = stds[1];
-            columns[7][place] = stds[2];
-            columns[8][place] = stds[3];
+            let [u, v, gaussian, mean] = curvatures;
+            for (column, value) in columns.iter_mut().zip([u, v, curvature.uv, gaussian, mean]) {
+                column[place] = value;
+            }
+            for (column, std) in columns[5..].iter_mut().zip(stds) {
+                column[place] = std;
+            }
             columns[9][place] = law.arc_length(&moments);
         }
-        columns[10] = readings.residuals(&mobility, kept);
+        columns[10] = readings.residuals(&mobility, cache);
         if !IS_STATED {
-            for place in 0..ABREAST {
-                // As noisy as the residuals; residuals of nothing tell nothing.
+            for place in 0..GROUP {
+                // The noise is estimated from the residuals. Without residuals it is unknown.
                 let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
                 let residual = columns[10][place];
                 let known = if residual > 0.0 { 1.0 } else { f64::NAN };
                 let law = Law::of_shifts(self.radius, residual, self.probes, &inverse);
                 let solution = law.solve::<true>(&sums.moments(place));
-                told[place] &= u64::from(spans & solution.in_range);
-                columns[5][place] = known * solution.stds[0];
-                columns[6][place] = known * solution.stds[1];
-                columns[7][place] = known * solution.stds[2];
-                columns[8][place] = known * solution.stds[3];
+                is_valid[place] &= u64::from(spans & solution.in_range);
+                for (column, std) in columns[5..].iter_mut().zip(solution.stds) {
+                    column[place] = known * std;
+                }
             }
         }
         for (place, row) in rows.iter_mut().enumerate() {
@@ -207,16 +206,16 @@ impl Sets<'_> {
                 *number = column[place];
             }
         }
-        told
+        is_valid
     }
 
-    /// Row of one set.
+    /// The row of a single set.
     #[cold]
     #[inline(never)]
-    fn alone(&self, set: usize) -> Result<SetRow, Ep1Error> {
-        let rotations = self.of_set(self.rotations, set).iter();
+    fn fit_one(&self, set: usize) -> Result<SetRow, Ep1Error> {
+        let rotations = self.set_of(self.rotations, set).iter();
         let readings: Vec<ProbeReading> = rotations
-            .zip(self.of_set(self.shifts, set))
+            .zip(self.set_of(self.shifts, set))
             .map(|(rotation, shift)| ProbeReading {
                 rotation: (*rotation).into(),
                 shift: (*shift).into(),
@@ -261,16 +260,16 @@ impl Sets<'_> {
     }
 }
 
-/// Rotations, or shifts, of the probes of sets side by side.
-type Probes<'n> = [&'n [[f64; 2]]; ABREAST];
+/// Rotations, or shifts, of the probes of a group.
+type Probes<'n> = [&'n [[f64; 2]]; GROUP];
 
-/// Rotation, x and y, and shift, u and v, of one probe in all sets side by side.
-type Probe = [Abreast; 4];
+/// Rotation, x and y, and shift, u and v, of one probe in all sets of a group.
+type Probe = [Group; 4];
 
-/// Probes whose readings are kept side by side, in the nearest cache, for the residuals.
-const KEPT: usize = 16;
+/// Number of probes whose readings are stored for the residuals. They fit into the L1 cache.
+const CACHED: usize = 16;
 
-/// Readings of sets side by side, whose rotations are those of the first where they are shared.
+/// Readings of a group of sets. If the rotations are shared, those of the first set are used.
 struct Readings<'n, const IS_SHARED: bool> {
     rotations: Probes<'n>,
     shifts: Probes<'n>,
@@ -285,11 +284,11 @@ impl<const IS_SHARED: bool> Readings<'_, IS_SHARED> {
     /// Readings of one probe.
     #[inline(always)]
     fn of(&self, probe: usize) -> Probe {
-        let mut all = [[0.0; ABREAST]; 4];
+        let mut all = [[0.0; GROUP]; 4];
         if IS_SHARED {
             let [x, y] = self.rotations[0][probe];
-            all[0] = [x; ABREAST];
-            all[1] = [y; ABREAST];
+            all[0] = [x; GROUP];
+            all[1] = [y; GROUP];
         } else {
             for (place, rotations) in self.rotations.iter().enumerate() {
                 [all[0][place], all[1][place]] = rotations[probe];
@@ -303,17 +302,17 @@ impl<const IS_SHARED: bool> Readings<'_, IS_SHARED> {
 
     /// Root mean squares of the residuals `Δp − B g` per component, of `B` with entries uu, uv, vv.
     #[inline(always)]
-    fn residuals(&self, mobility: &[Abreast; 3], kept: &[Probe; KEPT]) -> Abreast {
+    fn residuals(&self, mobility: &[Group; 3], cache: &[Probe; CACHED]) -> Group {
         let freedom = (2 * self.probes()).saturating_sub(3) as f64;
-        let mut squares = [0.0; ABREAST];
-        for probe in kept.iter().take(self.probes()) {
+        let mut squares = [0.0; GROUP];
+        for probe in cache.iter().take(self.probes()) {
             add_squares(&mut squares, mobility, probe);
         }
-        for probe in KEPT..self.probes() {
+        for probe in CACHED..self.probes() {
             add_squares(&mut squares, mobility, &self.of(probe));
         }
-        let mut roots = [0.0; ABREAST];
-        for place in 0..ABREAST {
+        let mut roots = [0.0; GROUP];
+        for place in 0..GROUP {
             roots[place] = (squares[place] / freedom).sqrt();
         }
         roots
@@ -321,8 +320,8 @@ impl<const IS_SHARED: bool> Readings<'_, IS_SHARED> {
 }
 
 #[inline(always)]
-fn add_squares(squares: &mut Abreast, [uu, uv, vv]: &[Abreast; 3], [x, y, u, v]: &Probe) {
-    for place in 0..ABREAST {
+fn add_squares(squares: &mut Group, [uu, uv, vv]: &[Group; 3], [x, y, u, v]: &Probe) {
+    for place in 0..GROUP {
         let (x, y) = (x[place], y[place]);
         let left_u = u[place] - (uv[place] * x - uu[place] * y);
         let left_v = v[place] - (vv[place] * x - uv[place] * y);
@@ -330,26 +329,26 @@ fn add_squares(squares: &mut Abreast, [uu, uv, vv]: &[Abreast; 3], [x, y, u, v]:
     }
 }
 
-/// Sums over the probes of sets side by side.
+/// Sums over the probes of a group of sets.
 #[derive(Clone, Copy, Debug)]
 struct Sums {
-    deviations: [Abreast; 3],
-    lengths: Abreast,
+    deviations: [Group; 3],
+    lengths: Group,
     /// Entries uu, uv, vv of the rotations' Gram matrix.
-    gram: [Abreast; 3],
+    gram: [Group; 3],
     /// Square of the longest shift.
-    longest: Abreast,
+    longest: Group,
 }
 
 impl Sums {
-    /// Sums over the readings, of which the first are kept.
+    /// Sums over the readings. The first readings are stored in `cache`.
     #[inline(always)]
     fn of<const IS_SHARED: bool>(
         radius: f64,
         readings: &Readings<'_, IS_SHARED>,
-        kept: &mut [Probe; KEPT],
+        cache: &mut [Probe; CACHED],
     ) -> Self {
-        let zero = [0.0; ABREAST];
+        let zero = [0.0; GROUP];
         let mut sums = Self {
             deviations: [zero; 3],
             lengths: zero,
@@ -358,8 +357,8 @@ impl Sums {
         };
         for probe in 0..readings.probes() {
             let all = readings.of(probe);
-            if let Some(kept) = kept.get_mut(probe) {
-                *kept = all;
+            if let Some(cache) = cache.get_mut(probe) {
+                *cache = all;
             }
             sums.add(radius, &all);
         }
@@ -368,9 +367,9 @@ impl Sums {
 
     #[inline(always)]
     fn add(&mut self, radius: f64, [x, y, u, v]: &Probe) {
-        for place in 0..ABREAST {
+        for place in 0..GROUP {
             let (x, y, u, v) = (x[place], y[place], u[place], v[place]);
-            // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
+            // The same as `Moments::add_shifts`, written out, so that it is compiled for the caller's vector instructions.
             let (d_u, d_v) = (u + radius * y, v - radius * x);
             self.deviations[0][place] -= y * d_u;
             self.deviations[1][place] += x * d_v;
@@ -387,14 +386,7 @@ impl Sums {
 
     #[inline(always)]
     fn moments(&self, place: usize) -> Moments {
-        Moments {
-            deviations: [
-                self.deviations[0][place],
-                self.deviations[1][place],
-                self.deviations[2][place],
-            ],
-            lengths: self.lengths[place],
-        }
+        Moments::of_set(&self.deviations, &self.lengths, place)
     }
 
     #[inline(always)]

@@ -1,11 +1,9 @@
-//! Tests of a fit against contacts that contradict it.
+//! Tests of a fit: do the contacts contradict its model?
 //!
-//! The surface is a quadric plus a process of a known covariance, the contacts' errors are those of positions and normals to
-//! first order. Where the noise outweighs the process, what is left of the contacts in standard deviations is distributed as
-//! chi-squared, whatever the surface is where the process outweighs the noise. Rao's score test asks how much would be
-//! explained if a pattern were fitted too, with quadric and process as nuisance.
-
-mod score_test;
+//! The surface is a quadric plus a Gaussian process of known covariance. The errors of the contacts follow to first order from
+//! those of positions and normals. In the modes in which the noise is larger than the process, the squared residuals follow
+//! a chi-squared distribution for any surface. Rao's score test computes how much a pattern would explain if it were
+//! fitted too; quadric and process are its nuisance parameters.
 
 use std::collections::BTreeSet;
 
@@ -15,49 +13,49 @@ use palpate_statistics::least_likely;
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;
 use crate::patch::Sample;
-use crate::square::Square;
-use crate::square_quadric::SquareQuadric;
+use crate::score_test::{ContactResidual, KindResidual, Process, Products, Sums, Test, Weighted};
+use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Doubt, Ep2Error, Fit, Jet, Noise, Patch};
-pub(crate) use score_test::Process;
-use score_test::{ContactRest, Products, Rest, Sums, Test, Weighted};
 
-/// Observations of a contact: its height, and both slopes.
-const OBSERVED: usize = 3;
-/// Patterns of normals: of their slopes, turns about both tangents and linear maps; of heights, quadrics, which are the same turns
-/// and some of these maps where noise leaves more of heights than of slopes.
-const OF_NORMALS: usize = 11;
-/// Share of the doubts about normals that the roughness of the positions alone may make by chance, of which they tell less.
-const SHARE_APART: f64 = 0.1;
-/// Fewest contacts that tell noise from patterns.
-const FEWEST: usize = 10;
-/// Most contacts that are tested: of more, as many are taken evenly, which takes no longer than a fit.
-const MOST_CONTACTS: usize = 2000;
-/// Most fingers that are tested one by one.
-const MOST_FINGERS: usize = 64;
-/// Most fingers for each of which the roughness is found anew: those that seem displaced most.
-const MOST_APART: usize = 8;
-/// Noise of positions that is found below which it may be rounding, or what the series does not follow, in the patch's unit.
-const ROUNDING: f64 = 1e-4;
-/// Least share of the noise of normals that is found that is not from positions.
-const OWN: f64 = 0.1;
+/// Number of observations of a contact: its height and both slopes.
+const OBSERVATIONS: usize = 3;
+/// Number of patterns for normals. For slopes these are turns about both tangents and linear maps. For heights they are
+/// quadrics, which match the same turns and some of the maps if heights are less noisy than slopes.
+const NORMAL_PATTERNS: usize = 11;
+/// Share of the false alarms about normals that the test with the roughness from the positions alone may cause. The
+/// positions alone determine the roughness less well.
+const POSITION_TEST_SHARE: f64 = 0.1;
+/// Smallest number of contacts for which estimated noise and patterns can be separated.
+const MIN_CONTACTS: usize = 10;
+/// Largest number of tested contacts. From more contacts an even selection is tested, so the test takes no longer than a fit.
+const MAX_CONTACTS: usize = 2000;
+/// Largest number of fingers that are tested one by one.
+const MAX_FINGERS: usize = 64;
+/// Largest number of fingers for which the roughness is estimated again without them: those that seem displaced most.
+const MAX_EXCLUDED_FINGERS: usize = 8;
+/// Smallest estimated noise of positions that is tested, in the patch's unit. A smaller value may come from rounding errors,
+/// or from the series' approximation error.
+const MIN_POSITION_STD: f64 = 1e-4;
+/// Smallest share of the estimated noise of normals that is not caused by position errors.
+const MIN_NORMAL_SHARE: f64 = 0.1;
 
-/// Fit whose agreement with its contacts is asked for.
+/// The fit to test, with the data that the tests need.
 pub(crate) struct Model<'a> {
     pub(crate) patch: &'a Patch,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
-    /// Quadric that is as good a part of the fit as any: what is beside it keeps more digits.
+    /// A quadric near the fit. Deviations from it keep more digits than heights.
     pub(crate) quadric: &'a SquareQuadric,
-    /// Noise that is stated.
-    pub(crate) told: &'a Noise,
-    /// Degree of the series that the surface is.
+    /// Stated noise.
+    pub(crate) noise: &'a Noise,
+    /// Degree of the surface as a series.
     pub(crate) degree: usize,
 }
 
-/// Part of the contacts that contradicts the rest, and is no sign of roughness then.
+/// Observations that are excluded when the roughness is estimated, because they may contradict the others.
 #[derive(Clone, Copy)]
-pub(crate) enum Apart {
-    /// The finger of this number, of which the distance from the others is not known.
+pub(crate) enum Exclusion {
+    /// The mean height of the finger of this number.
     Finger(usize),
     /// The normals.
     Normals,
@@ -71,32 +69,33 @@ struct Variances {
 }
 
 impl Model<'_> {
-    /// Goodness of fit and doubts, by the process that is likeliest, and by that which is where something stands `apart`.
+    /// Goodness of fit and contradictions, by the most probable process. `excluding` returns the processes with some observations
+    /// excluded.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where the numbers leave the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if the numbers leave the range of doubles.
     pub(crate) fn agreement(
         &self,
         processes: &[(f64, Process)],
-        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
+        excluding: &impl Fn(Exclusion) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<Agreement, Ep2Error> {
         let (Some(variances), Some((_, process))) = (self.variances(), processes.first()) else {
             return Ok(Agreement::default());
         };
         let sums = self.sums(variances)?;
-        let test = Test::new(process, &sums, self.is_noise_told())?;
-        let goodness = self.is_noise_told().then_some(test.goodness);
-        let (finger, displaced) = self.displaced(&test, variances, &sums, &apart)?;
-        let (contact, stray) = self.stray(&test, variances)?;
+        let test = Test::new(process, &sums, self.is_noise_stated())?;
+        let goodness = self.is_noise_stated().then_some(test.goodness);
+        let (finger, displaced) = self.displaced_finger(&test, variances, &sums, excluding)?;
+        let (contact, stray) = self.stray_contact(&test, variances)?;
         let doubts = [
             Doubt::LargeResiduals {
                 p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
             },
             Doubt::ContradictingNormals {
-                p_value: self.of_normals(&test, variances, &sums, &apart)?,
+                p_value: self.normals_p_value(&test, variances, &sums, excluding)?,
             },
             Doubt::NotAQuadric {
-                p_value: self.of_powers(&test, variances)?,
+                p_value: self.powers_p_value(&test, variances)?,
             },
             Doubt::DisplacedFinger {
                 finger,
@@ -114,28 +113,28 @@ impl Model<'_> {
         })
     }
 
-    /// Probability by chance that the normals differ as much from the slopes that the positions tell: those of the quadric
-    /// through the positions, since a fit follows normals too, whatever they are.
-    fn of_normals(
+    /// P-value of the difference between the normals and the slopes of a quadric through the positions. The fit's own slopes
+    /// would follow wrong normals.
+    fn normals_p_value(
         &self,
         test: &Test<'_>,
         variances: Variances,
         sums: &Sums,
-        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
+        excluding: &impl Fn(Exclusion) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<f64, Ep2Error> {
         if !self.patch.has_normals() {
             return Ok(1.0);
         }
-        let positions = self.patch.of_positions();
-        let known = self.told.in_patch(&self.patch.frame)?;
+        let positions = self.patch.without_normals();
+        let known = self.noise.in_patch(&self.patch.frame)?;
         let quadric = SquareQuadric::of(&positions, &self.square, &known).ok();
         let patterns = |sample: &Sample, jet: &Jet| {
             let of_quadric = |quadric: &SquareQuadric| quadric.at(&self.square, sample);
             let [_, p, q] = quadric.as_ref().map_or([jet.w, jet.u, jet.v], of_quadric);
             let (u, v) = (sample.u, sample.v);
             DMatrix::from_row_slice(
-                OBSERVED,
-                OF_NORMALS,
+                OBSERVATIONS,
+                NORMAL_PATTERNS,
                 &[
                     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, u, v, u * u, u * v, v * v],
                     [1.0, 0.0, p, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -144,50 +143,56 @@ impl Model<'_> {
                 .concat(),
             )
         };
-        let products = self.products(variances, OF_NORMALS, &patterns)?;
-        let chance = test.chance_of(&products);
-        match apart(Apart::Normals) {
-            Ok(processes) => {
-                let apart = self.chance_by(&processes, sums, &products)?;
-                Ok((chance / (1.0 - SHARE_APART))
-                    .min(apart / SHARE_APART)
-                    .min(1.0))
-            }
-            Err(_) => Ok(chance),
-        }
+        let products = self.products(variances, NORMAL_PATTERNS, &patterns)?;
+        let p_value = test.p_value(&products);
+        let Ok(processes) = excluding(Exclusion::Normals) else {
+            return Ok(p_value);
+        };
+        let by_positions = self.mean_p_value(&processes, sums, &products)?;
+        Ok((p_value / (1.0 - POSITION_TEST_SHARE))
+            .min(by_positions / POSITION_TEST_SHARE)
+            .min(1.0))
     }
 
-    /// Probability by chance of as much of third and fourth powers of the place as the contacts have beside a quadric; 1 of other
-    /// surfaces, which follow them.
-    fn of_powers(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
+    /// P-value of third and fourth powers of the place in the residuals of a quadric; 1 for other surfaces, which can follow
+    /// these powers.
+    fn powers_p_value(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
         if self.degree > 2 {
             return Ok(1.0);
         }
         let (quadrics, powers) = (count(2), count(4) - count(2));
         let patterns = |sample: &Sample, _: &Jet| {
-            let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
+            let rows = if sample.slopes.is_some() {
+                OBSERVATIONS
+            } else {
+                1
+            };
             let all = series(self.square, 4, sample);
             all.view((0, quadrics), (rows, powers)).into_owned()
         };
-        Ok(test.chance_of(&self.products(variances, powers, &patterns)?))
+        Ok(test.p_value(&self.products(variances, powers, &patterns)?))
     }
 
-    /// The finger that is displaced most, and the probability that chance displaces one of all as far. A finger that is displaced
-    /// makes the surface seem rougher than it is, so that it is judged by the roughness that the others tell.
-    fn displaced(
+    /// The finger that seems displaced most, and the p-value for one of all fingers. A displaced finger makes the surface seem
+    /// rougher than it is, so the test uses the roughness from the other fingers.
+    fn displaced_finger(
         &self,
         test: &Test<'_>,
         variances: Variances,
         sums: &Sums,
-        apart: impl Fn(Apart) -> Result<Vec<(f64, Process)>, Ep2Error>,
+        excluding: &impl Fn(Exclusion) -> Result<Vec<(f64, Process)>, Ep2Error>,
     ) -> Result<(usize, f64), Ep2Error> {
         let fingers: BTreeSet<usize> = self.samples().map(|sample| sample.finger).collect();
         let fingers: Vec<usize> = fingers.into_iter().collect();
-        if !(2..=MOST_FINGERS).contains(&fingers.len()) {
+        if !(2..=MAX_FINGERS).contains(&fingers.len()) {
             return Ok((0, 1.0));
         }
         let patterns = |sample: &Sample, _: &Jet| {
-            let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
+            let rows = if sample.slopes.is_some() {
+                OBSERVATIONS
+            } else {
+                1
+            };
             let mut patterns = DMatrix::zeros(rows, fingers.len());
             if let Ok(place) = fingers.binary_search(&sample.finger) {
                 patterns[(0, place)] = 1.0;
@@ -196,101 +201,107 @@ impl Model<'_> {
         };
         let products = self.products(variances, fingers.len(), &patterns)?;
         let ones = fingers.iter().enumerate();
-        let mut chances: Vec<(usize, f64, Products)> = ones
+        let mut p_values: Vec<(usize, f64, Products)> = ones
             .map(|(place, &finger)| {
-                let one = products.of(place);
-                (finger, test.chance_of(&one), one)
+                let one = products.one(place);
+                (finger, test.p_value(&one), one)
             })
             .collect();
-        chances.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
-        for (finger, chance, one) in chances.iter_mut().take(MOST_APART) {
-            if let Ok(processes) = apart(Apart::Finger(*finger)) {
-                *chance = self.chance_by(&processes, sums, one)?;
+        p_values.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
+        for (finger, p_value, one) in p_values.iter_mut().take(MAX_EXCLUDED_FINGERS) {
+            if let Ok(processes) = excluding(Exclusion::Finger(*finger)) {
+                *p_value = self.mean_p_value(&processes, sums, one)?;
             }
         }
-        let chances = chances.iter().map(|(finger, chance, _)| (*finger, *chance));
-        Ok(least_likely(chances))
+        let p_values = p_values.iter();
+        Ok(least_likely(
+            p_values.map(|&(finger, p_value, _)| (finger, p_value)),
+        ))
     }
 
-    /// Probability by chance of as much of patterns, in the mean over processes by their probabilities.
-    fn chance_by(
+    /// P-value of patterns: the mean over the processes, weighted by their probabilities.
+    fn mean_p_value(
         &self,
         processes: &[(f64, Process)],
         sums: &Sums,
         products: &Products,
     ) -> Result<f64, Ep2Error> {
-        let mut chance = 0.0;
+        let mut mean: f64 = 0.0;
         for (share, process) in processes {
-            let test = Test::new(process, sums, self.is_noise_told())?;
-            chance += share * test.chance_of(products);
+            let test = Test::new(process, sums, self.is_noise_stated())?;
+            mean += share * test.p_value(products);
         }
-        Ok(chance.min(1.0))
+        Ok(mean.min(1.0))
     }
 
-    /// The contact that contradicts the others most, and the probability that chance makes one of all do as much. Where noise is
-    /// found, a contact that is far off spoils that of positions and with it that of normals, and makes the surface seem rough:
-    /// heights count beside heights then, and slopes beside slopes, each by as much as the fit leaves of it.
-    fn stray(&self, test: &Test<'_>, variances: Variances) -> Result<(usize, f64), Ep2Error> {
-        let mut far = Vec::new();
+    /// The contact that contradicts the others most, and the p-value for one of all contacts. A contact with a large error
+    /// distorts estimated noise and makes the surface seem rough. So heights are then compared with heights, and slopes with
+    /// slopes, each relative to its degrees of freedom.
+    fn stray_contact(
+        &self,
+        test: &Test<'_>,
+        variances: Variances,
+    ) -> Result<(usize, f64), Ep2Error> {
+        let mut residuals = Vec::new();
         for (place, sample) in self.samples().enumerate() {
-            far.push((place, test.rest(&self.weighted(sample, variances)?)));
+            residuals.push((place, test.residual(&self.weighted(sample, variances)?)));
         }
-        let sums = far
-            .iter()
-            .fold([Rest::default(); 2], |[heights, slopes], (_, rest)| {
-                let [height, slope] = rest.by_kind;
-                [heights.plus(height), slopes.plus(slope)]
-            });
-        let chance = |(place, rest): &(usize, ContactRest)| {
-            let chance = match test.is_noise_trusted {
-                true => rest.all.p_value(),
+        let mut sums = [KindResidual::default(); 2];
+        for (_, residual) in &residuals {
+            for (sum, own) in sums.iter_mut().zip(residual.by_kind) {
+                sum.add(own);
+            }
+        }
+        let p_value = |(place, residual): &(usize, ContactResidual)| {
+            let p_value = match test.is_noise_trusted {
+                true => residual.all.p_value(),
                 false => {
-                    let kinds = rest.by_kind.iter().zip(&sums);
-                    let kinds = kinds.filter(|(own, _)| own.is_there());
-                    least_likely(kinds.map(|(own, all)| (*place, own.chance_beside(all)))).1
+                    let kinds = residual.by_kind.iter().zip(&sums);
+                    let kinds = kinds.filter(|(own, _)| own.is_observed());
+                    least_likely(kinds.map(|(own, all)| (*place, own.p_value_among(all)))).1
                 }
             };
-            (place * self.step(), chance)
+            (place * self.step(), p_value)
         };
-        Ok(least_likely(far.iter().map(chance)))
+        Ok(least_likely(residuals.iter().map(p_value)))
     }
 
-    /// Variances of the contacts; `None` where they are found and nothing tells them from rounding, or of too few contacts.
+    /// Variances of the contacts; `None` if they were estimated and may be rounding errors, or from too few contacts.
     fn variances(&self) -> Option<Variances> {
         let noise = self.fit.noise?;
         let square = |std: f64| std * std;
-        let told = self.told.normal_std_rad.map(square);
-        let position = self.told.position_std.unwrap_or(noise.position_std);
+        let stated = self.noise.normal_std_rad.map(square);
+        let position = self.noise.position_std.unwrap_or(noise.position_std);
         let position = position / self.fit.frame.scale();
-        let is_told = position > ROUNDING && self.patch.samples.len() >= FEWEST;
-        if !(self.is_noise_told() || is_told) {
+        let is_estimated = position > MIN_POSITION_STD && self.patch.samples.len() >= MIN_CONTACTS;
+        if !(self.is_noise_stated() || is_estimated) {
             return None;
         }
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
-        // The noise of normals as the fit has it holds what an error of the place makes of it.
+        // The fit's noise of normals includes the effect of position errors.
         let jets = self.samples().map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
         let bending = jets.map(bend).sum::<f64>() / self.samples().count() as f64;
         Some(Variances {
             position,
-            normal: told.unwrap_or((found - bending * position).max(OWN * found)),
+            normal: stated.unwrap_or((found - bending * position).max(MIN_NORMAL_SHARE * found)),
         })
     }
 
     /// Whether all noise is stated.
-    fn is_noise_told(&self) -> bool {
-        self.told.is_all_of(self.patch)
+    fn is_noise_stated(&self) -> bool {
+        self.noise.is_complete_for(self.patch)
     }
 
-    /// Contacts that are tested.
+    /// The tested contacts.
     fn samples(&self) -> impl Iterator<Item = &Sample> {
         self.patch.samples.iter().step_by(self.step())
     }
 
-    /// Number of contacts of which one is tested.
+    /// Every how many contacts one is tested.
     fn step(&self) -> usize {
-        self.patch.samples.len().div_ceil(MOST_CONTACTS).max(1)
+        self.patch.samples.len().div_ceil(MAX_CONTACTS).max(1)
     }
 
     fn jet(&self, sample: &Sample) -> Jet {
@@ -325,7 +336,7 @@ impl Model<'_> {
         })
     }
 
-    /// Root of the covariance of a contact's height and slopes: an error of the place is one of both.
+    /// Cholesky factor of the covariance of a contact's height and slopes. A position error affects both.
     fn root(&self, sample: &Sample, jet: &Jet, variances: Variances) -> Option<DMatrix<f64>> {
         let (p, q) = (jet.u, jet.v);
         let moved = Matrix3::from_rows(&[
@@ -339,12 +350,16 @@ impl Model<'_> {
         let mut of_slopes = covariance.fixed_view_mut::<2, 2>(1, 1);
         of_slopes += tilted * (steepness * variances.normal);
         covariance /= sample.weight;
-        let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
+        let rows = if sample.slopes.is_some() {
+            OBSERVATIONS
+        } else {
+            1
+        };
         let covariance = DMatrix::from_fn(rows, rows, |row, column| covariance[(row, column)]);
         Some(covariance.cholesky()?.l())
     }
 
-    /// Sums over the contacts of products of patterns, each of an observation with the jet there.
+    /// Sums over the contacts of products of patterns. A pattern is a function of a contact and of the jet there.
     fn products(
         &self,
         variances: Variances,
@@ -393,7 +408,8 @@ impl Model<'_> {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, a column each, and their slopes along u and v in the rows below.
+/// Products of Chebyshev polynomials at a contact, one in each column. The rows hold their values and their slopes along u
+/// and v.
 fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();
@@ -413,7 +429,7 @@ fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
             .collect()
     };
     let (along_a, along_b) = (both(a), both(b));
-    let mut rows = DMatrix::zeros(OBSERVED, count(degree));
+    let mut rows = DMatrix::zeros(OBSERVATIONS, count(degree));
     for (column, [i, j]) in products(degree).enumerate() {
         let ([of_a, slope_a], [of_b, slope_b]) = (along_a[i], along_b[j]);
         rows[(0, column)] = of_a * of_b;

@@ -2,7 +2,7 @@
 
 use std::ops::{Mul, Sub};
 
-use crate::sparse::SparseMap;
+use crate::matrix::SparseMap;
 
 /// Number of products up to a degree.
 pub(crate) const fn count(degree: usize) -> usize {
@@ -91,8 +91,8 @@ mod tests {
         ];
         for (axis, [low, high]) in neighbours.iter().enumerate() {
             // One row per product.
-            let slopes =
-                derivative(degree, axis).of_rows(&DMatrix::identity(count(degree), count(degree)));
+            let slopes = derivative(degree, axis)
+                .apply_to_rows(&DMatrix::identity(count(degree), count(degree)));
             for (product, parts) in slopes.row_iter().enumerate() {
                 let slope: f64 = parts
                     .iter()

@@ -1,19 +1,30 @@
-//! The surface that a method fits to a patch.
+//! The surface that a method fits to a patch: its curvature at any place, with its uncertainty.
 
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::curvature::{Curvatures, form_and_basis};
+use crate::posterior::{PosteriorLine, Series};
+use crate::spline::{LANES, Lanes, Local};
 use crate::{
-    Agreement, Ep2Error, NoiseEstimate, Patch, PatchFrame, Posterior, Status, TensorSpline,
+    Agreement, Curvature, Ep2Error, Jet, NoiseEstimate, Patch, PatchFrame, Posterior, Status,
+    TensorSpline,
 };
 
-/// A way from the contacts of a patch to its surface.
+/// Largest number of places along each side of a map.
+const MAX_SIDE: usize = 2048;
+
+/// A method that fits a surface to the contacts of a patch.
 pub trait Method {
     /// The surface through the contacts of a patch.
     ///
     /// # Errors
-    /// [`Ep2Error`] where the contacts do not determine it, or a setting is out of its range.
+    /// [`Ep2Error`] if the contacts do not determine the surface, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
-    /// Goodness of the fit to a patch, and the ways in which the contacts contradict its model; neither of methods that do
-    /// not test it. Takes about as long as the fit, which it makes anew.
+    /// Goodness of fit, and the ways in which the contacts contradict the method's model; both empty for methods without
+    /// these tests. This repeats the fit and takes about as long.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -25,20 +36,306 @@ pub trait Method {
 /// The surface of a patch, as a graph in the patch's frame.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// The frame; its scale is the length that counts as 1 in the spline.
+    /// The frame. Its scale is the unit of length of the spline.
     pub frame: PatchFrame,
     /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
     pub domain: [[f64; 2]; 2],
     /// The surface w(u, v).
     pub spline: TensorSpline,
-    /// Uncertainty of the surface that the contacts leave, if the method states it.
+    /// Uncertainty of the surface, if the method states it.
     pub posterior: Option<Posterior>,
-    /// Noise of the contacts, if the method finds it.
+    /// Noise of the contacts, if the method estimates it.
     pub noise: Option<NoiseEstimate>,
-    /// Effective number of unknowns that the fit has taken up: the trace of the map from the
-    /// observations to the fit.
+    /// Effective number of fitted unknowns: the trace of the linear map from the observations to the fit.
     pub effective_unknowns: f64,
-    /// Whether the method's smoothing splines met their sums of squares, if it has such: of the
-    /// first one that did not, else of the last. The curvature is of no use where one did not.
+    /// Status of the method's smoothing splines, if it has any: of the first spline that missed its sum of squares,
+    /// otherwise of the last spline. If a spline missed its sum, the curvature is useless.
     pub status: Option<Status>,
+}
+
+/// A place on the fitted surface, in the frame of the readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapPoint {
+    /// The place.
+    pub position: Point3<f64>,
+    /// The unit normal, out of the object.
+    pub normal: Vector3<f64>,
+    /// Gaussian and mean curvature.
+    pub curvature: Curvature,
+    /// Smallest normal curvature, 1/length, convex positive.
+    pub k_min: f64,
+    /// Largest normal curvature, 1/length.
+    pub k_max: f64,
+    /// Unit tangent along `k_min`, of either sign; any at an umbilic.
+    pub direction_of_min: Vector3<f64>,
+    /// Unit tangent along `k_max`, of either sign; any at an umbilic.
+    pub direction_of_max: Vector3<f64>,
+    /// Shape index, in [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
+    pub shape_index: Option<f64>,
+}
+
+impl MapPoint {
+    /// Whether all of its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let directions = [self.normal, self.direction_of_min, self.direction_of_max];
+        let mut numbers = directions.iter().flatten().chain(self.position.iter());
+        numbers.all(|number| number.is_finite())
+            && self.curvature.is_finite()
+            && self.k_min.is_finite()
+            && self.k_max.is_finite()
+    }
+}
+
+fn check_side(side: usize) -> Result<(), Ep2Error> {
+    let is_good = side <= MAX_SIDE;
+    Ep2Error::unless_good("grid", side as f64, is_good, "at most 2048")
+}
+
+impl Fit {
+    /// Gaussian and mean curvature at the point where the line through `world` along the patch's normal meets the
+    /// surface. For exact contacts on a paraboloid and a place at its apex, the error of a quadric and of a penalised
+    /// spline is at most 1e-11 of the larger principal curvature.
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] where the curvature leaves the range of doubles.
+    pub fn curvature_at(&self, world: &Point3<f64>) -> Result<Curvature, Ep2Error> {
+        let place = self.frame.point(world);
+        Ok(self.jet_and_curvature(place.x, place.y)?.1)
+    }
+
+    /// The surface at a place of the patch, in the patch's coordinates.
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
+    pub fn point_at(&self, u: f64, v: f64) -> Result<MapPoint, Ep2Error> {
+        let (jet, curvature) = self.jet_and_curvature(u, v)?;
+        self.map_point([u, v], &jet, curvature)
+    }
+
+    /// The surface at the points where lines through these points along the patch's normal meet it.
+    ///
+    /// # Errors
+    /// Errors of [`Fit::point_at`].
+    pub fn points_at(&self, world: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
+        world
+            .iter()
+            .map(|point| {
+                let place = self.frame.point(point);
+                self.point_at(place.x, place.y)
+            })
+            .collect()
+    }
+
+    /// The middle of the patch.
+    ///
+    /// # Errors
+    /// Errors of [`Fit::point_at`].
+    pub fn centre(&self) -> Result<MapPoint, Ep2Error> {
+        let [u, v] = self.domain.map(|[low, high]| 0.5 * low + 0.5 * high);
+        self.point_at(u, v)
+    }
+
+    /// Gaussian and mean curvature on a grid of `side` × `side` places that spans the contacts, u
+    /// slowest.
+    ///
+    /// # Errors
+    /// Errors of [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
+    pub fn curvatures(&self, side: usize) -> Result<Vec<Curvature>, Ep2Error> {
+        check_side(side)?;
+        let columns = self.columns(side);
+        let mut by_v: Vec<Curvatures> = Vec::with_capacity(side * columns.len());
+        self.for_each_line(side, |_, line| {
+            for one in &columns {
+                let jet = line.jet(&one.locals, self);
+                by_v.push(self.curvatures_on(line, &one.series, &jet)?);
+            }
+            Ok(())
+        })?;
+        let mut result = Vec::with_capacity(side * side);
+        for (index, one) in columns.iter().enumerate() {
+            for lane in 0..one.count {
+                let column = by_v[index..].iter().step_by(columns.len());
+                result.extend(column.map(|curvatures| curvatures.at(lane)));
+            }
+        }
+        Ok(result)
+    }
+
+    /// The surface on a grid of `side` × `side` places that spans the contacts, u slowest.
+    ///
+    /// # Errors
+    /// Errors of [`Fit::point_at`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
+    pub fn map(&self, side: usize) -> Result<Vec<MapPoint>, Ep2Error> {
+        check_side(side)?;
+        let columns = self.columns(side);
+        let mut by_v = Vec::with_capacity(side * side);
+        self.for_each_line(side, |v, line| {
+            for one in &columns {
+                let jet = line.jet(&one.locals, self);
+                let curvatures = self.curvatures_on(line, &one.series, &jet)?;
+                for (lane, jet) in jet.lanes()[..one.count].iter().enumerate() {
+                    by_v.push(self.map_point([one.places[lane], v], jet, curvatures.at(lane))?);
+                }
+            }
+            Ok(())
+        })?;
+        let mut result = Vec::with_capacity(side * side);
+        for column in 0..side {
+            result.extend(by_v[column..].iter().step_by(side));
+        }
+        Ok(result)
+    }
+
+    /// The columns of a grid.
+    fn columns(&self, side: usize) -> Vec<Columns> {
+        let columns: Vec<(f64, Local)> = places(self.domain[0], side)
+            .map(|u| (u, Local::of(&self.spline.u, u)))
+            .collect();
+        columns
+            .chunk_by(|(_, one), (_, other)| one.first == other.first)
+            .flat_map(|interval| interval.chunks(LANES))
+            .map(|columns| Columns::of(columns, self))
+            .collect()
+    }
+
+    /// Visits the rows of a grid, lines of constant v.
+    fn for_each_line(
+        &self,
+        side: usize,
+        mut visit: impl FnMut(f64, &Line) -> Result<(), Ep2Error>,
+    ) -> Result<(), Ep2Error> {
+        for v in places(self.domain[1], side) {
+            visit(v, &Line::of(self, v, 0..self.spline.u.functions()))?;
+        }
+        Ok(())
+    }
+
+    fn jet_and_curvature(&self, u: f64, v: f64) -> Result<(Jet, Curvature), Ep2Error> {
+        let local = Local::of(&self.spline.u, u);
+        let functions = local.first..local.first + self.spline.u.degree() + 1;
+        let line = Line::of(self, v, functions);
+        let jet = line.jet(&Local::side_by_side([&local; LANES]), self);
+        let series = self.series([u; LANES]);
+        let curvatures = self.curvatures_on(&line, &series, &jet)?;
+        Ok((jet.lanes()[0], curvatures.at(0)))
+    }
+
+    /// The polynomials in u of the posterior, if the method states one.
+    fn series(&self, u: [f64; LANES]) -> Option<Series> {
+        let posterior = self.posterior.as_ref()?;
+        Some(posterior.series(Lanes::from(u)))
+    }
+
+    /// Curvatures at places on a line, from the jets of the surface there.
+    #[inline(always)]
+    fn curvatures_on(
+        &self,
+        line: &Line,
+        series: &Option<Series>,
+        jet: &Jet<Lanes>,
+    ) -> Result<Curvatures, Ep2Error> {
+        let posterior = line.posterior.as_ref().zip(series.as_ref());
+        let errors = posterior.map(|(line, series)| line.errors(series, jet));
+        Curvatures::of_graph(jet, errors.as_ref(), self.frame.scale())
+    }
+
+    fn map_point(
+        &self,
+        [u, v]: [f64; 2],
+        jet: &Jet,
+        curvature: Curvature,
+    ) -> Result<MapPoint, Ep2Error> {
+        let (form, [along, across]) = form_and_basis(jet);
+        let principal = form.principal();
+        let (sin, cos) = libm::sincos(principal.angle_of_max_rad);
+        let in_world = |direction: Vector3<f64>| self.frame.direction_in_world(&direction);
+        let point = MapPoint {
+            position: self.frame.point_in_world(&Vector3::new(u, v, jet.w)),
+            normal: in_world(along.cross(&across)),
+            curvature,
+            k_min: principal.k_min / self.frame.scale(),
+            k_max: principal.k_max / self.frame.scale(),
+            direction_of_min: in_world(across * cos - along * sin),
+            direction_of_max: in_world(along * cos + across * sin),
+            shape_index: principal.shape_index(),
+        };
+        if point.is_finite() {
+            Ok(point)
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+}
+
+/// Neighbouring columns of a grid, on the same interval of the knots.
+struct Columns {
+    /// Places of the columns along u; the last is repeated where there are fewer than [`LANES`].
+    places: [f64; LANES],
+    count: usize,
+    locals: Local<Lanes>,
+    series: Option<Series>,
+}
+
+impl Columns {
+    fn of(columns: &[(f64, Local)], fit: &Fit) -> Self {
+        let count = columns.len();
+        let in_lane = |lane: usize| &columns[lane.min(count - 1)];
+        let places = std::array::from_fn(|lane| in_lane(lane).0);
+        Self {
+            places,
+            count,
+            locals: Local::side_by_side(std::array::from_fn(|lane| &in_lane(lane).1)),
+            series: fit.series(places),
+        }
+    }
+}
+
+/// The surface along a line of constant v: the values that all its places share.
+struct Line {
+    /// Index of the first B-spline in u of `heights`.
+    first: usize,
+    /// For each B-spline in u: the sums over the B-splines in v of coefficient times value, first and second derivative.
+    heights: Vec<[f64; 3]>,
+    posterior: Option<PosteriorLine>,
+}
+
+impl Line {
+    /// The surface along the line of constant `v`, for a range of the B-splines in u.
+    fn of(fit: &Fit, v: f64, functions: Range<usize>) -> Self {
+        let spline = &fit.spline;
+        let local = Local::of(&spline.v, v);
+        let width = spline.v.functions();
+        let support = spline.v.degree() + 1;
+        let first = functions.start;
+        let heights = functions
+            .map(|function| {
+                let start = function * width + local.first;
+                let row = &spline.coefficients[start..start + support];
+                local
+                    .jets
+                    .map(|basis| row.iter().zip(&basis).map(|(c, b)| c * b).sum())
+            })
+            .collect();
+        Self {
+            first,
+            heights,
+            posterior: fit.posterior.as_ref().map(|posterior| posterior.line(v)),
+        }
+    }
+
+    /// Height and derivatives at places on the line.
+    #[inline(always)]
+    fn jet(&self, u: &Local<Lanes>, fit: &Fit) -> Jet<Lanes> {
+        let start = u.first - self.first;
+        Jet::from_sums(u, &self.heights[start..=start + fit.spline.u.degree()])
+    }
+}
+
+/// `side` equidistant places from end to end; for one place, the middle.
+fn places([low, high]: [f64; 2], side: usize) -> impl Iterator<Item = f64> {
+    let share = move |index: usize| match side {
+        1 => 0.5,
+        _ => index as f64 / (side - 1) as f64,
+    };
+    (0..side).map(move |index| low + (high - low) * share(index))
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 
-use crate::fingers::ByFinger;
+use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
 /// A spread across a line, or a plane, of this share of that along it is rounding.
@@ -227,10 +227,10 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
         /// Σ order · position.
         moments: Vector3<f64>,
     }
-    let mut fingers: ByFinger<Finger> = ByFinger::default();
+    let mut fingers: FingerMap<Finger> = FingerMap::default();
     let mut scatter = Matrix3::zeros();
     for contact in contacts {
-        let finger = fingers.of(contact.finger);
+        let finger = fingers.entry(contact.finger);
         let place = (contact.position - cloud.centre) / cloud.extent;
         let place = place - normal * normal.dot(&place);
         finger.positions += place;

@@ -1,8 +1,8 @@
-//! Noise of the contacts, as known and as found.
+//! Noise of the contacts: stated or estimated.
 
 use crate::{Ep2Error, Patch, PatchFrame};
 
-/// Known standard deviations of the contacts' errors; one that is `None` is found from the contacts.
+/// Stated standard deviations of the contacts' errors; `None` if it shall be estimated from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a position along each axis, length.
@@ -11,32 +11,32 @@ pub struct Noise {
     pub normal_std_rad: Option<f64>,
 }
 
-/// Standard deviations of the contacts' errors, as known or as found from the distances to the fit.
+/// Standard deviations of the contacts' errors: stated, or estimated from the distances to the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseEstimate {
     /// Standard deviation of a position along the surface's normal, length.
     pub position_std: f64,
-    /// Standard deviation of a normal's tilt about each tangent axis, rad; what an error of the
-    /// position makes of it on a curved surface is in it. `None` without normals.
+    /// Standard deviation of a normal's tilt about each tangent axis, rad; `None` without normals. It includes the tilt that a
+    /// position error causes on a curved surface.
     pub normal_std_rad: Option<f64>,
 }
 
-/// Smallest standard deviation that is told from rounding, in the patch's unit.
-const ROUNDING: f64 = 1e-12;
-/// Heights that are found so much more exact than slopes (or the other way round) are fitted
-/// exactly by chance: the variances are kept within this factor of each other.
-const LARGEST_RATIO: f64 = 1e8;
+/// Smallest standard deviation that differs from rounding errors, in the patch's unit.
+const MIN_STD: f64 = 1e-12;
+/// Largest ratio of the estimated variances of heights and slopes, and of its inverse. A larger ratio means that one of them
+/// is fitted exactly by chance.
+const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
-    /// Whether this tells all noise of a patch.
-    pub(crate) fn is_all_of(&self, patch: &Patch) -> bool {
+    /// Whether all noise of a patch is stated.
+    pub(crate) fn is_complete_for(&self, patch: &Patch) -> bool {
         self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
     }
 
     /// This noise in the unit of a patch.
     ///
     /// # Errors
-    /// [`Ep2Error::BadSetting`] unless each is finite and > 0.
+    /// [`Ep2Error::BadSetting`] if a standard deviation is not finite or not > 0.
     pub(crate) fn in_patch(&self, frame: &PatchFrame) -> Result<Self, Ep2Error> {
         let settings = [
             ("position_std", self.position_std),
@@ -54,49 +54,49 @@ impl Noise {
     }
 }
 
-/// A pair of values, one for the heights and one for the slopes, whose errors differ.
+/// A pair of values: one for the heights and one for the slopes, because their errors differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Kinds<T> {
     pub(crate) heights: T,
     pub(crate) slopes: T,
 }
 
-/// Variances of a height and of a slope on level ground, in the patch's unit.
+/// Variances of a height and of a slope where the surface is level, in the patch's unit.
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Variances to start from, before anything is known.
+    /// Initial variances.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,
     };
 
-    /// The variances that explain weighted sums of squared residuals, of which the fit has taken
-    /// up so many unknowns; what is known stays. `bending` is the mean square of the slope's
-    /// change per length: on a curved surface an error of the place is one of the slope.
+    /// Sets the variances to those that explain weighted sums of squared residuals. Stated variances stay. `unknowns` are the
+    /// effective numbers of unknowns of the fit. `bending` is the mean square of the second derivative: on a curved surface
+    /// a position error causes an error of the slope.
     ///
-    /// Returns whether they could be told: one residual must be left.
+    /// Returns whether the residuals have at least one degree of freedom, so that the variances are determined.
     pub(crate) fn update(
         &mut self,
         known: &Noise,
         bending: f64,
         patch: &Patch,
         residuals: &Kinds<f64>,
-        taken: &Kinds<f64>,
+        unknowns: &Kinds<f64>,
     ) -> bool {
-        let floor = ROUNDING * ROUNDING;
+        let floor = MIN_STD * MIN_STD;
         let contacts = patch.samples.len() as f64;
         let left = Kinds {
-            heights: contacts - taken.heights,
-            slopes: 2.0 * contacts - taken.slopes,
+            heights: contacts - unknowns.heights,
+            slopes: 2.0 * contacts - unknowns.slopes,
         };
-        let mut told = true;
+        let mut is_determined = true;
         match known.position_std {
             Some(std) => self.heights = (std * std).max(floor),
             None if left.heights >= 1.0 => {
                 self.heights = (residuals.heights / left.heights).max(floor);
             }
-            None => told = false,
+            None => is_determined = false,
         }
         if patch.has_normals() {
             match known.normal_std_rad {
@@ -104,25 +104,25 @@ impl Variances {
                 None if left.slopes >= 1.0 => {
                     self.slopes = (residuals.slopes / left.slopes).max(floor);
                 }
-                None => told = false,
+                None => is_determined = false,
             }
             let (heights, slopes) = (self.heights, self.slopes);
             if known.position_std.is_none() {
-                self.heights = heights.max(slopes / LARGEST_RATIO);
+                self.heights = heights.max(slopes / MAX_VARIANCE_RATIO);
             }
             if known.normal_std_rad.is_none() {
-                self.slopes = slopes.max(heights / LARGEST_RATIO);
+                self.slopes = slopes.max(heights / MAX_VARIANCE_RATIO);
             }
         }
-        told
+        is_determined
     }
 
-    /// The smallest factor by which residuals may shrink the variances: what is left is rounding.
-    pub(crate) fn least_scale(&self) -> f64 {
-        ROUNDING * ROUNDING / self.heights
+    /// The smallest factor by which residuals may reduce the variances. A smaller variance would be a rounding error.
+    pub(crate) fn min_scale(&self) -> f64 {
+        MIN_STD * MIN_STD / self.heights
     }
 
-    /// Standard deviations in the unit of the world, from these variances.
+    /// Standard deviations in the contacts' unit of length, from these variances.
     pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
         NoiseEstimate {
             position_std: self.heights.sqrt() * patch.frame.scale(),

@@ -1,22 +1,81 @@
-//! The contacts of a patch, checked and in its own frame.
+//! The contacts of a patch: checked, and in a frame of the patch.
 
-use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3};
 
 use crate::error::LARGEST;
-use crate::fingers::ByFinger;
-use crate::{Contact, Ep2Error, PatchFrame};
+use crate::{Ep2Error, PatchFrame};
 
-/// Across a patch this much narrower than long, rounding of the heights passes for curvature.
-const NARROWEST: f64 = 1e-6;
-/// A normal that stands farther than this from the mean normal is not that of a graph, degrees.
-const STEEPEST_DEG: f64 = 85.0;
+/// Smallest ratio of width to length. In a narrower patch, rounding of the heights looks like curvature.
+const MIN_WIDTH_RATIO: f64 = 1e-6;
+/// Largest angle between a contact's normal and the mean normal, degrees. With a larger one the patch is no graph.
+const MAX_TILT_DEG: f64 = 85.0;
+
+/// One contact of a finger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Number of the finger. The contacts of a finger are in the order in which it made them.
+    pub finger: usize,
+    /// Position of the contact, length.
+    pub position: Point3<f64>,
+    /// The measured normal, out of the object, of any length. Either all contacts have one, or none has.
+    pub normal: Option<Vector3<f64>>,
+    /// Weight of the contact relative to the others, an inverse variance; finite and > 0, usually 1.
+    pub weight: f64,
+}
+
+impl Contact {
+    /// A contact of weight 1.
+    pub const fn new(finger: usize, position: Point3<f64>, normal: Option<Vector3<f64>>) -> Self {
+        Self {
+            finger,
+            position,
+            normal,
+            weight: 1.0,
+        }
+    }
+}
+
+/// One value for each finger, in the order of first appearance. It is fast if contacts of one finger follow each other.
+#[derive(Debug, Default)]
+pub(crate) struct FingerMap<T> {
+    places: BTreeMap<usize, usize>,
+    values: Vec<T>,
+    last: Option<(usize, usize)>,
+}
+
+impl<T: Default> FingerMap<T> {
+    /// The value of a finger. It starts as the default value.
+    #[inline]
+    pub(crate) fn entry(&mut self, finger: usize) -> &mut T {
+        let place = match self.last {
+            Some((last, place)) if last == finger => place,
+            _ => {
+                let next = self.values.len();
+                let place = *self.places.entry(finger).or_insert(next);
+                if place == next {
+                    self.values.push(T::default());
+                }
+                self.last = Some((finger, place));
+                place
+            }
+        };
+        &mut self.values[place]
+    }
+
+    /// The values, in the order of the first contacts of their fingers.
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.values.iter()
+    }
+}
 
 /// A contact in the frame of the patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Place along the travel of the fingers.
+    /// Coordinate along the travel of the fingers.
     pub u: f64,
-    /// Place across it.
+    /// Coordinate across the travel.
     pub v: f64,
     /// Height over the plane of the patch.
     pub w: f64,
@@ -24,11 +83,11 @@ pub struct Sample {
     pub weight: f64,
     /// Finger that made the contact.
     pub finger: usize,
-    /// ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
+    /// Slopes ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
     pub slopes: Option<[f64; 2]>,
 }
 
-/// The contacts of a patch, in its frame.
+/// The contacts of a patch, in the patch's frame.
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -49,9 +108,9 @@ pub struct Sample {
 pub struct Patch {
     /// The frame.
     pub frame: PatchFrame,
-    /// The contacts in it, in their order.
+    /// The contacts in this frame, in the order in which they were passed.
     pub samples: Vec<Sample>,
-    /// The rectangle that holds them: smallest and largest u, smallest and largest v.
+    /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
     pub domain: [[f64; 2]; 2],
     /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
     /// for a single finger.
@@ -61,14 +120,14 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Checks the contacts and turns them into the frame of their patch, so that its orientation,
-    /// place and size do not matter.
+    /// Checks the contacts and transforms them to the frame of their patch. So the patch's orientation, position and
+    /// size do not affect the fit.
     ///
-    /// Without normals, `outward` says which side of the patch is outside of the object.
+    /// Without normals, `outward` defines which side of the patch is outside of the object.
     ///
     /// # Errors
-    /// [`Ep2Error`] where a number is unsound, the contacts are fewer than three, on one point or
-    /// on one line, or where the patch is not a graph over its mean plane.
+    /// [`Ep2Error`] if a number is invalid, if there are fewer than three contacts, if they lie on one point or on one
+    /// line, or if the patch is not a graph over its mean plane.
     pub fn new(contacts: &[Contact], outward: &Vector3<f64>) -> Result<Self, Ep2Error> {
         if contacts.len() < 3 {
             let with_normal = contacts.iter().filter(|one| one.normal.is_some()).count();
@@ -89,7 +148,7 @@ impl Patch {
         let sides = domain(&samples).map(|[low, high]| high - low);
         let half = 0.5 * sides[0].max(sides[1]);
         let spread = sides[0].min(sides[1]) / sides[0].max(sides[1]);
-        if spread < NARROWEST {
+        if spread < MIN_WIDTH_RATIO {
             return Err(Ep2Error::Collinear {
                 contacts: contacts.len(),
                 spread,
@@ -116,8 +175,8 @@ impl Patch {
         self.samples[0].slopes.is_some()
     }
 
-    /// The patch as its positions alone tell it.
-    pub(crate) fn of_positions(&self) -> Self {
+    /// The patch without its normals.
+    pub(crate) fn without_normals(&self) -> Self {
         let mut patch = self.clone();
         for sample in &mut patch.samples {
             sample.slopes = None;
@@ -125,15 +184,15 @@ impl Patch {
         patch
     }
 
-    /// One equation per contact, three where it has a normal.
+    /// Number of equations: one per contact, or three if the contacts have normals.
     pub fn equations(&self) -> usize {
         self.samples.len() * if self.has_normals() { 3 } else { 1 }
     }
 }
 
-/// The direction, so long that its largest component is 1.
+/// The direction, scaled such that its largest component is 1.
 pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
-    // Not a number where a component is none, which the largest does not tell.
+    // The sum is NaN if a component is. The largest component would hide that.
     let length = outward.abs().sum();
     let is_good = length > 0.0 && length <= LARGEST;
     let expected = "a direction of finite length > 0";
@@ -176,7 +235,7 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
         Some(normal) => {
             let normal = frame.direction(&normal.normalize());
             let angle_deg = libm::acos(normal.z.clamp(-1.0, 1.0)).to_degrees();
-            if angle_deg > STEEPEST_DEG {
+            if angle_deg > MAX_TILT_DEG {
                 return Err(Ep2Error::Folded {
                     contact: index,
                     angle_deg,
@@ -208,18 +267,18 @@ fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     domain
 }
 
-/// The mean place of each finger across the travel.
+/// The mean coordinate of each finger across the travel.
 fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
-    let mut fingers: ByFinger<[f64; 2]> = ByFinger::default();
+    let mut fingers: FingerMap<[f64; 2]> = FingerMap::default();
     for (contact, sample) in contacts.iter().zip(samples) {
-        let [count, sum] = fingers.of(contact.finger);
+        let [count, sum] = fingers.entry(contact.finger);
         *count += 1.0;
         *sum += sample.v;
     }
     fingers.iter().map(|[count, sum]| sum / count).collect()
 }
 
-/// Mean distance between neighbours.
+/// Mean distance between neighbouring places; `None` if they coincide.
 fn mean_distance(places: &[f64]) -> Option<f64> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min);
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);

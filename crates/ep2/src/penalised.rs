@@ -1,10 +1,8 @@
-//! One penalised spline through heights and slopes, with a smoothing weight from the data.
+//! One penalised spline through heights and slopes, with a smoothing weight that is selected from the data.
 
 mod equations;
-mod mixture;
-mod process;
-mod product;
-mod roughness;
+mod gaussian_process;
+mod roughness_posterior;
 mod series;
 mod spectrum;
 mod tridiagonal;
@@ -12,53 +10,51 @@ mod weight;
 
 pub use weight::Criterion;
 
-use crate::agreement::{Apart, Model};
+use crate::agreement::{Exclusion, Model};
 use crate::chebyshev::count;
 use crate::noise::{Noise, Variances};
-use crate::square::Square;
-use crate::square_quadric::SquareQuadric;
+use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
-use equations::{DEGREE, Equations};
-use mixture::Given;
+use equations::{DEGREE, Equations, roughness_penalty};
+use roughness_posterior::{SeriesProblem, likely_processes};
 use series::SeriesEquations;
 use spectrum::Spectrum;
 use weight::Search;
 
-/// Largest number of intervals per side: beyond, the dense algebra of the coefficients takes seconds.
-const MOST_INTERVALS: usize = 24;
-/// Largest number of intervals per side unless one is given.
-const MOST_BY_DEFAULT: usize = 12;
-/// Unless told otherwise, a spline has at most so many coefficients per equation.
-const BEARABLE: f64 = 0.3;
-/// Unless told otherwise, a spline of which the fit takes up more than this share of the
-/// coefficients gets more intervals: the contacts are exact enough to show what it cannot follow.
-const CROWDED: f64 = 0.6;
-/// The series that the posterior is of has at least so many more coefficients than the spline, so that it follows what
-/// the spline does not.
-const MORE_COEFFICIENTS: usize = 5;
+/// Largest number of intervals per side. With more, the dense algebra of the coefficients would take seconds.
+const MAX_INTERVALS: usize = 24;
+/// Largest number of intervals per side that is chosen by default.
+const MAX_DEFAULT_INTERVALS: usize = 12;
+/// Largest number of coefficients per equation, by default.
+const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
+/// By default, the number of intervals is doubled if the effective unknowns exceed this share of the coefficients. Then the
+/// contacts are so exact that they show the spline's approximation error.
+const MAX_UNKNOWN_SHARE: f64 = 0.6;
+/// The posterior's series has at least this many more coefficients than the spline, so that it can represent shapes that
+/// the spline cannot.
+const EXTRA_COEFFICIENTS: usize = 5;
 
-/// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, where
-/// there are normals, to both slopes, with a penalty on its third derivatives.
+/// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, if there are normals, to both
+/// slopes, with a penalty on its third derivatives.
 ///
-/// Quadrics cost no penalty. The weight of the penalty is chosen by a [`Criterion`].
+/// The penalty of a quadric is 0. A [`Criterion`] selects the weight of the penalty.
 ///
-/// The stated [`Posterior`] is not that of the spline, but of a series of higher degree: a quadric plus a Gaussian
-/// process of unknown length and amplitude. So it knows of what the spline cannot follow, and of how far smoothing has
-/// moved it.
+/// The stated [`Posterior`] is that of a series of higher degree than the spline: a quadric plus a Gaussian process of
+/// unknown length and amplitude. So it includes the spline's approximation error and the bias of smoothing.
 ///
 /// The cost grows linearly with the contacts, and with the sixth power of the intervals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Penalised {
-    /// Intervals of the spline along each side, 1 to 24; `None` takes as many as the contacts
-    /// and their fingers bear.
+    /// Intervals of the spline along each side, 1 to 24. `None` uses the largest number that suits the contacts and their
+    /// fingers.
     pub intervals: Option<usize>,
-    /// Criterion by which the smoothing weight is chosen.
+    /// Criterion by which the smoothing weight is selected.
     pub criterion: Criterion,
     /// Known standard deviations of the contacts' errors.
     pub noise: Noise,
 }
 
-/// The chosen spline, and what its posterior needs.
+/// The fitted spline, and the data for its posterior.
 struct Estimated {
     fit: Fit,
     square: Square,
@@ -66,10 +62,10 @@ struct Estimated {
     intervals: [usize; 2],
     /// Variances of the contacts.
     variances: Variances,
-    /// Whether they were known.
+    /// Whether the variances were stated.
     is_known: bool,
-    /// Whether they are known or found.
-    told: bool,
+    /// Whether the variances were stated or could be estimated.
+    has_noise: bool,
 }
 
 impl Method for Penalised {
@@ -84,7 +80,7 @@ impl Method for Penalised {
 
     fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
         let estimated = self.estimated(patch)?;
-        if !estimated.told {
+        if !estimated.has_noise {
             return Ok(Agreement::default());
         }
         let degree = estimated.degree();
@@ -93,38 +89,38 @@ impl Method for Penalised {
             square: estimated.square,
             fit: &estimated.fit,
             quadric: &estimated.quadric,
-            told: &self.noise,
+            noise: &self.noise,
             degree,
         };
         let equations = estimated.equations(patch);
-        let processes = estimated.with(&equations, patch, mixture::likely)?;
-        model.agreement(&processes, |apart| {
+        let processes = likely_processes(&estimated.problem(&equations, patch))?;
+        model.agreement(&processes, &|exclusion| {
             let Estimated {
                 quadric,
                 square,
                 variances,
                 ..
             } = &estimated;
-            let (patch, equations) = match apart {
-                Apart::Finger(finger) => {
-                    let apart = equations.apart(quadric, patch, square, variances, degree, finger);
-                    (patch.clone(), apart)
+            let (patch, equations) = match exclusion {
+                Exclusion::Finger(finger) => {
+                    let changed =
+                        equations.with_displaced(quadric, patch, square, variances, degree, finger);
+                    (patch.clone(), changed)
                 }
-                Apart::Normals => {
-                    let positions = patch.of_positions();
+                Exclusion::Normals => {
+                    let positions = patch.without_normals();
                     let equations =
                         SeriesEquations::around(quadric, &positions, square, variances, degree);
                     (positions, equations)
                 }
             };
-            estimated.with(&equations, &patch, mixture::likely)
+            likely_processes(&estimated.problem(&equations, &patch))
         })
     }
 }
 
 impl Penalised {
-    /// The surface through the contacts of a patch, without its uncertainty: the same as that of [`Method::fit`], at
-    /// less cost.
+    /// The surface through the contacts of a patch without its uncertainty. It equals that of [`Method::fit`], at less cost.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -137,9 +133,10 @@ impl Penalised {
         let mut intervals = self.intervals(patch)?;
         loop {
             let estimated = self.estimated_with(intervals, patch)?;
-            let taken = estimated.fit.effective_unknowns / coefficients(intervals) as f64;
+            let share = estimated.fit.effective_unknowns / coefficients(intervals) as f64;
+            let is_too_coarse = self.intervals.is_none() && share > MAX_UNKNOWN_SHARE;
             match finer(intervals, patch) {
-                Some(finer) if self.intervals.is_none() && taken > CROWDED => intervals = finer,
+                Some(finer) if is_too_coarse => intervals = finer,
                 _ => return Ok(estimated),
             }
         }
@@ -151,38 +148,33 @@ impl Penalised {
         let quadric = SquareQuadric::of(patch, &square, &known)?;
         let knots = intervals.map(|count| Knots::uniform(DEGREE, -1.0, 1.0, count));
         let equations = Equations::around(&quadric, patch, &square, &knots);
-        let roughness = roughness::of(&knots);
-
-        let expected = weight::of_a_sphere(quadric.bending(&square));
-
+        let roughness = roughness_penalty(&knots);
+        let bending = quadric.mean_square_curvature(&square);
+        let expected = weight::log_weight_of_sphere(bending);
         let mut variances = quadric.variances;
-        let is_known = known.is_all_of(patch);
+        let is_known = known.is_complete_for(patch);
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
-        let mut told = quadric.tells_noise();
+        let mut has_noise = quadric.noise.is_some();
         if patch.has_normals() && !is_known {
             // The variances of heights and slopes are compared at a fit that follows the surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
-            let kept = spectrum.kept(rough.log_weight);
-            let residuals = equations.residuals(&spectrum.coefficients(&kept));
-            let taken = equations.taken(&spectrum.inverse(&kept), &variances);
-            let bending = quadric.bending(&square);
-            told = variances.update(&known, bending, patch, &residuals, &taken);
+            let filters = spectrum.filters(rough.log_weight);
+            let residuals = equations.residuals(&spectrum.coefficients(&filters));
+            let unknowns = equations.effective_unknowns(&spectrum.inverse(&filters), &variances);
+            has_noise = variances.update(&known, bending, patch, &residuals, &unknowns);
             spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         }
         let search = Search::new(&spectrum, self.criterion, is_known, expected);
         let mut choice = search.best();
-        choice.scale = choice.scale.max(variances.least_scale());
-        let deviation = spectrum.coefficients(&spectrum.kept(choice.log_weight));
+        choice.scale = choice.scale.max(variances.min_scale());
+        let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
         let coefficients: Vec<f64> = quadric
             .spline_coefficients(&knots[0], &knots[1])
             .iter()
             .zip(&deviation)
             .map(|(quadric, deviation)| quadric + deviation)
             .collect();
-        if !coefficients
-            .iter()
-            .all(|coefficient| coefficient.is_finite())
-        {
+        if !coefficients.iter().all(|one| one.is_finite()) {
             return Err(Ep2Error::OutOfRange);
         }
         variances.heights *= choice.scale;
@@ -196,7 +188,7 @@ impl Penalised {
                 coefficients,
             },
             posterior: None,
-            noise: told.then(|| variances.estimate(patch)),
+            noise: has_noise.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
             status: None,
         };
@@ -207,85 +199,79 @@ impl Penalised {
             intervals,
             variances,
             is_known,
-            told,
+            has_noise,
         })
     }
 
-    /// Intervals along u and along v.
+    /// Number of intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
         let Some(intervals) = self.intervals else {
-            return Ok(bearable_intervals(patch));
+            return Ok(default_intervals(patch));
         };
-        let is_good = (1..=MOST_INTERVALS).contains(&intervals);
+        let is_good = (1..=MAX_INTERVALS).contains(&intervals);
         Ep2Error::unless_good("intervals", intervals as f64, is_good, "1 to 24")?;
         Ok([intervals; 2])
     }
 }
 
 impl Estimated {
-    /// Uncertainty of the surface that the contacts leave; `None` where they do not tell their noise.
+    /// Uncertainty of the surface; `None` if the noise is neither stated nor estimated.
     fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
-        if !self.told {
+        if !self.has_noise {
             return Ok(None);
         }
         let equations = self.equations(patch);
-        self.with(&equations, patch, mixture::posterior).map(Some)
+        roughness_posterior::posterior(&self.problem(&equations, patch)).map(Some)
     }
 
-    /// Degree of the series that the posterior is of.
+    /// Degree of the posterior's series.
     fn degree(&self) -> usize {
-        let least = coefficients(self.intervals) + MORE_COEFFICIENTS;
+        let least = coefficients(self.intervals) + EXTRA_COEFFICIENTS;
         (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
     }
 
-    /// Equations of the series that the posterior is of.
+    /// Equations of the posterior's series.
     fn equations(&self, patch: &Patch) -> SeriesEquations {
         let (quadric, square) = (&self.quadric, &self.square);
         SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())
     }
 
-    /// An answer that is asked of equations.
-    fn with<T>(
-        &self,
-        equations: &SeriesEquations,
-        patch: &Patch,
-        ask: impl FnOnce(&Given<'_>) -> Result<T, Ep2Error>,
-    ) -> Result<T, Ep2Error> {
-        ask(&Given {
+    fn problem<'a>(&self, equations: &'a SeriesEquations, patch: &Patch) -> SeriesProblem<'a> {
+        SeriesProblem {
             equations,
             degree: self.degree(),
             observations: patch.equations(),
             is_known: self.is_known,
             square: self.square,
             quadric: self.quadric.series(),
-        })
+        }
     }
 }
 
-/// Largest numbers of intervals along u and v, equal if they may be, that the contacts bear: a limited
-/// number of coefficients per equation, and across the travel no more intervals than gaps between
-/// fingers, since the contacts of a finger lie about one line.
-fn bearable_intervals(patch: &Patch) -> [usize; 2] {
+/// Default numbers of intervals along u and v: the largest equal numbers for which the coefficients per equation stay
+/// limited. Across the travel there are at most as many intervals as gaps between fingers, because the contacts of a
+/// finger lie close to one line.
+fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
-        1 => MOST_BY_DEFAULT,
+        1 => MAX_DEFAULT_INTERVALS,
         fingers => fingers - 1,
     };
-    let most = BEARABLE * patch.equations() as f64;
-    (1..=MOST_BY_DEFAULT)
+    let most = MAX_COEFFICIENTS_PER_EQUATION * patch.equations() as f64;
+    (1..=MAX_DEFAULT_INTERVALS)
         .rev()
         .map(|along| [along, along.min(gaps)])
         .find(|&intervals| coefficients(intervals) as f64 <= most)
         .unwrap_or([1, 1])
 }
 
-/// Twice as many intervals, if there are contacts for them.
+/// Twice as many intervals, if there are enough contacts.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
-    let fits = finer.iter().all(|&count| count <= MOST_BY_DEFAULT);
+    let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);
     (fits && coefficients(finer) <= patch.equations()).then_some(finer)
 }
 
-/// Coefficients of a spline with so many intervals along both sides.
+/// Number of coefficients of a spline with these numbers of intervals along both sides.
 fn coefficients([along, across]: [usize; 2]) -> usize {
     (along + DEGREE) * (across + DEGREE)
 }

@@ -1,37 +1,37 @@
-//! Uncertainty of a surface that the contacts and a prior leave.
+//! Uncertainty of a surface, from the contacts and a prior.
 
 use nalgebra::DMatrix;
 
 use crate::Jet;
 use crate::chebyshev::{count, derivative, place, products, values};
 use crate::curvature::{DERIVATIVES, JetCovariance};
-use crate::sparse::SparseMap;
+use crate::matrix::SparseMap;
 use crate::spline::Lanes;
-use crate::square::Square;
+use crate::square_quadric::Square;
 
-/// Pairs of derivatives, in both orders alike.
+/// Number of unordered pairs of derivatives.
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
-/// The surfaces that the contacts leave possible: the mean and the covariance of their slopes and second derivatives,
-/// as polynomials over the rectangle of the patch.
+/// The posterior distribution of the surface: mean and covariance of its slopes and second derivatives, as polynomials
+/// over the rectangle of the patch.
 ///
-/// An estimate is off by the spread of these surfaces, and by its distance from their mean.
+/// The error of an estimate has two parts: the covariance, and the distance of the estimate from the mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
     square: Square,
     /// Degree of the surfaces.
     degree: usize,
-    /// Coefficients of the mean derivatives, as [`products`].
+    /// Coefficients of the mean derivatives, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariances of derivatives, of twice the degree: T_i(a) T_j(b), all j of one i after another.
+    /// Coefficients of the covariances of derivatives, of twice the degree: of T_i(a) T_j(b), grouped by i.
     covariances: Vec<[f64; PAIRS]>,
 }
 
-/// Chebyshev polynomials in u at places side by side.
+/// Chebyshev polynomials in u at several places.
 pub(crate) type Series = Vec<Lanes>;
 
 impl Posterior {
-    /// The posterior of surfaces that are series of [`products`] over the square.
+    /// The posterior of a surface that is a series of [`products`] over the square.
     pub(crate) fn new(
         square: Square,
         degree: usize,
@@ -49,7 +49,7 @@ impl Posterior {
         let mut pairs = Vec::with_capacity(PAIRS);
         for (one, half) in maps.all(covariance, 0).iter().enumerate() {
             let both = maps.all(&half.transpose(), one);
-            pairs.extend(both.iter().map(|both| doubled(both, degree)));
+            pairs.extend(both.iter().map(|both| covariance_series(both, degree)));
         }
         let of_pairs = |index: usize| std::array::from_fn(|pair| pairs[pair][index]);
         let side = 2 * degree + 1;
@@ -62,7 +62,7 @@ impl Posterior {
         }
     }
 
-    /// The polynomials in u at places side by side.
+    /// The polynomials in u at several places.
     pub(crate) fn series(&self, u: Lanes) -> Series {
         let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());
         values((u - u0) * (1.0 / half), 2 * self.degree).collect()
@@ -94,9 +94,9 @@ impl Posterior {
 
 /// The maps from a series to its derivatives.
 struct Maps {
-    /// By u and by v.
+    /// Derivatives with respect to u and v.
     slopes: [SparseMap; 2],
-    /// Maps from these derivatives to theirs, by u and by v.
+    /// Derivatives of these slopes with respect to u and v.
     bends: [SparseMap; 2],
 }
 
@@ -112,24 +112,24 @@ impl Maps {
         }
     }
 
-    /// The derivatives (p, q, r, s, t) from one of them on, of series of which each row holds the coefficients of one.
+    /// The derivatives (p, q, r, s, t), starting at index `first`, of series whose coefficients are the rows.
     fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
-        let by_v = self.slopes[1].of_rows(series);
-        let last = self.bends[1].of_rows(&by_v);
+        let by_v = self.slopes[1].apply_to_rows(series);
+        let last = self.bends[1].apply_to_rows(&by_v);
         if first == DERIVATIVES - 1 {
             return vec![last];
         }
-        let by_u = self.slopes[0].of_rows(series);
-        let [by_uu, by_uv] = self.bends.each_ref().map(|bend| bend.of_rows(&by_u));
+        let by_u = self.slopes[0].apply_to_rows(series);
+        let [by_uu, by_uv] = self.bends.each_ref().map(|bend| bend.apply_to_rows(&by_u));
         let mut all = vec![by_u, by_v, by_uu, by_uv, last];
         all.drain(..first);
         all
     }
 }
 
-/// The series of twice the degree that a covariance between the coefficients of two series is at places, all j of one i
-/// after another: products of Chebyshev polynomials are sums of such.
-fn doubled(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
+/// The covariance at a place, as a series of twice the degree grouped by i, from the covariance between the coefficients of
+/// two series. A product of Chebyshev polynomials is a sum of Chebyshev polynomials.
+fn covariance_series(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
     let side = 2 * degree + 1;
     let mut series = vec![0.0; side * side];
     let mut sums = vec![0.0; side];
@@ -177,8 +177,8 @@ pub(crate) struct PosteriorLine {
 }
 
 impl PosteriorLine {
-    /// Mean products of the errors of an estimated jet's (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) at places on the
-    /// line where the polynomials in u have these values.
+    /// Mean products of the errors of an estimated jet's (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at places on the line.
+    /// `series` holds the values of the polynomials in u there.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

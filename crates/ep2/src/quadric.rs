@@ -1,18 +1,16 @@
-//! The weighted least-squares quadric: the plainest surface with a curvature.
+//! The weighted least-squares quadric: the simplest surface with a curvature.
 
 use nalgebra::DMatrix;
 
 use crate::agreement::Model;
 use crate::noise::Noise;
-use crate::square::Square;
-use crate::square_quadric::{SERIES, SquareQuadric, UNKNOWNS};
+use crate::square_quadric::{SERIES, Square, SquareQuadric, UNKNOWNS};
 use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
 
 /// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
 /// by their noise.
 ///
-/// Its stated covariance is that of the noise alone: it knows nothing of how far the patch is from
-/// a quadric.
+/// Its stated covariance includes only the noise, not the deviation of the patch from a quadric.
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -31,33 +29,33 @@ use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpl
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quadric {
-    /// Known standard deviations of the contacts' errors.
+    /// Stated standard deviations of the contacts' errors.
     pub noise: Noise,
 }
 
 impl Method for Quadric {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        Ok(self.fitted(patch)?.0)
+        Ok(self.fit_quadric(patch)?.0)
     }
 
     fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        let (fit, quadric) = self.fitted(patch)?;
+        let (fit, quadric) = self.fit_quadric(patch)?;
         let model = Model {
             patch,
             square: Square::of(patch),
             fit: &fit,
             quadric: &quadric,
-            told: &self.noise,
+            noise: &self.noise,
             degree: 2,
         };
         let none = vec![(1.0, DMatrix::zeros(0, 0))];
-        model.agreement(&none, |_| Ok(none.clone()))
+        model.agreement(&none, &|_| Ok(none.clone()))
     }
 }
 
 impl Quadric {
-    /// The fit, and the quadric over the patch's square that it is.
-    fn fitted(&self, patch: &Patch) -> Result<(Fit, SquareQuadric), Ep2Error> {
+    /// The fit, and the same quadric over the patch's square.
+    fn fit_quadric(&self, patch: &Patch) -> Result<(Fit, SquareQuadric), Ep2Error> {
         let square = Square::of(patch);
         let known = self.noise.in_patch(&patch.frame)?;
         let quadric = SquareQuadric::of(patch, &square, &known)?;

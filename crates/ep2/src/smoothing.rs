@@ -12,12 +12,10 @@
 //!
 //! Where the points leave coefficients open, those of least norm are taken.
 
-mod jumps;
 mod mesh;
 mod minimum_norm;
 mod observations;
 mod parameter;
-mod placement;
 mod triangle;
 
 pub use observations::WeightedPoint;
@@ -27,7 +25,7 @@ use strum::IntoStaticStr;
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{Ep2Error, TensorSpline};
-use mesh::{Mesh, Roughness};
+use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
@@ -202,7 +200,7 @@ impl SmoothingSpline {
                 None
             } else {
                 let sums = observations.interval_sums(mesh, &solution.coefficients);
-                placement::next_knot(mesh, &sums, self.most_knots)
+                next_knot(mesh, &sums, self.most_knots)
             };
             let Some((axis, knot)) = next else {
                 return (Status::KnotsExhausted, solution);

@@ -4,12 +4,12 @@ use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
 
-/// Places whose curvatures are computed side by side, one in each lane.
+/// Vector whose lanes are places: curvatures are computed at several places at once.
 pub(crate) type Lanes = wide::f64x2;
-/// Number of places side by side.
+/// Number of lanes.
 pub(crate) const LANES: usize = 2;
 
-/// Height, slopes and second derivatives of a graph, at a place unless the type says more.
+/// Height, slopes and second derivatives of a graph, at one place or, with [`Lanes`], at several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet<T = f64> {
     /// Height.
@@ -26,17 +26,17 @@ pub struct Jet<T = f64> {
     pub vv: T,
 }
 
-/// The B-splines of one variable that do not vanish at a place, or at places side by side, with two derivatives.
+/// The B-splines of one variable that do not vanish at one place or several, with two derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local<T = f64> {
-    /// Index of the first of them.
+    /// Index of the first of these B-splines.
     pub(crate) first: usize,
     /// Values, first and second derivatives.
     pub(crate) jets: [[T; MAX_DEGREE + 1]; 3],
 }
 
 impl Local<Lanes> {
-    /// B-splines at several places on the same interval of the knots.
+    /// B-splines at several places within one knot interval.
     #[inline]
     pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
         let jets = std::array::from_fn(|order| {
@@ -61,9 +61,9 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// The jet of each place alone.
+    /// The jet at each place.
     #[inline(always)]
-    pub(crate) fn apart(&self) -> [Jet; LANES] {
+    pub(crate) fn lanes(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =
             [self.w, self.u, self.v, self.uu, self.uv, self.vv].map(Lanes::to_array);
         std::array::from_fn(|lane| Jet {
@@ -78,10 +78,10 @@ impl Jet<Lanes> {
 }
 
 impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
-    /// The jet from the B-splines in u, with, for each, the sums over those in v of coefficient times value, first and
-    /// second derivative.
+    /// The jet from the B-splines in u. `sums` holds for each of them the sums over the B-splines in v of coefficient times
+    /// value, first and second derivative.
     #[inline(always)]
-    pub(crate) fn of_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
+    pub(crate) fn from_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();
         let [values, firsts, seconds] = &u.jets;
         for (place, &[w, dv, dvv]) in sums.iter().enumerate().take(MAX_DEGREE + 1) {
@@ -99,14 +99,14 @@ impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
 
 /// `w(u, v) = Σ c_ij B_i(u) B_j(v)`.
 ///
-/// Outside of the rectangle the polynomials of its edge go on.
+/// Outside of the rectangle, the polynomials at its edge are extrapolated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorSpline {
     /// Knots along u.
     pub u: Knots,
     /// Knots along v.
     pub v: Knots,
-    /// Coefficients, those of one B-spline in u after the other: `u.functions() · v.functions()`.
+    /// Coefficients, grouped by the B-spline in u: `u.functions() · v.functions()`.
     pub coefficients: Vec<f64>,
 }
 
@@ -129,7 +129,7 @@ impl TensorSpline {
                 .jets
                 .map(|basis| row.iter().zip(&basis).map(|(c, b)| c * b).sum());
         }
-        Jet::of_sums(u, sums)
+        Jet::from_sums(u, sums)
     }
 
     /// Height at `(u, v)`.

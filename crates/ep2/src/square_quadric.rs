@@ -1,20 +1,61 @@
-//! The quadric over the square of a patch that fits heights and slopes best.
+//! The square of a patch, and the quadric over the square that fits heights and slopes best.
 
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
-use crate::square::Square;
 use crate::{Ep2Error, Knots, Patch, Sample};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
 pub(crate) const UNKNOWNS: usize = 6;
-/// Eigenvalues of the normal equations below this share of the largest are rounding.
-const RANK: f64 = 1e-13;
-/// Rounds in which the weights follow the noise and the slopes.
-const ROUNDS: usize = 4;
+/// Eigenvalues of the normal equations below this share of the largest one are rounding errors.
+const RANK_TOLERANCE: f64 = 1e-13;
+/// Iterations in which the weights are updated from the noise and the slopes.
+const ITERATIONS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
 type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The square [−1, 1]² onto which the rectangle of a patch is stretched. Fits in the square are well conditioned for any
+/// ratio of the patch's length to its width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Square {
+    centre: [f64; 2],
+    half: [f64; 2],
+}
+
+impl Square {
+    pub(crate) fn of(patch: &Patch) -> Self {
+        Self {
+            centre: patch.domain.map(|[low, high]| 0.5 * low + 0.5 * high),
+            half: patch.domain.map(|[low, high]| 0.5 * high - 0.5 * low),
+        }
+    }
+
+    /// The middle of the rectangle, in the patch's unit.
+    pub(crate) const fn centre(&self) -> [f64; 2] {
+        self.centre
+    }
+
+    /// Half the sides of the rectangle, in the patch's unit.
+    pub(crate) const fn half(&self) -> [f64; 2] {
+        self.half
+    }
+
+    /// The knots over the rectangle that correspond to knots over the square.
+    pub(crate) fn knots(&self, axis: usize, square: &Knots) -> Knots {
+        let place = |knot: f64| self.centre[axis] + self.half[axis] * knot;
+        let (start, end) = square.domain();
+        let interior: Vec<f64> = square.interior().iter().map(|&knot| place(knot)).collect();
+        Knots::new(square.degree(), place(start), place(end), &interior)
+    }
+
+    /// The place in the square that corresponds to a place in the rectangle.
+    #[inline]
+    pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let ([u0, v0], [half_u, half_v]) = (self.centre, self.half);
+        [(u - u0) / half_u, (v - v0) / half_v]
+    }
+}
 
 /// The coefficients of products of Chebyshev polynomials, from those of 1, a, b, a², ab, b².
 #[rustfmt::skip]
@@ -27,25 +68,25 @@ pub(crate) const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
-/// Root of the mean over the directions of the square of the second derivative of a quadric that is a series, in units of the
-/// square.
-pub(crate) fn bend(series: &[f64; UNKNOWNS]) -> f64 {
+/// Root mean square, over the directions, of the second derivative of a quadric in the square. `series` holds its
+/// coefficients of Chebyshev polynomials.
+pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
-/// A quadric over the unit square, with the noise found around it.
+/// A quadric over the square, with the noise estimated from the distances to it.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
-    /// `None` where too few contacts are left to tell it.
+    /// `None` if there are too few contacts to estimate it.
     pub(crate) noise: Option<NoiseEstimate>,
 }
 
 /// The equations of a contact for the surface over the square: its height and, if it has a normal, its
-/// slopes along a and b. Each equation has a weight, relative to the inverse variance of its kind.
+/// slopes along a and b. The weight of an equation is relative to the inverse variance of its kind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observation {
     pub(crate) a: f64,
@@ -65,7 +106,7 @@ struct NormalEquations {
 }
 
 impl SquareQuadric {
-    /// The best quadric; its noise is `None` where too few contacts are left to tell it.
+    /// The best quadric.
     pub(crate) fn of(patch: &Patch, square: &Square, known: &Noise) -> Result<Self, Ep2Error> {
         if patch.equations() < UNKNOWNS {
             return Err(Ep2Error::TooFewContacts {
@@ -80,15 +121,15 @@ impl SquareQuadric {
             variances: Variances::START,
             noise: None,
         };
-        let rounds = if patch.has_normals() { ROUNDS } else { 2 };
-        for _ in 0..rounds {
+        let iterations = if patch.has_normals() { ITERATIONS } else { 2 };
+        for _ in 0..iterations {
             let equations = NormalEquations::around(&quadric, patch, square);
             quadric.improve(&equations, patch, square, known)?;
         }
         Ok(quadric)
     }
 
-    /// Solves for the deviation that is left, and for the noise.
+    /// Solves for the remaining deviation, and for the noise.
     fn improve(
         &mut self,
         equations: &NormalEquations,
@@ -117,30 +158,20 @@ impl SquareQuadric {
                 &equations.grams.slopes,
             ),
         };
-        let taken = Kinds {
+        let unknowns = Kinds {
             heights: (self.covariance * equations.grams.heights).trace() / heights,
             slopes: (self.covariance * equations.grams.slopes).trace() / slopes,
         };
-        let bending = self.bending(square);
-        let told = self
+        let bending = self.mean_square_curvature(square);
+        let is_determined = self
             .variances
-            .update(known, bending, patch, &residuals, &taken);
-        self.noise = told.then(|| self.variances.estimate(patch));
-        if self
-            .unknowns
-            .iter()
-            .chain(&self.covariance)
-            .all(|x| x.is_finite())
-        {
-            Ok(())
-        } else {
-            Err(Ep2Error::OutOfRange)
+            .update(known, bending, patch, &residuals, &unknowns);
+        self.noise = is_determined.then(|| self.variances.estimate(patch));
+        let mut numbers = self.unknowns.iter().chain(&self.covariance);
+        match numbers.all(|x| x.is_finite()) {
+            true => Ok(()),
+            false => Err(Ep2Error::OutOfRange),
         }
-    }
-
-    /// Whether enough contacts are left to tell the noise, or it was known.
-    pub(crate) const fn tells_noise(&self) -> bool {
-        self.noise.is_some()
     }
 
     /// Height and slopes along a and b.
@@ -162,11 +193,10 @@ impl SquareQuadric {
         [height, along_a / half_u, along_b / half_v]
     }
 
-    /// The observations of a patch that is nearly this quadric, of its deviation from it.
+    /// The deviations of a patch's contacts from this quadric, with their weights.
     ///
-    /// Errors of a contact's place across the normal look like errors of its height, larger by
-    /// √D, D = 1 + p² + q²; a tilt of the normal by a small angle turns the slope p along u by
-    /// √(D(1 + p²)) times as much.
+    /// An error of a contact's position causes an error of its height that is larger by √D, with D = 1 + p² + q². A tilt
+    /// of the normal by a small angle changes the slope p along u by √(D(1 + p²)) times this angle.
     pub(crate) fn observations<'a>(
         &'a self,
         patch: &'a Patch,
@@ -205,8 +235,8 @@ impl SquareQuadric {
         (SERIES * self.unknowns).into()
     }
 
-    /// Mean over the directions of the square of the slope's change per length.
-    pub(crate) fn bending(&self, square: &Square) -> f64 {
+    /// Mean square, over the directions, of the second derivative in the patch's frame.
+    pub(crate) fn mean_square_curvature(&self, square: &Square) -> f64 {
         let [half_u, half_v] = square.half();
         let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
         let uv = self.unknowns[4] / (half_u * half_v);
@@ -214,7 +244,7 @@ impl SquareQuadric {
         0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
     }
 
-    /// The coefficients of the spline that is this quadric.
+    /// The coefficients of a spline that equals this quadric.
     pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
         (0..a.functions() * b.functions())
             .map(|index| coefficient(&self.unknowns, a, b, index))
@@ -264,7 +294,7 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     let rank = eigen
         .eigenvalues
         .iter()
-        .filter(|&&value| value > RANK * largest)
+        .filter(|&&value| value > RANK_TOLERANCE * largest)
         .count();
     if rank < UNKNOWNS {
         return Err(Ep2Error::Undetermined {
@@ -277,8 +307,8 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// A coefficient of the spline that is a quadric. That of a monomial is its blossom: the mean of
-/// the products of as many different inner knots of the B-spline.
+/// A coefficient of a spline that equals a quadric. The coefficient of a monomial is its blossom: the mean of the products
+/// of as many different inner knots of the B-spline as the monomial's degree.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

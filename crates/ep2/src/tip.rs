@@ -1,4 +1,4 @@
-//! Round fingertips: from the point of the tip that is told to the contact.
+//! Round fingertips: from the reported point of the tip to the contact.
 
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2, Vector3};
 
@@ -6,21 +6,21 @@ use crate::error::LARGEST;
 use crate::patch::direction;
 use crate::{Contact, Ep2Error, Method, Patch};
 
-/// Point of a round tip of which readings tell the place.
+/// Point of a round tip whose position the readings report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TipPoint {
-    /// The point that is farthest against the outward direction of the object: the lowest of a finger that comes down
-    /// on it.
+    /// The point that is farthest against the outward direction of the object: the lowest point of a finger that comes
+    /// from above.
     #[default]
     Lowest,
     /// The tip's centre.
     Centre,
 }
 
-/// Round fingertip of which readings tell another point than the contact.
+/// Round fingertip whose readings report another point than the contact.
 ///
 /// The centres of a tip of radius r lie on the surface that is offset from the object by r along its normals. So the
-/// contact is r from the centre, along the normal of either surface.
+/// contact is at the distance r from the centre, along the normal of this surface or of the object.
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -29,7 +29,7 @@ pub enum TipPoint {
 /// // The centre of a tip of radius 1 on a ball of radius 4, 30 degrees from its top.
 /// let normal = Vector3::new(0.5, 0.0, 0.75_f64.sqrt());
 /// let told = [Contact::new(0, Point3::from(normal * 5.0), Some(normal))];
-/// let tip = RoundTip { radius: 1.0, told: TipPoint::Centre };
+/// let tip = RoundTip { radius: 1.0, point: TipPoint::Centre };
 /// let contacts = tip.contacts(&told, &Vector3::z(), &Penalised::default())?;
 /// assert!((contacts[0].position.coords.norm() - 4.0).abs() < 1e-12);
 /// # Ok::<(), palpate_ep2::Ep2Error>(())
@@ -38,24 +38,22 @@ pub enum TipPoint {
 pub struct RoundTip {
     /// Radius of the tip, ≥ 0.
     pub radius: f64,
-    /// Point that is told.
-    pub told: TipPoint,
+    /// The reported point.
+    pub point: TipPoint,
 }
 
 impl RoundTip {
-    /// The contacts, from those whose positions are of the told point. Their normals are those of the object; where they
-    /// have none, those of the surface that `method` fits to the tip's centres take their place, and the contacts that are
-    /// made have none either.
+    /// The contacts, from readings of the reported point. The normals of the readings are those of the object. If there are no
+    /// normals, those of the surface that `method` fits to the tip's centres are used, and the returned contacts have none.
     ///
-    /// `outward` is out of the object, along which the fingers come down.
+    /// `outward` points out of the object, against the direction in which the fingers approach it.
     ///
     /// # Errors
-    /// [`Ep2Error`]: `bad-setting` of the radius and the direction; `tip-too-large` where the centres turn more sharply than
-    /// a tip of that radius can on any object; without normals, where the centres do not tell their
-    /// surface.
+    /// [`Ep2Error`]: `bad-setting` for the radius or the direction; `tip-too-large` if the path of the centres is curved more
+    /// sharply than that of a tip of this radius on any object; without normals also the errors of `method`.
     pub fn contacts(
         &self,
-        told: &[Contact],
+        readings: &[Contact],
         outward: &Vector3<f64>,
         method: &dyn Method,
     ) -> Result<Vec<Contact>, Ep2Error> {
@@ -63,23 +61,24 @@ impl RoundTip {
         Ep2Error::unless_good("tip_radius", self.radius, is_good, ">= 0 and at most 1e150")?;
         let up = direction(outward)?.normalize();
         if self.radius == 0.0 {
-            return Ok(told.to_vec());
+            return Ok(readings.to_vec());
         }
-        let to_centre = match self.told {
+        let to_centre = match self.point {
             TipPoint::Lowest => up * self.radius,
             TipPoint::Centre => Vector3::zeros(),
         };
-        let centres: Vec<Contact> = told
+        let centres: Vec<Contact> = readings
             .iter()
             .map(|contact| Contact {
                 position: contact.position + to_centre,
                 ..*contact
             })
             .collect();
-        let has_normals = told.iter().any(|contact| contact.normal.is_some());
+        let has_normals = readings.iter().any(|contact| contact.normal.is_some());
         let normals: Vec<Vector3<f64>> = if has_normals {
-            // One that is missing or none stays where it is: the patch refuses it.
-            told.iter().map(|contact| unit(contact.normal)).collect()
+            // A missing or invalid normal becomes 0: `Patch::new` rejects it later.
+            let normals = readings.iter().map(|reading| unit(reading.normal));
+            normals.collect()
         } else {
             let fit = method.fit(&Patch::new(&centres, outward)?)?;
             let places: Vec<Point3<f64>> = centres.iter().map(|centre| centre.position).collect();
@@ -93,7 +92,7 @@ impl RoundTip {
                 ..*centre
             })
             .collect();
-        match self.reversal(&centres, &contacts, up) {
+        match self.reversal_radius(&centres, &contacts, up) {
             Some(turns) => Err(Ep2Error::TipTooLarge {
                 tip_radius: self.radius,
                 turns,
@@ -102,14 +101,19 @@ impl RoundTip {
         }
     }
 
-    /// Radius of curvature of the path of the tip's centre, where it is smaller than the tip: then contacts lie the other
-    /// way round than the centres that they are of.
+    /// Radius of curvature of the path of the tip's centre, if it is smaller than the tip's radius. Then the contacts move
+    /// against their centres.
     ///
-    /// Contacts follow their centres by I − r K, where K is the curvature of the surface of the centres, which on an
-    /// object is less than 1/r. So a linear regression of the ones on the others has a negative eigenvalue only by noise.
-    fn reversal(&self, centres: &[Contact], contacts: &[Contact], up: Vector3<f64>) -> Option<f64> {
-        /// Standard errors by which an eigenvalue is surely negative: chance brings one in 30,000.
-        const SURELY: f64 = 4.0;
+    /// The contacts are the centres mapped by I − r K, where K is the curvature of the surface of the centres. On an object K
+    /// is less than 1/r. So a linear regression of the contacts on the centres has a negative eigenvalue only by noise.
+    fn reversal_radius(
+        &self,
+        centres: &[Contact],
+        contacts: &[Contact],
+        up: Vector3<f64>,
+    ) -> Option<f64> {
+        /// Number of standard errors by which an eigenvalue must be below 0: a false alarm has a probability of 1/30,000.
+        const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),
             1 => Vector3::y(),
@@ -136,11 +140,11 @@ impl RoundTip {
         let variance = scatter.sum::<f64>() / (centres.len() as f64 - 3.0).max(1.0);
         let along = spread.eigenvectors.tr_mul(&direction);
         let error = (variance * along.component_mul(&along).dot(&weights)).sqrt();
-        (eigenvalue + SURELY * error < 0.0).then(|| self.radius / (1.0 - eigenvalue))
+        (eigenvalue + MIN_STANDARD_ERRORS * error < 0.0).then(|| self.radius / (1.0 - eigenvalue))
     }
 }
 
-/// Deviations from the mean point, along two axes.
+/// Deviations of points from their mean, along two axes.
 fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> {
     let count = points.len() as f64;
     let mean = points.iter().fold(Vector3::zeros(), |sum, point| {
@@ -153,7 +157,7 @@ fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> 
     points.iter().map(deviation).collect()
 }
 
-/// Sum of the products of components, one of each of two sets of vectors.
+/// Sum of the outer products of corresponding vectors.
 fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     let pairs = ones.iter().zip(others);
     pairs.fold(Matrix2::zeros(), |sum, (one, other)| {
@@ -161,7 +165,7 @@ fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     })
 }
 
-/// The unit vector along a normal; 0 where there is none that is sound.
+/// The unit vector along a normal; 0 if the normal is missing or invalid.
 fn unit(normal: Option<Vector3<f64>>) -> Vector3<f64> {
     let normal = normal.unwrap_or_default();
     let length = normal.abs().sum();

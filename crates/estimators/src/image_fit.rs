@@ -1,7 +1,7 @@
 //! Builds the fit of pictures from an estimator's settings and the sensor's parameters.
 
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
-use palpate_press::{Body, ImageFit, Markers, PressError, Told};
+use palpate_press::{Body, DeparturePrior, ImageFit, Markers, PressError};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{PressEstimatorConfig, PressModelConfig};
@@ -32,7 +32,7 @@ pub struct ImageFitSetup<'a> {
     /// Standard deviations of the sensor's departures from `optics`.
     pub stds: [f64; Departure::NUMBERS],
     /// Departures whose joint covariance is given, if any.
-    pub told: Option<Told>,
+    pub departure_prior: Option<DeparturePrior>,
     /// Builds layers of a thickness, with their markers at each of the depths.
     pub layers: &'a Layers<'a>,
 }
@@ -93,7 +93,7 @@ impl ImageFitSetup<'_> {
             bodies: pair().ok_or_else(missing)?,
             deeper: pair().map(|bodies| (deeper, bodies)),
             common_stds: self.stds.to_vec(),
-            told: self.told.clone(),
+            departure_prior: self.departure_prior.clone(),
             misalignment_std: self.sphere.misalignment_std()?,
             shift_std: *shift_std,
         }))

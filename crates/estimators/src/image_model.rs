@@ -21,7 +21,7 @@ impl View for ImageModel {
     ) -> Option<Vec<Option<[f64; 4]>>> {
         let optics = self.optics.misaligned(sensor.misalignments).ok()?;
         let optics = optics.departed(&departure(sensor)?).ok()?;
-        let seen = optics.projected(&motions(moved)).ok()?;
+        let seen = optics.project(&motions(moved)).ok()?;
         let pictures = seen.iter().map(|seen| seen.as_ref().map(picture));
         Some(pictures.collect())
     }

@@ -1,6 +1,6 @@
 //! Contacts so wide that small-strain theory errs.
 
-use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
+use palpate_press::{LARGE_CONTACT, sneddon_indentation};
 use palpate_study::Warning;
 
 /// Warns if the contact is too wide for small-strain theory, relative to the sensor or to the object.

@@ -3,8 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use palpate_press::{
-    Doubt, ImageFit, KnownPress, MarkerDisplacement, Measured, PressError, PressEstimate, Rest,
-    Seen,
+    CalibrationPress, Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate,
+    Rest, Seen,
 };
 use palpate_tracking::{MarkerErrors, Track};
 
@@ -16,7 +16,7 @@ pub struct MarkerImages {
     /// The markers at rest; `None` if all trials share one reading at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
     /// Calibration presses of this trial's sensor; empty if it is not calibrated.
-    pub calibrating: Vec<KnownPress>,
+    pub calibrating: Vec<CalibrationPress>,
     /// The markers in the press.
     pub pressed: Vec<Option<Seen>>,
 }

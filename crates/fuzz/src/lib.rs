@@ -1,10 +1,10 @@
 //! Fuzz targets for the readers of files: configs, formulas, readings, frames and calibrations.
 //!
-//! Each target takes arbitrary bytes as the contents of a file and panics where a reader breaks its promise. A reader
-//! must return a result or an error with a message. A result must hold no number that is NaN or infinite, and what is
-//! written from it must read back the same. `corpus/` holds inputs that reach different parts of the code, found by
-//! coverage and named by what their reader says to them: `read-…` or `refused-…`. The tests replay them, hold the reader
-//! to that name, and replay variations of them.
+//! Each target takes arbitrary bytes as the contents of a file, and panics if a reader breaks its contract. A reader must
+//! return a result or an error with a message. A result must not contain NaN or infinity, and a file written from it must
+//! read back the same. `corpus/` contains inputs that reach different parts of the code, found by coverage. Their names
+//! give the expected outcome: `read-…` or `refused-…`. The tests replay the inputs, check their outcome, and replay
+//! variations of them.
 
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Display};
@@ -21,12 +21,12 @@ use palpate_tracking::{Finder, FinderSettings};
 pub struct Target {
     /// Name of the reader, also of the folder of its corpus.
     pub name: &'static str,
-    /// Function that feeds bytes to the reader; it panics where the reader breaks its promise.
-    pub run: fn(&[u8]) -> Verdict,
+    /// Passes bytes to the reader; panics if the reader breaks its contract.
+    pub run: fn(&[u8]) -> Outcome,
 }
 
-/// Verdict of a reader on its input: read, or refused with a message.
-pub type Verdict = Result<(), String>;
+/// Outcome of a reader: the input is read, or rejected with a message.
+pub type Outcome = Result<(), String>;
 
 /// All readers.
 pub const TARGETS: [Target; 5] = [
@@ -52,20 +52,20 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Lines of a file beyond which no estimate of a glide or press is made, to keep a target quick.
-const MOST_ROWS: usize = 60;
-/// Pixels of a frame beyond which no markers are sought in it.
-const MOST_PIXELS: u32 = 200 * 200;
+/// Largest number of lines for estimates of a glide or press, so that a target is fast.
+const MAX_ROWS: usize = 60;
+/// Largest number of pixels for the detection of markers.
+const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.
 ///
 /// # Errors
-/// Message of the reader that refuses it.
+/// Message of the reader if it rejects the input.
 ///
 /// # Panics
-/// If a resolved config is not read back the same, or an error says nothing.
-pub fn config(bytes: &[u8]) -> Verdict {
-    let study = spoken(config::parse("fuzz.toml", text(bytes)?))?;
+/// If a resolved config does not read back the same, or an error has no message.
+pub fn config(bytes: &[u8]) -> Outcome {
+    let study = with_message(config::parse("fuzz.toml", text(bytes)?))?;
     let written = config::to_toml(&study.config);
     let again = config::parse("run.toml", &written);
     let again = again.unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
@@ -78,11 +78,11 @@ pub fn config(bytes: &[u8]) -> Verdict {
 /// Parses and evaluates the formula of a height field, with two parameters and without any.
 ///
 /// # Errors
-/// Message of the parser, where neither is a formula.
+/// Message of the parser if both fail.
 ///
 /// # Panics
-/// If value and jet differ, or an error says nothing.
-pub fn formula(bytes: &[u8]) -> Verdict {
+/// If value and jet differ, or an error has no message.
+pub fn formula(bytes: &[u8]) -> Outcome {
     let text = text(bytes)?;
     let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);
     let parsed = |parameters| {
@@ -92,7 +92,7 @@ pub fn formula(bytes: &[u8]) -> Verdict {
             }
             error.kind
         });
-        let formula = spoken(formula)?;
+        let formula = with_message(formula)?;
         for [x, y] in [[0.0, 0.0], [0.3, -0.7], [-1e9, 1e-9]] {
             let (value, jet) = (formula.value(x, y), formula.jet(x, y));
             let same =
@@ -107,20 +107,20 @@ pub fn formula(bytes: &[u8]) -> Verdict {
 /// Reads recorded readings of rolls, glides and presses, and estimates from them.
 ///
 /// # Errors
-/// Message of the reader, where it is a reading of neither.
+/// Message of the last reader if all reject the input.
 ///
 /// # Panics
-/// If an estimate is not finite, or an error says nothing.
-pub fn readings(bytes: &[u8]) -> Verdict {
+/// If an estimate is not finite, or an error has no message.
+pub fn readings(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
-    let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MOST_ROWS;
-    let roll = whole(palpate_recorded::parse_roll(file())).map(|readings| {
-        let _ = whole(palpate_recorded::estimate_roll(
+    let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MAX_ROWS;
+    let roll = finite(palpate_recorded::parse_roll(file())).map(|readings| {
+        let _ = finite(palpate_recorded::estimate_roll(
             &readings,
             &RollOptions::new(1.0),
         ));
     });
-    let glide = whole(palpate_recorded::parse_glide(file())).map(|readings| {
+    let glide = finite(palpate_recorded::parse_glide(file())).map(|readings| {
         let options = GlideOptions {
             estimator: GlideEstimatorConfig::Quadric {
                 position_std: None,
@@ -131,10 +131,10 @@ pub fn readings(bytes: &[u8]) -> Verdict {
             ..GlideOptions::default()
         };
         if is_short {
-            let _ = whole(palpate_recorded::estimate_glide(&readings, &options));
+            let _ = finite(palpate_recorded::estimate_glide(&readings, &options));
         }
     });
-    let press = whole(palpate_recorded::parse_press(file())).map(|readings| {
+    let press = finite(palpate_recorded::parse_press(file())).map(|readings| {
         let mut options = PressOptions {
             marker_depth: Some(2.0),
             indentation: Some(1.0),
@@ -149,7 +149,7 @@ pub fn readings(bytes: &[u8]) -> Verdict {
             *indentation_std = 0.02;
         }
         if is_short {
-            let _ = whole(palpate_recorded::estimate_press(&readings, &options));
+            let _ = finite(palpate_recorded::estimate_press(&readings, &options));
         }
     });
     first_read([roll, glide, press])
@@ -158,46 +158,46 @@ pub fn readings(bytes: &[u8]) -> Verdict {
 /// Reads a frame of a camera and finds the markers in it.
 ///
 /// # Errors
-/// Message of the reader that refuses it, or of the finder that sees no markers.
+/// Message of the reader if it rejects the input, or of the finder if it finds no markers.
 ///
 /// # Panics
-/// If a marker is not finite, or an error says nothing.
-pub fn frame(bytes: &[u8]) -> Verdict {
+/// If a marker is not finite, or an error has no message.
+pub fn frame(bytes: &[u8]) -> Outcome {
     let file = RecordedFile::new("fuzz.png", bytes.to_vec());
-    let frame = spoken(palpate_recorded::parse_frame(&file))?;
-    if frame.image.width().saturating_mul(frame.image.height()) > MOST_PIXELS {
+    let frame = with_message(palpate_recorded::parse_frame(&file))?;
+    if frame.image.width().saturating_mul(frame.image.height()) > MAX_PIXELS {
         return Ok(());
     }
     let finder = Finder::new(FinderSettings::default());
     let mut finder = finder.expect("the default settings are good");
-    is_finite(&spoken(finder.find(&frame.image))?);
+    check_finite(&with_message(finder.find(&frame.image))?);
     Ok(())
 }
 
 /// Reads a calibration, points to make one from, and a camera.
 ///
 /// # Errors
-/// Message of the reader, where it is none of these.
+/// Message of the last reader if all reject the input.
 ///
 /// # Panics
-/// If a calibration or a camera is not read back the same, is not finite, or an error says nothing.
-pub fn calibration(bytes: &[u8]) -> Verdict {
+/// If a calibration or a camera does not read back the same, is not finite, or an error has no message.
+pub fn calibration(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz", bytes.to_vec());
-    let points = whole(palpate_recorded::parse_calibration_points(&file())).map(|points| {
-        let _ = whole(palpate_recorded::calibrate(
+    let points = finite(palpate_recorded::parse_calibration_points(&file())).map(|points| {
+        let _ = finite(palpate_recorded::calibrate(
             &[points],
             &CalibrateOptions::default(),
         ));
     });
     let calibration =
-        whole(palpate_recorded::parse_calibration(&file())).map(|(calibration, unit)| {
+        finite(palpate_recorded::parse_calibration(&file())).map(|(calibration, unit)| {
             let written = palpate_recorded::calibration_toml(&calibration, unit);
             let again = RecordedFile::new("again.toml", written.clone().into_bytes());
             let (again, unit) = palpate_recorded::parse_calibration(&again)
                 .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
             assert_eq!(palpate_recorded::calibration_toml(&again, unit), written);
         });
-    let camera = whole(palpate_recorded::parse_camera(&file())).map(|camera| {
+    let camera = finite(palpate_recorded::parse_camera(&file())).map(|camera| {
         let again = RecordedFile::new("again.toml", camera.to_toml().into_bytes());
         let again = palpate_recorded::parse_camera(&again)
             .unwrap_or_else(|error| panic!("{error}\nof\n{}", camera.to_toml()));
@@ -207,16 +207,16 @@ pub fn calibration(bytes: &[u8]) -> Verdict {
 }
 
 fn text(bytes: &[u8]) -> Result<&str, String> {
-    spoken(std::str::from_utf8(bytes))
+    with_message(std::str::from_utf8(bytes))
 }
 
-/// Verdict of the first reader that read the input; of the last one, where none did.
-fn first_read<const N: usize>(verdicts: [Verdict; N]) -> Verdict {
-    verdicts.into_iter().reduce(Verdict::or).unwrap_or(Ok(()))
+/// Outcome of the first reader that read the input, or of the last one.
+fn first_read<const N: usize>(outcomes: [Outcome; N]) -> Outcome {
+    outcomes.into_iter().reduce(Outcome::or).unwrap_or(Ok(()))
 }
 
-/// Value that was read, or the message, which says something.
-fn spoken<T>(read: Result<T, impl Display>) -> Result<T, String> {
+/// Value that was read, or the message, which must not be empty.
+fn with_message<T>(read: Result<T, impl Display>) -> Result<T, String> {
     read.map_err(|error| {
         let message = error.to_string();
         assert!(message.trim().len() > 10, "{message:?}");
@@ -224,12 +224,12 @@ fn spoken<T>(read: Result<T, impl Display>) -> Result<T, String> {
     })
 }
 
-/// Value that was read, all of whose numbers are finite.
-fn whole<T: Debug>(read: Result<T, RecordedError>) -> Result<T, String> {
-    spoken(read).inspect(|whole| is_finite(whole))
+/// Value that was read, whose numbers must be finite.
+fn finite<T: Debug>(read: Result<T, RecordedError>) -> Result<T, String> {
+    with_message(read).inspect(|value| check_finite(value))
 }
 
-fn is_finite(what: &impl Debug) {
+fn check_finite(what: &impl Debug) {
     let text = format!("{what:?}");
     let words = |c: char| !c.is_alphanumeric();
     let odd = text

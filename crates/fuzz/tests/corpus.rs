@@ -1,4 +1,4 @@
-//! Replay of the corpus, whose files are named by what their reader says to them, and of variations of each file.
+//! Replay of the corpus and of variations of its files. The name of a file gives the expected outcome of its reader.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -6,10 +6,10 @@ use std::path::Path;
 
 use palpate_fuzz::{TARGETS, Target};
 
-/// Variations of each file of a target that has few files.
+/// Number of variations of each file of a target with few files.
 const VARIATIONS: u64 = 40;
-/// Most variations of a target over all of its files.
-const MOST: u64 = 4000;
+/// Largest number of variations of a target over all its files.
+const MAX_VARIATIONS: u64 = 4000;
 
 /// Files of a target by name.
 fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
@@ -25,11 +25,11 @@ fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
         })
         .collect();
     files.sort();
-    assert!(files.len() >= 4, "the corpus of {} is gone", target.name);
+    assert!(files.len() >= 4, "the corpus of {} is missing", target.name);
     files
 }
 
-/// SplitMix64: the same variations every time.
+/// Random numbers by SplitMix64, the same in every run.
 struct Dice(u64);
 
 impl Dice {
@@ -41,7 +41,7 @@ impl Dice {
     }
 }
 
-/// Pieces of text that readers of numbers and files often mishandle, to be put into files.
+/// Texts that readers of numbers and files often mishandle.
 const WORDS: [&[u8]; 16] = [
     b"nan",
     b"inf",
@@ -85,20 +85,20 @@ fn varied(file: &[u8], dice: &mut Dice) -> Vec<u8> {
     bytes
 }
 
-fn survives(name: &str) {
+fn check(name: &str) {
     let target = TARGETS.iter().find(|target| target.name == name).unwrap();
     let files = corpus(target);
     let misnamed: Vec<String> = files
         .iter()
         .filter_map(|(file, bytes)| {
-            let verdict = (target.run)(bytes);
-            let said = if verdict.is_ok() { "read-" } else { "refused-" };
-            let is_named = file.starts_with(said);
-            (!is_named).then(|| format!("name {name}/{file} {said}…: {verdict:?}"))
+            let outcome = (target.run)(bytes);
+            let prefix = if outcome.is_ok() { "read-" } else { "refused-" };
+            let is_named = file.starts_with(prefix);
+            (!is_named).then(|| format!("rename {name}/{file} to {prefix}…: {outcome:?}"))
         })
         .collect();
     assert!(misnamed.is_empty(), "{}", misnamed.join("\n"));
-    let each = VARIATIONS.min(MOST / files.len() as u64);
+    let each = VARIATIONS.min(MAX_VARIATIONS / files.len() as u64);
     for (number, (file, bytes)) in files.iter().enumerate() {
         for variation in 0..each {
             let varied = varied(bytes, &mut Dice((number as u64) << 32 | variation));
@@ -112,25 +112,25 @@ fn survives(name: &str) {
 
 #[test]
 fn configs() {
-    survives("config");
+    check("config");
 }
 
 #[test]
 fn formulas() {
-    survives("formula");
+    check("formula");
 }
 
 #[test]
 fn readings() {
-    survives("readings");
+    check("readings");
 }
 
 #[test]
 fn frames() {
-    survives("frame");
+    check("frame");
 }
 
 #[test]
 fn calibrations() {
-    survives("calibration");
+    check("calibration");
 }

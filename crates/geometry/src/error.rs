@@ -1,11 +1,11 @@
 //! Errors of surfaces.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::Point3;
-use palpate_statistics::Number;
+use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
-
-use crate::reach::SQUARABLE;
 
 /// Reasons for which a surface has no answer at a place.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
@@ -66,44 +66,27 @@ impl SurfaceError {
     }
 }
 
-/// A parameter that makes no surface.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{parameter} is {value}; it must be {expected}", value = Number(*value))]
-pub struct InvalidShape {
-    /// Name of the parameter, as in the config.
-    pub parameter: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Values that the parameter may have, in words that follow "must be".
-    pub expected: &'static str,
+/// A parameter of a surface that is out of its range.
+pub type InvalidShape = BadSetting;
+
+/// Checks that a parameter is a length whose square neither overflows nor vanishes.
+pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+    let expected = match value > 0.0 && value.is_finite() {
+        true => "between 1e-150 and 1e150",
+        false => "finite and > 0",
+    };
+    BadSetting::unless(SQUARABLE.contains(&value), parameter, value, expected)
 }
 
-impl InvalidShape {
-    pub(crate) fn unless_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
-        if SQUARABLE.contains(&value) {
-            return Ok(value);
-        }
-        let expected = if value > 0.0 && value.is_finite() {
-            "between 1e-150 and 1e150"
-        } else {
-            "finite and > 0"
-        };
-        Err(InvalidShape {
-            parameter,
-            value,
-            expected,
-        })
-    }
+/// Checks that a parameter is finite.
+pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+    BadSetting::unless(value.is_finite(), parameter, value, "finite")
+}
 
-    pub(crate) fn unless_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
-        if value.is_finite() {
-            return Ok(value);
-        }
-        let expected = "finite";
-        Err(InvalidShape {
-            parameter,
-            value,
-            expected,
-        })
-    }
+/// Range of lengths and slopes whose squares neither overflow nor vanish. Outside of it, directions cannot be computed.
+pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
+
+/// Whether the coordinates of a place can be squared; false for NaN.
+pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
+    x.abs() + y.abs() <= *SQUARABLE.end()
 }

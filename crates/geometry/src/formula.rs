@@ -14,7 +14,6 @@
 mod error;
 mod jet;
 mod lexer;
-mod limits;
 mod operation;
 mod parser;
 mod program;
@@ -25,9 +24,9 @@ pub use error::{FormulaError, FormulaErrorKind};
 pub use jet::Jet;
 use program::Program;
 
-/// A function z = f(x, y) read from text, its parameters folded in as constants.
+/// A function z = f(x, y) that is parsed from a text. Its parameters become constants.
 ///
-/// Evaluation neither fails nor allocates. Outside the formula's domain the value is not finite (`ln(x)` at x ≤ 0).
+/// Evaluation neither fails nor allocates. Outside of the formula's domain the value is not finite (`ln(x)` at x ≤ 0).
 ///
 /// ```
 /// use std::collections::BTreeMap;
@@ -46,33 +45,34 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// The longest formula accepted, in characters.
-    pub const MAX_CHARACTERS: usize = limits::MAX_CHARACTERS;
-    /// The deepest nesting accepted; parentheses, calls, signs and right-hand sides of operators all count.
-    pub const MAX_NESTING: usize = limits::MAX_NESTING;
+    /// Largest number of characters of a formula. It limits the length of the compiled program.
+    pub const MAX_CHARACTERS: usize = 10_000;
+    /// Largest depth of nesting, which limits the parser's stack. Parentheses, calls, signs and right-hand sides of operators
+    /// count.
+    pub const MAX_NESTING: usize = 100;
 
-    /// Reads a formula. `parameters` gives the value of every name in it besides `x`, `y`, `pi` and the functions.
+    /// Parses a formula. `parameters` holds the value of every name except `x`, `y`, `pi` and the functions.
     ///
     /// # Errors
-    /// [`FormulaError`], which shows the offending place, if the text is no formula, names something unknown, or has a
-    /// constant part that is not finite (`1/0`); if a parameter is not finite, is unused (a likely misspelling), or
-    /// takes a name the grammar already uses.
+    /// [`FormulaError`] with the wrong place of the text: if the text is not a formula, has an unknown name, or has a constant
+    /// part that is not finite (`1/0`); if a parameter is not finite, is not used (probably misspelt), or has a name of the
+    /// grammar.
     pub fn parse(text: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, FormulaError> {
         parser::parse(text, parameters).map(|program| Self { program })
     }
 
-    /// The height f(x, y); equal to the last bit to `jet(x, y).value`.
+    /// The height f(x, y). It equals `jet(x, y).value` to the last bit.
     pub fn value(&self, x: f64, y: f64) -> f64 {
         self.program.run(x, y)
     }
 
-    /// The height with its first and second derivatives, exact up to rounding: within 1e-15 per operation, and what
-    /// the differences in the formula make of that.
+    /// The height with its first and second derivatives. Rounding errors are 1e-15 per operation; differences in the formula
+    /// may amplify them.
     ///
     /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
-    /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is smooth only as a whole.
-    /// The same holds where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is
-    /// the cut of `atan2`: there the jet is finite and that of one side.
+    /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is only smooth as a whole. The
+    /// same holds where a derivative overflows. [`Jet::is_finite`] checks this. The only exception is the cut of `atan2`:
+    /// there the jet is finite and belongs to one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix2, Point3, RowVector2, Vector3};
 
-use crate::reach::{SQUARABLE, is_within_reach};
+use crate::error::{SQUARABLE, is_within_reach};
 use crate::{CurvatureForm, SurfaceError};
 
 /// The two parameters of a chart, in the chart's own units.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::CurvatureForm;
-use crate::reach::SQUARABLE;
+use crate::error::SQUARABLE;
 
 /// Normal and curvature of the level set of a function `F` through a point, `F` growing outwards.
 ///

@@ -1,14 +1,13 @@
-//! The vocabulary of the workspace: surfaces and their fundamental forms, curvature and its classes.
+//! Surfaces and their fundamental forms, curvature and its classes. All crates use these types.
 //!
-//! One sign convention holds everywhere: a surface's unit normal points out of the solid, and
-//! curvature is positive where the solid is convex. Symbols, units and equations are listed in
-//! `NOTATION.md` beside this crate.
+//! There is one sign convention: a surface's unit normal points out of the solid, and curvature is positive where the solid
+//! is convex. The file `NOTATION.md` of this crate lists symbols, units and equations.
 //!
-//! Every [`Surface`] can be asked in two independent ways: through its chart (first and second
-//! derivatives with respect to two parameters, see [`ChartGeometry`]) and chart-free (gradient and
-//! Hessian of a level set, see [`LevelSet`]), which has no poles.
+//! Every [`Surface`] has two independent descriptions. One uses a chart: first and second derivatives with respect to two
+//! parameters, see [`ChartGeometry`]. The other is chart-free and has no poles: gradient and Hessian of a level set, see
+//! [`LevelSet`].
 //!
-//! This crate does no input or output, draws no random numbers and knows no file format.
+//! This crate has no input or output, no random numbers and no file formats.
 
 pub mod curvature;
 mod error;
@@ -16,8 +15,7 @@ pub mod formula;
 mod fundamental;
 mod level_set;
 mod meridian;
-mod posed;
-mod reach;
+mod placed_surface;
 mod shape;
 mod surface;
 pub mod surfaces;
@@ -29,7 +27,7 @@ pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
-pub use posed::Posed;
+pub use placed_surface::PlacedSurface;
 pub use shape::{Shape, Visitor};
 pub use surface::Surface;
 

@@ -1,4 +1,4 @@
-//! Any of the surfaces, chosen at run time.
+//! A surface of any type, which is chosen at run time.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -9,7 +9,7 @@ use crate::{
     ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
 
-/// Any of the surfaces.
+/// A surface of any type.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "each variant is the surface of the same name")]
 pub enum Shape {
@@ -24,7 +24,7 @@ pub enum Shape {
     HeightField(Graph<HeightField>),
 }
 
-/// Calls the same method on whichever surface it is.
+/// Calls the same method on the surface, whatever its type is.
 macro_rules! delegate {
     ($shape:expr, $surface:ident => $call:expr) => {
         match $shape {
@@ -41,8 +41,8 @@ macro_rules! delegate {
     };
 }
 
-/// Computation on a surface whose type is known while compiling, where [`Shape`] as a [`Surface`] would choose anew at
-/// every call.
+/// A computation that is compiled for each type of surface. It is faster than using [`Shape`] as a [`Surface`], which has to
+/// choose the type at every call.
 pub trait Visitor {
     /// Result of the computation.
     type Out;
@@ -52,13 +52,13 @@ pub trait Visitor {
 }
 
 impl Shape {
-    /// Result of a computation on the surface that it is.
+    /// The result of a computation on the surface.
     #[inline]
     pub fn visited_by<V: Visitor>(&self, visitor: V) -> V::Out {
         delegate!(self, surface => visitor.visit(surface))
     }
 
-    /// Whether it is a graph z = f(x, y).
+    /// Whether the surface is a graph z = f(x, y).
     pub fn is_graph(&self) -> bool {
         fn of<S: Surface>(_: &S) -> bool {
             S::IS_GRAPH

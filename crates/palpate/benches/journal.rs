@@ -23,7 +23,7 @@ use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use journal::{Asked, CellRecord, Header, Journal};
-use palpate::{RunOptions, Runner, Simulation, Study, Taken, Warnings};
+use palpate::{RunOptions, Runner, Simulation, Study, SweepOutput, Warnings};
 
 /// Rolls on balls of so many radii, closed form.
 fn study(cells: u64, trials: u64) -> Study {
@@ -41,7 +41,7 @@ fn bare(simulation: &Simulation<'_>) -> usize {
     let mut bytes = 0;
     let made = |finished| simulation.rows(&finished);
     let take = &mut |_, taken| {
-        if let Taken::Result(rows) = taken {
+        if let SweepOutput::Result(rows) = taken {
             let rows: palpate::CellRows = rows;
             bytes += rows.cells.len();
         }
@@ -70,7 +70,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
         CellRecord::new(finished.cell(), rows)
     };
     let take = &mut |_, taken| {
-        if let Taken::Result(record) = taken {
+        if let SweepOutput::Result(record) = taken {
             journal.cell(record).unwrap();
         }
         ControlFlow::Continue(())

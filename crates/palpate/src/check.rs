@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Need, Parts, Scene, Scenes};
+use palpate_scene::{Ladder, Need, Scene, Scenes, SharedModels};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
@@ -132,8 +132,7 @@ pub fn check(
     let asked = sum(scenes.iter().map(|one| one.config.trials));
     let trials_of_all = study.trials().saturating_sub(asked).saturating_add(known);
     let timed: Vec<&SceneTrial> = scenes.iter().map(|one| &one.trial).collect();
-    let pace = Pace::of(runner, &timed, TIMING, clock)
-        .map_err(|error| error.map_set_up(|never| match never {}))?;
+    let pace = Pace::of(runner, &timed, TIMING, clock);
     let groups = groups(study, &scenes, &pace, clock).map_err(SweepError::SetUp)?;
     let intervals = intervals(&scenes);
     let of_all = study.trials() as f64 / asked as f64;
@@ -195,7 +194,7 @@ fn scenes(
 ) -> Result<Vec<CellScene>, ConfigError> {
     let (start, sample) = (clock(), study.sample());
     let is_whole = sample.len() == study.cell_count();
-    let (mut scenes, parts) = (Vec::new(), Parts::default());
+    let (mut scenes, parts) = (Vec::new(), SharedModels::default());
     for (done, place) in spread(sample.len()).enumerate() {
         progress(done, sample.len());
         let number = sample[place];

@@ -54,7 +54,7 @@ pub(crate) fn of_neighbours(
 }
 
 fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
-    let can = |place: &usize| ladder.rungs[*place].outcome.is_ok();
+    let can = |place: &usize| ladder.rungs[*place].accuracy.error().is_some();
     let last = ladder.rungs.len() - 1;
     let down = (0..ladder.taken).rev().find(can).unwrap_or(0);
     let up = (ladder.taken + 1..=last).find(can).unwrap_or(last);
@@ -63,10 +63,8 @@ fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
 
 /// Measured cost of the scene on a rung; `None` where the rung cannot do the scene.
 fn cost(scene: &SceneConfig, seed: u64, rung: &Rung, clock: &Clock<'_>) -> Option<Cost> {
-    let config = match &rung.outcome {
-        Ok(_) => scene.with_model(&rung.model)?,
-        Err(_) => return None,
-    };
+    rung.accuracy.error()?;
+    let config = scene.with_model(&rung.model)?;
     let set_up = || Scene::new(&config, seed).ok();
     // Once to fill caches and tables.
     let scene = set_up()?;

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use palpate_scene::quantities_of;
 use palpate_study::Target;
 use palpate_study::config::Study;
-use palpate_sweep::{Ask, Clock, Curves, Run, Runner, Search, Searched, Side, search};
+use palpate_sweep::{Clock, Curves, Run, Runner, ScoreRequest, Search, SearchResult, Side, search};
 
 use curves::CellCurves;
 
@@ -91,7 +91,7 @@ pub fn design(
     // What is best is worth knowing well where nothing is good enough.
     if let Some((looked, sample)) = answer.best() {
         let known = known_in_time(&answer, question, clock);
-        curves.look(&[Ask {
+        curves.scores(&[ScoreRequest {
             value: looked.value,
             cell: sample.cell,
             trials: known.max(sample.trials),
@@ -121,7 +121,7 @@ fn known_in_time(answer: &Answer, question: &Question, clock: &Clock<'_>) -> u64
 fn assembled(
     curves: &CellCurves<'_>,
     question: &Question,
-    found: &Searched,
+    found: &SearchResult,
 ) -> Result<Answer, DesignError> {
     let field = curves.field().clone();
     let mut samples: BTreeMap<(u64, bool), Vec<Sample>> = BTreeMap::new();
@@ -134,7 +134,7 @@ fn assembled(
         });
     }
     let mut looked = Vec::new();
-    for one in &found.looked {
+    for one in &found.tested {
         let mut of = |fresh: bool| {
             let known = samples.remove(&(one.value.to_bits(), fresh));
             known.unwrap_or_default()
@@ -147,7 +147,7 @@ fn assembled(
             fresh: of(true),
         });
     }
-    let told = curves.study_at(found.looked.first().map_or(0.0, |looked| looked.value))?;
+    let told = curves.study_at(found.tested.first().map_or(0.0, |looked| looked.value))?;
     // The field itself and what is set are the last, and the same in all cells.
     let axes = told.columns.len() - 1 - question.set.len();
     let cells = (0..told.cell_count()).map(|cell| {

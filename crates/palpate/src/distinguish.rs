@@ -10,7 +10,7 @@ mod words;
 use palpate_scene::{Scenes, quantities_of};
 use palpate_study::Quantity;
 use palpate_study::config::{SceneConfig, Study};
-use palpate_sweep::{Runner, Told, both_above, in_order, repeats};
+use palpate_sweep::{Runner, TrialMeans, both_above, in_order, repeats};
 
 use crate::trial::SceneTrial;
 use error::MOST_CELLS;
@@ -79,7 +79,7 @@ pub fn distinguish(
     let first = study.cell(0)?.config.scene;
     place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
-    let mut told: Vec<Vec<Told>> = Vec::with_capacity(cells);
+    let mut told: Vec<Vec<TrialMeans>> = Vec::with_capacity(cells);
     let mut facts: Vec<(Option<&'static str>, Quantity)> = Vec::with_capacity(cells);
     for cell in 0..cells {
         progress(cell, cells);
@@ -88,7 +88,7 @@ pub fn distinguish(
         let (place, found) = place_of(trial.scene.quantities(), kind, quantity)?;
         let first = cell as u64 * APART;
         let trials = study.trials_of(cell).min(APART);
-        told.push(runner.told(&trial, place, first..first + trials));
+        told.push(runner.trial_means(&trial, place, first..first + trials));
         facts.push((trial.scene.true_class(), found));
     }
     let quantity = facts

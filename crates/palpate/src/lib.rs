@@ -73,13 +73,15 @@ pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Arch, CutPattern, Ladder, Need, Rung, Scene, Scenes, SeenPress, Trace, marker_places,
+    Accuracy, Arch, CameraTrace, CutPattern, Ladder, Need, Rung, Scene, Scenes, Trace,
+    marker_places,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, Warning, glossary};
 pub use palpate_sweep::{
-    CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Plan, PlanError,
-    Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,
+    CellStatistics, Clock, EndReason, FailingCell, Failure, Goal, MODEL_ERROR_SHARE, NoThreads,
+    Order, Plan, PlanError, Repeats, Run, RunOptions, Runner, Side, Summary, SweepError,
+    SweepOutput,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};

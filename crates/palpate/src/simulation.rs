@@ -9,13 +9,13 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, Parts, Scene, Scenes};
+use palpate_scene::{Arch, Scene, Scenes, SharedModels};
 use palpate_study::MapTable;
 use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_sweep::{
-    CellStatistics, NoThreads, RunOptions, Runner, Stop, Sweep, SweepError, Taken, Task,
-    TrialObservations,
+    CellStatistics, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError, SweepOutput,
+    Task, TrialObservations,
 };
 use thiserror::Error;
 
@@ -81,8 +81,8 @@ pub struct Simulation<'a> {
     tells_trials: bool,
     /// Scenes that have been checked and not yet been run, by the numbers of their cells.
     kept: Mutex<BTreeMap<usize, (Cell, Scene)>>,
-    /// Parts that scenes share.
-    parts: Parts,
+    /// SharedModels that scenes share.
+    parts: SharedModels,
 }
 
 impl<'a> Simulation<'a> {
@@ -111,7 +111,7 @@ impl<'a> Simulation<'a> {
         runner: &'a Runner,
     ) -> Result<Self, ConfigError> {
         let has_maps = study.config.outputs.contains(&Output::Map);
-        let parts = Parts::default();
+        let parts = SharedModels::default();
         let mut kept = BTreeMap::new();
         let mut maps = None;
         if let (true, Some(&first)) = (has_maps, numbers.first()) {
@@ -270,14 +270,14 @@ impl<'a> Simulation<'a> {
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
         make: impl Fn(Finished) -> R + Sync,
-        take: &mut (dyn FnMut(u64, Taken<R>) -> ControlFlow<()> + Send),
+        take: &mut (dyn FnMut(u64, SweepOutput<R>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<ConfigError>> {
         let tasks = Tasks {
             simulation: self,
             first,
             make,
         };
-        let take = &mut |number: u64, taken: Taken<R>| take(first + number, taken);
+        let take = &mut |number: u64, taken: SweepOutput<R>| take(first + number, taken);
         self.runner.stream(&tasks, cancelled, progress, take)
     }
 
@@ -296,10 +296,10 @@ impl<'a> Simulation<'a> {
     ) -> Result<Ran, SweepError<ConfigError>> {
         let mut cells: Vec<Finished> = Vec::new();
         let mut trials = tables::TRIALS.join(",") + "\n";
-        let take = &mut |_: u64, taken: Taken<Finished>| {
+        let take = &mut |_: u64, taken: SweepOutput<Finished>| {
             match taken {
-                Taken::Note(rows) => trials.push_str(&rows),
-                Taken::Result(finished) => cells.push(finished),
+                SweepOutput::TrialRows(rows) => trials.push_str(&rows),
+                SweepOutput::Result(finished) => cells.push(finished),
             }
             ControlFlow::Continue(())
         };
@@ -387,15 +387,15 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
         self.simulation.set_up(cell)
     }
 
-    fn stop(&self, trial: &Ready) -> Option<Stop> {
+    fn stopping_rule(&self, trial: &Ready) -> Option<StoppingRule> {
         trial.stop(self.simulation.study)
     }
 
-    fn is_noted(&self) -> bool {
+    fn has_trial_rows(&self) -> bool {
         self.simulation.tells_trials
     }
 
-    fn note(
+    fn add_trial_row(
         &self,
         trial: &Ready,
         number: u64,

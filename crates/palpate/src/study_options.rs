@@ -6,7 +6,7 @@
 //! [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and a config that makes no scene.
 
 use palpate_recorded::{GlideOptions, PictureOptions, PressOptions, RollOptions, StudyMismatch};
-use palpate_scene::{Parts, PressScene, RollScene};
+use palpate_scene::{PressScene, RollScene, SharedModels};
 use palpate_study::config::{LengthUnit, StudyConfig};
 
 /// Options of `estimate_roll`. The noise is that of the study's sensor.
@@ -27,7 +27,7 @@ pub fn glide(study: &StudyConfig, unit: LengthUnit) -> Result<GlideOptions, Stud
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
     PressOptions::from_study(study, unit, |config| {
-        Ok(PressScene::new(config, study.seed, &Parts::default())?.stated_stds())
+        Ok(PressScene::new(config, study.seed, &SharedModels::default())?.stated_stds())
     })
 }
 

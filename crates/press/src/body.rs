@@ -1,17 +1,17 @@
-//! The soft body that is pressed, and a contact with it.
+//! Models of the soft body, and a contact with it.
 
 use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
 
 use crate::bonded_layer::{BondedLayer, LayerContact};
-use crate::{Field, PressError, half_space};
+use crate::{PressError, half_space};
 
-/// Distance from a contact beyond which displacements are taken as 0, length.
-const FARTHEST: f64 = 1e50;
+/// Distance from a contact beyond which displacements are set to 0, length.
+const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body: the displacement of the skin, at the markers' depth, under a press.
 ///
-/// Every body scales alike: with the contact's radius a and the relative curvature C_r, the displacement is
+/// All bodies scale in the same way: with the contact's radius a and the relative curvature C_r, the displacement is
 /// C_r F(a, r) and the indentation is C_r D(a).
 ///
 /// ```
@@ -45,30 +45,30 @@ enum Rung {
     },
 }
 
-/// The way in which contacts with a layer are computed.
+/// Method for contacts with a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// Interpolation in tables: for many contacts.
+    /// Interpolation in tables; faster for many contacts.
     Tables,
-    /// A solution of each contact for itself: for few.
+    /// Solution of the equations of each contact; faster for few contacts.
     Solved,
 }
 
-/// A contact: what presses, how deep, and how wide.
+/// A contact of an object with the body.
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
-    /// The contact with the layer, if the body is one.
+    /// The contact with the layer, if the body is a layer.
     layer: Option<LayerContact>,
     /// 1/R_s + 1/R_o, 1/length.
     pub relative_curvature: f64,
-    /// The approach of the bodies since first touch, length.
+    /// Approach of the bodies since first touch, length.
     pub indentation: f64,
     /// Radius of the contact, length.
     pub radius: f64,
 }
 
-/// The displacement of a place on the skin.
+/// Displacement of a point of the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Inward, length.
@@ -77,8 +77,26 @@ pub struct Displacement {
     pub radial: f64,
 }
 
+/// Displacement at a distance from the middle of a contact, with its derivatives by the distance and by the contact's
+/// radius, divided by the relative curvature: F(a, r) in u = C_r F. Units: length² for displacements, length for derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Field {
+    /// Inward displacement.
+    pub normal: f64,
+    /// Derivative of the inward displacement by the distance.
+    pub normal_per_r: f64,
+    /// Derivative of the inward displacement by the contact's radius.
+    pub normal_per_a: f64,
+    /// Displacement along the skin, away from the contact.
+    pub radial: f64,
+    /// Derivative of the displacement along the skin by the distance.
+    pub radial_per_r: f64,
+    /// Derivative of the displacement along the skin by the contact's radius.
+    pub radial_per_a: f64,
+}
+
 impl Body {
-    /// An elastic half-space, seen at its surface.
+    /// An elastic half-space with displacements at its surface.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5].
@@ -86,7 +104,7 @@ impl Body {
         Self::half_space(poisson, 0.0)
     }
 
-    /// An elastic half-space, seen at this depth.
+    /// An elastic half-space with displacements at this depth.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5] and a `depth` that is negative or beyond 1e50.
@@ -98,16 +116,16 @@ impl Body {
         Ok(Self(Rung::HalfSpace { poisson, depth }))
     }
 
-    /// An incompressible layer bonded to a rigid core, seen at this depth.
+    /// An incompressible layer bonded to a rigid core, with displacements at this depth.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for a `thickness` that is not a length, or a `depth` that is not within it.
+    /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` outside the layer.
     pub fn bonded_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
-    /// An incompressible layer bonded to a rigid core, seen at each of these depths, in their order; made together, which
-    /// takes little longer than one.
+    /// Models of one incompressible layer bonded to a rigid core, one for each depth, in the order of the depths. Their
+    /// tables are computed together, which takes little longer than the tables of one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -118,8 +136,8 @@ impl Body {
             .collect())
     }
 
-    /// An incompressible layer bonded to a rigid core, as [`Body::bonded_layer`] but for few contacts: each is solved
-    /// for itself, as [`BondedLayer::solved`] does, without tables.
+    /// The same layer as [`Body::bonded_layer`], but for few contacts: each is solved without tables, see
+    /// [`BondedLayer::solved`].
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -127,7 +145,7 @@ impl Body {
         BondedLayer::new(thickness, depth).map(Self::solved)
     }
 
-    /// A body of this layer for few contacts: as [`Body::solved_layer`], at the layer's own resolution.
+    /// The same for an existing layer, with the resolution of the layer.
     pub fn solved(layer: BondedLayer) -> Self {
         Self::layer(layer, Layers::Solved)
     }
@@ -139,8 +157,8 @@ impl Body {
         })
     }
 
-    /// The 2020 paper's approximation u = δ exp(−r²/2σ²) with σ² = δ R/c; it moves nothing along the skin. The paper
-    /// has c = 1.
+    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c, without displacements along the skin. The
+    /// paper has c = 1.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
@@ -150,7 +168,7 @@ impl Body {
         Ok(Self(Rung::Gaussian { c }))
     }
 
-    /// The c of a Gaussian; `None` of other bodies.
+    /// The c of a Gaussian; `None` for other bodies.
     pub fn c(&self) -> Option<f64> {
         match self.0 {
             Rung::Gaussian { c } => Some(c),
@@ -158,17 +176,17 @@ impl Body {
         }
     }
 
-    /// Whether presses move the skin along itself, as far as this model knows.
+    /// Whether the model has displacements along the skin.
     pub fn moves_tangentially(&self) -> bool {
         !matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Whether this only resembles what a press does: readings then differ from it by more than their noise.
+    /// Whether the model is only an approximation, so that its errors are larger than the noise of readings.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Poisson's ratio and the depth of a body that can be moved sideways: a half-space.
+    /// Poisson's ratio and depth of a body with a model of sideways shifts: a half-space.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
@@ -176,12 +194,12 @@ impl Body {
         }
     }
 
-    /// A press of this indentation, by an object of this relative curvature.
+    /// The contact with an object of this relative curvature at this indentation.
     ///
     /// # Errors
-    /// [`PressError::EdgeContact`] or [`PressError::Conforming`] where the relative curvature is not positive,
-    /// [`PressError::NoIndentation`], [`PressError::TooDeep`] beyond a layer, [`PressError::LayerTooThin`] and
-    /// [`PressError::OutOfRange`] where the contact's radius cannot be found.
+    /// [`PressError::EdgeContact`] or [`PressError::Conforming`] if the relative curvature is not positive,
+    /// [`PressError::NoIndentation`], [`PressError::TooDeep`] if the indentation reaches the thickness of a layer,
+    /// [`PressError::LayerTooThin`] and [`PressError::OutOfRange`] if the contact's radius cannot be computed.
     pub fn press(
         &self,
         relative_curvature: f64,
@@ -216,7 +234,7 @@ impl Body {
         self.contact(relative_curvature, indentation, radius)
     }
 
-    /// The contact of this radius with an object of relative curvature 1: however deep, displacements are F(a, r).
+    /// The contact of this radius with an object of relative curvature 1; its displacements are F(a, r).
     pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
         let [indentation, _] = self.indentation_of(radius)?;
         self.contact(1.0, indentation, radius)
@@ -268,11 +286,10 @@ impl Body {
 }
 
 impl Contact<'_> {
-    /// Displacement of the skin at arc distance `r` (length, of either sign) from the contact; 0 where `r` is NaN or
-    /// beyond 1e50.
+    /// Displacement of the skin at arc distance `r` (length, of either sign) from the contact; 0 if `r` is NaN or beyond
+    /// 1e50.
     ///
-    /// The error is at most 1e-11 of the displacement for a half-space, and as stated at [`BondedLayer::contact`] for a
-    /// layer.
+    /// The relative error is at most 1e-11 for a half-space; for a layer see [`BondedLayer::contact`].
     pub fn displacement(&self, r: f64) -> Displacement {
         let field = self.field(r);
         Displacement {
@@ -281,8 +298,8 @@ impl Contact<'_> {
         }
     }
 
-    /// The force between the bodies for a Young's modulus of the soft one, in its unit times length²; none for the
-    /// Gaussian, which knows no stress, and where it is no finite number.
+    /// Force between the bodies for a Young's modulus of the soft one, in the unit of the modulus times length². `None` for
+    /// the Gaussian, which has no stress, and if the force is not finite.
     pub fn force(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let force = match &self.body.0 {
@@ -295,8 +312,8 @@ impl Contact<'_> {
         force.filter(|force| force.is_finite())
     }
 
-    /// The pressure in the middle of the contact for a Young's modulus, in its unit; none for the Gaussian, and
-    /// where it is no finite number.
+    /// Pressure in the middle of the contact for a Young's modulus, in its unit. `None` for the Gaussian, and if the pressure
+    /// is not finite.
     pub fn peak_pressure(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let pressure = match &self.body.0 {
@@ -309,11 +326,11 @@ impl Contact<'_> {
         pressure.filter(|pressure| pressure.is_finite())
     }
 
-    // What the caller does not use of it is not computed where it stands inline.
+    // Inlined, so that the compiler removes the parts that a caller does not use.
     #[inline(always)]
     pub(crate) fn field(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());
-        if r.is_nan() || r > FARTHEST {
+        if r.is_nan() || r > MAX_DISTANCE {
             return Field::default();
         }
         if let Some(layer) = &self.layer {

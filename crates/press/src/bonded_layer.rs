@@ -1,38 +1,38 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
-//! The object is rigid, free of friction, and a paraboloid of the relative curvature; the layer is flat, its depth
-//! counted from the surface. The displacement is that of a half-space under the contact's pressure, in closed form
-//! ([`rings`]), and what the base takes from it, a sum over wavenumbers ([`waves`]) or a table of it ([`table`]).
+//! The object is a rigid paraboloid of the relative curvature without friction. The layer is flat; depths count from its
+//! surface. The displacement is the sum of that of a half-space under the contact's pressure, in closed form
+//! ([`pressure_field`]), and the correction for the rigid base: a sum over wavenumbers ([`reflection`]), or a table of it
+//! ([`contact_table`]).
 //!
-//! Everything scales with the thickness: in its units only the contact's radius, the depth and the distance matter.
+//! All lengths scale with the thickness: only the contact's radius, the depth and the distance in thicknesses matter.
 
+mod contact_table;
 mod pressure;
+mod pressure_field;
 mod reflection;
-mod rings;
-mod table;
-mod waves;
 
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
+use contact_table::{ENDS, Panels, Table};
 use pressure::Pressure;
-use rings::Term;
-use table::{ENDS, Panels, Table};
-use waves::Waves;
+use pressure_field::Term;
+use reflection::Waves;
 
 use crate::{Field, PressError};
 
-/// The widest contact that is solved, in thicknesses.
-const LIMIT: f64 = 50.0;
+/// Largest radius of a contact that can be solved, in thicknesses.
+const MAX_RADIUS: f64 = 50.0;
 /// Largest number of steps of Newton's method, which takes about four.
 const STEPS: usize = 30;
 
-/// An incompressible layer on a rigid base, read at a depth.
+/// An incompressible layer on a rigid base, with displacements at one depth.
 ///
 /// ```
 /// use palpate_press::BondedLayer;
 ///
-/// // A contact that is small against the thickness is one with a half-space: D = a².
+/// // For contacts much smaller than the thickness the layer acts as a half-space: D = a².
 /// let layer = BondedLayer::new(1.0, 0.5)?;
 /// let [indentation, _] = layer.indentation_of(1e-3)?;
 /// assert!((indentation / 1e-6 - 1.0).abs() < 2e-3);
@@ -44,9 +44,9 @@ const STEPS: usize = 30;
 pub struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Number of nodes for contacts that are solved for themselves, over the number that they need.
+    /// Number of nodes for contacts that are solved without a table, relative to the necessary number.
     resolution: f64,
-    /// Layers that this one has its tables with, and its number among them.
+    /// The layers that share the tables, and the index of this layer among them.
     family: Arc<Family>,
     number: usize,
 }
@@ -56,7 +56,7 @@ pub struct BondedLayer {
 struct Family {
     /// In thicknesses.
     depths: Vec<f64>,
-    /// Tables at each depth in each range of radii, made when first asked for.
+    /// Tables at each depth in each range of radii, computed at first use.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
 }
 
@@ -75,7 +75,7 @@ impl Family {
 #[derive(Clone, Debug)]
 pub struct LayerContact {
     thickness: f64,
-    /// Depth, in thicknesses; all fields that follow are in units of the thickness too.
+    /// Depth in thicknesses; all following fields are in thicknesses too.
     depth: f64,
     contact: f64,
     /// Indentation, its derivative by the radius, ∫ φ dt, −∫ φ'/t dt.
@@ -84,7 +84,7 @@ pub struct LayerContact {
     base: Base,
 }
 
-/// The part of the displacement that the rigid base takes away, as a sum or as a table.
+/// The correction of the displacement for the rigid base, as a sum or as a table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),
@@ -92,7 +92,7 @@ enum Base {
 }
 
 impl BondedLayer {
-    /// A layer of this thickness whose displacements are read at this depth below its surface.
+    /// A layer of this thickness with displacements at this depth below its surface.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` that is not from 0 to
@@ -102,7 +102,8 @@ impl BondedLayer {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// One layer at several depths, in their order. Their tables are made together, which takes little longer than one.
+    /// One layer at several depths, in the order of the depths. Their tables are computed together, which takes little longer
+    /// than those of one depth.
     ///
     /// # Errors
     /// Errors of [`BondedLayer::new`].
@@ -127,8 +128,8 @@ impl BondedLayer {
         Ok(depths.iter().enumerate().map(layer).collect())
     }
 
-    /// This layer, with `resolution` times the nodes for contacts that are solved for themselves: below 1 quicker and
-    /// coarser, above 1 to see that nothing changes. Tables stay as they are.
+    /// This layer with `resolution` times the number of nodes for contacts that are solved without a table. Below 1 the
+    /// solution is faster and coarser; above 1 it serves as a check of convergence. Tables do not change.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `resolution` that is not from 1/16 to 16.
@@ -138,18 +139,18 @@ impl BondedLayer {
         Ok(Self { resolution, ..self })
     }
 
-    /// Its thickness.
+    /// The thickness.
     pub const fn thickness(&self) -> f64 {
         self.thickness
     }
 
-    /// The depth at which displacements are read.
+    /// The depth of the displacements.
     pub const fn depth(&self) -> f64 {
         self.depth
     }
 
-    /// The indentation over the relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a. D/a²
-    /// falls from 1, as on a half-space and within 2a/t, to 1/4, which it is above by at most 3t/a.
+    /// Indentation over relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a. With the thickness
+    /// t, D/a² falls from 1 (half-space, within 2a/t) to 1/4 (within 3t/a).
     ///
     /// # Errors
     /// [`PressError::LayerTooThin`] for a contact wider than 50 thicknesses, [`PressError::OutOfRange`] for a radius
@@ -173,8 +174,7 @@ impl BondedLayer {
         })
     }
 
-    /// The contact's radius from the indentation over the relative curvature, as [`Self::contact_radius`] but without a
-    /// table: each of Newton's few steps solves a contact.
+    /// The same as [`Self::contact_radius`], but without a table: each of the few steps of Newton's method solves a contact.
     ///
     /// # Errors
     /// Errors of [`Self::contact_radius`].
@@ -198,28 +198,28 @@ impl BondedLayer {
         }
         let root = indentation.sqrt() / self.thickness;
         let mut contact = guessed_contact(root);
-        if contact > 1.2 * LIMIT {
+        if contact > 1.2 * MAX_RADIUS {
             return Err(too_thin(contact));
         }
-        // Newton's method on logarithms, between which the relation is almost a straight line of slope 1.7 to 2.
+        // Newton's method on logarithms, because their relation is almost a straight line with a slope from 1.7 to 2.
         for _ in 0..STEPS {
-            let tried = contact.min(LIMIT);
+            let tried = contact.min(MAX_RADIUS);
             let [reached, slope] = scaled_indentation(tried)?;
             let power = reached / (tried * slope);
             contact = tried * libm::pow(root / reached.sqrt(), 2.0 * power);
-            if tried == LIMIT && contact > LIMIT * (1.0 + 1e-12) {
+            if tried == MAX_RADIUS && contact > MAX_RADIUS * (1.0 + 1e-12) {
                 return Err(too_thin(contact));
             }
             if (contact - tried).abs() <= 1e-14 * tried {
                 break;
             }
         }
-        Ok(contact.min(LIMIT) * self.thickness)
+        Ok(contact.min(MAX_RADIUS) * self.thickness)
     }
 
-    /// A contact of radius `a`, for fits: within 1e-7 of the peak displacement down to 0.8 of the thickness, in a few
-    /// microseconds. The first in each of nine ranges of radii takes some ten milliseconds, for a table; beyond 12
-    /// thicknesses it is as [`Self::solved`].
+    /// A contact of radius `a` from a table, for fits. The error is at most 1e-7 of the largest displacement for depths up to
+    /// 0.8 of the thickness. It takes a few microseconds; the first contact in each of nine ranges of radii takes about ten
+    /// milliseconds, because its table is computed. Beyond 12 thicknesses it is the same as [`Self::solved`].
     ///
     /// # Errors
     /// Errors of [`Self::indentation_of`].
@@ -239,11 +239,10 @@ impl BondedLayer {
         })
     }
 
-    /// A contact of radius `a`, solved for itself: within 1e-9 of the peak displacement at the surface.
+    /// A contact of radius `a`, solved without a table; the error is at most 1e-9 of the largest displacement at the surface.
     ///
     /// # Errors
-    /// Errors of [`Self::indentation_of`]; [`PressError::OutOfRange`] also where the resolution is too coarse for any
-    /// solution.
+    /// Errors of [`Self::indentation_of`]; [`PressError::OutOfRange`] also if the resolution is too coarse for a solution.
     pub fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let depth = self.depth / self.thickness;
@@ -263,13 +262,13 @@ impl BondedLayer {
         })
     }
 
-    /// A radius in thicknesses, if it can be solved for.
+    /// A radius in thicknesses, if it is in the range that can be solved.
     fn scaled(&self, a: f64) -> Result<f64, PressError> {
         let contact = a / self.thickness;
         if contact.is_nan() || contact <= 0.0 {
             return Err(PressError::OutOfRange);
         }
-        if contact > LIMIT {
+        if contact > MAX_RADIUS {
             return Err(too_thin(contact));
         }
         Ok(contact)
@@ -306,31 +305,31 @@ impl LayerContact {
         PI * self.numbers[2] * self.thickness.powi(3)
     }
 
-    /// The pressure in the middle of the contact, the highest, over the relative curvature and E*.
+    /// The highest pressure, in the middle of the contact, over the relative curvature and E*.
     pub fn peak_pressure(&self) -> f64 {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. They are 0 at the base,
-    /// and taken as 0 from 30 thicknesses beyond the contact on.
+    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. They are 0 at the base, and are
+    /// set to 0 more than 30 thicknesses beyond the contact.
     pub fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
-        if r.is_nan() || r > self.contact + waves::BEYOND || self.depth == 1.0 {
+        if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {
             return Field::default();
         }
-        let pressed = rings::field(self.contact, &self.terms, self.depth, r);
+        let half_space = pressure_field::field(self.contact, &self.terms, self.depth, r);
         let base = match &self.base {
             Base::Waves(waves) => waves.field(r),
             Base::Panels(panels) => panels.field(r),
         };
         let (length, area) = (self.thickness, self.thickness * self.thickness);
         Field {
-            normal: area * (pressed.normal + base.normal),
-            normal_per_r: length * (pressed.normal_per_r + base.normal_per_r),
-            normal_per_a: length * (pressed.normal_per_a + base.normal_per_a),
-            radial: area * (pressed.radial + base.radial),
-            radial_per_r: length * (pressed.radial_per_r + base.radial_per_r),
-            radial_per_a: length * (pressed.radial_per_a + base.radial_per_a),
+            normal: area * (half_space.normal + base.normal),
+            normal_per_r: length * (half_space.normal_per_r + base.normal_per_r),
+            normal_per_a: length * (half_space.normal_per_a + base.normal_per_a),
+            radial: area * (half_space.radial + base.radial),
+            radial_per_r: length * (half_space.radial_per_r + base.radial_per_r),
+            radial_per_a: length * (half_space.radial_per_a + base.radial_per_a),
         }
     }
 }
@@ -347,6 +346,6 @@ fn guessed_contact(root: f64) -> f64 {
 const fn too_thin(ratio: f64) -> PressError {
     PressError::LayerTooThin {
         ratio,
-        limit: LIMIT,
+        limit: MAX_RADIUS,
     }
 }

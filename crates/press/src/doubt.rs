@@ -1,4 +1,4 @@
-//! Doubts about an estimate: ways in which readings contradict the model that was fitted to them.
+//! Warnings about an estimate: ways in which the readings contradict the fitted model.
 
 use std::fmt;
 
@@ -19,23 +19,23 @@ pub enum Doubt {
         /// Probability of residuals as large where the model holds.
         p_value: f64,
     },
-    /// Displacements depend on the distance from the contact otherwise than in this body: it has another thickness or none,
-    /// markers at another depth, a gain or an offset.
+    /// The displacements do not depend on the distance from the contact as in this body: the thickness or the depth of the
+    /// markers is different, or the displacements have a gain or an offset.
     OtherBody {
         /// Probability of a dependence as strong where the model holds.
         p_value: f64,
     },
-    /// Displacements depend on the direction from the contact: an edge, a cylinder or a saddle pressed, not a ball.
+    /// The displacements depend on the direction from the contact: the object is an edge, a cylinder or a saddle, not a ball.
     NotRound {
         /// Probability of a dependence as strong where the model holds.
         p_value: f64,
     },
-    /// The given indentation is not the one that the displacements tell.
+    /// The stated indentation differs from that of the displacements.
     OtherIndentation {
         /// Probability of a difference as large where the model holds.
         p_value: f64,
     },
-    /// One marker contradicts the others, by too little to be left out.
+    /// One marker contradicts the others, but not enough for rejection.
     SlippedMarker {
         /// Number of the marker, counted from 0.
         marker: usize,
@@ -45,14 +45,14 @@ pub enum Doubt {
 }
 
 impl Doubt {
-    /// Probability with which each doubt arises where the model holds.
+    /// Probability of each doubt if the model holds.
     pub const LEVEL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL;
 
     /// Probability by chance of all that depends on distance and direction together, or of presses in a row, below which the
     /// likeliest cause is told.
     pub const LEVEL_OF_ALL: f64 = palpate_statistics::SIGNIFICANCE_LEVEL_OF_ALL;
 
-    /// Doubts where only the size of the residuals can be tested.
+    /// Doubts if only the size of the residuals can be tested.
     pub(crate) fn of_size(goodness: Option<GoodnessOfFit>) -> Vec<Self> {
         let doubted = goodness.filter(|goodness| goodness.p_value < Self::LEVEL);
         let large = doubted.map(|GoodnessOfFit { p_value, .. }| Self::LargeResiduals { p_value });
@@ -78,36 +78,26 @@ impl Doubt {
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        let text = match self {
             Self::LargeResiduals { .. } => {
-                write!(
-                    f,
-                    "the residuals are larger than the stated noise makes them"
-                )
+                "the residuals are larger than the stated noise makes them"
             }
-            Self::OtherBody { .. } => write!(
-                f,
+            Self::OtherBody { .. } => {
                 "the displacements fall off with the distance from the contact otherwise than in this body: its kind, its \
                  thickness, the depth of the markers or the scale of the displacements is another"
-            ),
-            Self::NotRound { .. } => write!(
-                f,
+            }
+            Self::NotRound { .. } => {
                 "the displacements depend on the direction from the contact: this is not the press of a ball, but of an edge, \
                  a cylinder or a saddle"
-            ),
-            Self::OtherIndentation { .. } => write!(
-                f,
+            }
+            Self::OtherIndentation { .. } => {
                 "the stated indentation is not the one that the displacements tell"
-            ),
-            Self::SlippedMarker { marker, .. } => write!(
-                f,
-                "marker {marker} (counting from 0) contradicts the others"
-            ),
-        }?;
-        write!(
-            f,
-            " (chance does as much in {} of presses)",
-            Percent(self.p_value())
-        )
+            }
+            Self::SlippedMarker { marker, .. } => {
+                &format!("marker {marker} (counting from 0) contradicts the others")
+            }
+        };
+        let share = Percent(self.p_value());
+        write!(f, "{text} (chance does as much in {share} of presses)")
     }
 }

@@ -1,23 +1,23 @@
-//! Errors of presses that are impossible, and of readings that do not determine a curvature.
+//! Errors of impossible presses, and of readings that do not determine a curvature.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons for which there is no press, or no curvature from it.
+/// Reasons why a press is impossible, or why it gives no curvature.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PressError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// A reading, or what follows from it, is not a finite number.
+    /// A reading, or a value computed from it, is not a finite number.
     #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e50")]
     NotFinite {
         /// Number of the marker, counted from 0.
         marker: usize,
     },
-    /// A marker's place is further along the skin than the skin goes.
+    /// A marker lies beyond the pole of the skin opposite the apex.
     #[error(
         "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}",
         distance = Number(*distance), limit = Number(*limit)
@@ -39,7 +39,7 @@ pub enum PressError {
         /// The approach of the bodies since first touch, length.
         indentation: f64,
     },
-    /// The object is exactly as hollow as the sensor is round: they touch everywhere at once.
+    /// The object is hollow with exactly the curvature of the sensor: the surfaces touch everywhere at once.
     #[error(
         "the bodies conform: the relative curvature is {relative_curvature}",
         relative_curvature = Number(*relative_curvature)
@@ -48,7 +48,7 @@ pub enum PressError {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
-    /// The object is more hollow than the sensor is round: its edge is touched, not its bottom.
+    /// The object is hollow with more curvature than the sensor: the sensor touches its edge, not its bottom.
     #[error(
         "the relative curvature is {relative_curvature}, below 0: the contact is at the edge",
         relative_curvature = Number(*relative_curvature)
@@ -104,8 +104,8 @@ pub enum PressError {
         /// Number of equations needed.
         needed: usize,
     },
-    /// All markers moved alike, or not beyond their noise. Where nothing touches, noise is taken for a contact in fewer than 5
-    /// of 100 presses (`results/press-intervals.csv`: in 0.5 on half-spaces, in 4.5 on layers).
+    /// All markers moved alike, or not beyond their noise. Without contact, fewer than 5 % of the presses are mistaken for a
+    /// contact (`results/press-intervals.csv`: 0.5 % on half-spaces, 4.5 % on layers).
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
          than none does (chi-squared; {needed:.1} are needed)",
@@ -117,7 +117,7 @@ pub enum PressError {
         /// Smallest improvement that counts as a contact.
         needed: f64,
     },
-    /// The markers moved, but not as a press moves this body: it explains them no better than none does, or as a needle of any
+    /// The markers moved, but not as in a press of this body: a press explains them no better than no press, or a needle of any
     /// sharpness does.
     #[error(
         "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
@@ -131,7 +131,7 @@ pub enum PressError {
         /// Degrees of freedom, about which chi-squared would be.
         freedom: usize,
     },
-    /// The contact that would explain the readings lies away from all markers.
+    /// The contact that explains the readings best is far from all markers.
     #[error(
         "the contact lies {distance} from the nearest marker, off the sensor's markers",
         distance = Number::rounded(*distance)
@@ -140,8 +140,7 @@ pub enum PressError {
         /// Distance along the skin, length.
         distance: f64,
     },
-    /// Markers of a press that calibrates a sensor contradict its frame at rest and the other presses: too many to be wrong
-    /// alone.
+    /// Markers of a calibration press contradict the frame at rest and the other presses; there are too many to be outliers.
     #[error(
         "calibrating press {press} (counting from 0) contradicts the frame at rest and the other presses: at least {markers} of \
          its markers do, and at most {most} may; its object, place or indentation is another, or the sensor"
@@ -149,23 +148,23 @@ pub enum PressError {
     ContradictingPress {
         /// Number of the press, counted from 0.
         press: usize,
-        /// Number of its markers that are known to contradict.
+        /// Least number of its markers that contradict.
         markers: usize,
-        /// Number of markers that may be wrong.
+        /// Largest allowed number of outliers.
         most: usize,
     },
-    /// Markers at rest contradict the presses that calibrate a sensor: too many to be wrong alone.
+    /// Markers at rest contradict the calibration presses; there are too many to be outliers.
     #[error(
         "the frame at rest contradicts the presses that calibrate the sensor: at least {markers} of its markers do, and at most \
          {most} may; it is of another sensor"
     )]
     ContradictingRest {
-        /// Number of its markers that are known to contradict.
+        /// Least number of its markers that contradict.
         markers: usize,
-        /// Number of markers that may be wrong.
+        /// Largest allowed number of outliers.
         most: usize,
     },
-    /// A marker was seen at rest where the sensor that the others tell hides it from the camera.
+    /// A marker has a reading at rest, although it is hidden from the camera of the sensor that fits the other markers.
     #[error(
         "marker {marker} (counting from 0) was seen at rest, but no camera that the others allow sees it; the layout or the \
          camera is another"
@@ -180,13 +179,13 @@ pub enum PressError {
         /// Description of what is missing.
         what: &'static str,
     },
-    /// The numbers leave the range of doubles.
+    /// The numbers exceed the range of doubles.
     #[error("the numbers are too large or too small to be worked with")]
     OutOfRange,
 }
 
 impl PressError {
-    /// [`PressError::BadSetting`] unless the setting is good.
+    /// [`PressError::BadSetting`] unless the setting is valid.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

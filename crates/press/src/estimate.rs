@@ -1,9 +1,8 @@
-//! The estimate from one press: its values, their intervals and the verdict.
+//! The estimate from one press: values, intervals and the verdict.
 
 use strum::IntoStaticStr;
 
-use crate::skin::within_object;
-use crate::{GoodnessOfFit, PressError};
+use crate::{GoodnessOfFit, PressError, within_object};
 
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +15,28 @@ pub struct Estimated {
     pub interval: Interval,
 }
 
-/// A 95 % interval. An end is `None` where the readings set no bound.
+impl Estimated {
+    /// A normally distributed value; its interval has this half-width in standard deviations.
+    pub(crate) fn normal(value: f64, std: f64, half_width: f64) -> Self {
+        let interval = Interval {
+            low: Some(value - half_width * std),
+            high: Some(value + half_width * std),
+        };
+        Self {
+            value,
+            std,
+            interval,
+        }
+    }
+
+    /// The value of a length that cannot be negative.
+    pub(crate) fn positive(mut self) -> Self {
+        self.interval.low = self.interval.low.map(|low| low.max(0.0));
+        self
+    }
+}
+
+/// A 95 % interval. An end is `None` if the readings give no bound.
 ///
 /// ```
 /// use palpate_press::Interval;
@@ -41,7 +61,7 @@ impl Interval {
         high: None,
     };
 
-    /// The smallest interval that holds this one and another.
+    /// The smallest interval that contains this one and another.
     pub fn hull(&self, other: Self) -> Self {
         let both = |one: Option<f64>, other: Option<f64>, end: fn(f64, f64) -> f64| {
             one.zip(other).map(|(one, other)| end(one, other))
@@ -52,13 +72,21 @@ impl Interval {
         }
     }
 
-    /// Whether it holds a value.
+    /// The interval with both ends mapped by an increasing function.
+    pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
+        Self {
+            low: self.low.map(&end),
+            high: self.high.map(end),
+        }
+    }
+
+    /// Whether the interval contains a value.
     pub fn holds(&self, value: f64) -> bool {
         self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
     }
 }
 
-/// The sign of the object's curvature, as far as the readings tell it.
+/// The sign of the object's curvature, if the readings determine it.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
@@ -66,9 +94,9 @@ pub enum Verdict {
     Convex,
     /// The interval lies below 0.
     Concave,
-    /// The interval holds 0, and is narrower than the sensor's own curvature.
+    /// The interval contains 0 and is narrower than the sensor's own curvature.
     FlatWithinNoise,
-    /// The interval holds 0, and is at least as wide as the sensor's own curvature.
+    /// The interval contains 0 and is at least as wide as the sensor's own curvature.
     NotResolved,
 }
 
@@ -113,45 +141,38 @@ pub struct PressEstimate {
     pub baseline: Option<Estimated>,
     /// The factor on all normal displacements, if fitted.
     pub gain: Option<Estimated>,
-    /// Markers that were left out because they contradict the others, counted from 0.
+    /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
-    /// Standard deviation of the normal displacements: as given, or as found. Length.
+    /// Standard deviation of the normal displacements, stated or estimated. Length.
     pub normal_std: f64,
-    /// Standard deviation of the tangential displacements: as given, or as found. Length; `None` if they were not used.
+    /// Standard deviation of the tangential displacements, stated or estimated. Length; `None` if they were not used.
     pub tangential_std: Option<f64>,
     /// The share of the normal displacements' variance that the fit explains.
     pub r_squared: f64,
     /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit of readings whose noise is stated; `None` where some noise is found from the residuals, and of a
-    /// Gaussian. Of pictures what is common to all markers is taken out as far as it is not known: it has its own prior
-    /// knowledge, and counts as no unknown.
+    /// Goodness of fit if the noise is stated; `None` if some noise was estimated from the residuals, and for a Gaussian. A fit
+    /// of images marginalises the unknown departures of the sensor: each has a prior, so they do not count as unknowns.
     pub goodness: Option<GoodnessOfFit>,
-    /// Whether the readings show a contact of themselves. Where they do not, but an indentation is given, the interval of the
-    /// curvature is that of all contacts on the markers that the readings leave, mostly without an upper end, and the place
-    /// is not known.
-    pub is_seen: bool,
-    /// Marker, counted from 0, without which the readings show no contact, though it moved beyond noise: it is wrong, or the
-    /// object presses where no other feels it.
+    /// Whether the readings alone show a contact. If not, but an indentation is stated, the interval of the curvature contains
+    /// all contacts on the markers that are compatible with the readings; it mostly has no upper end, and the place is unknown.
+    pub is_detected: bool,
+    /// Number of a marker, counted from 0, that moved significantly and without which the readings show no contact: it is an
+    /// outlier, or the object presses where no other marker moves.
     pub only_marker: Option<usize>,
-    /// Sign of the object's curvature, as far as the readings tell it.
+    /// Sign of the object's curvature.
     pub verdict: Verdict,
 }
 
 impl PressEstimate {
-    /// Estimate with another interval of the relative curvature.
-    pub(crate) fn holding(self, interval: Interval) -> Self {
-        Self {
-            relative_curvature: Estimated {
-                interval,
-                ..self.relative_curvature
-            },
-            verdict: Verdict::of(interval, self.sensor_curvature),
-            ..self
-        }
+    /// The estimate with another interval of the relative curvature.
+    pub(crate) fn holding(mut self, interval: Interval) -> Self {
+        self.relative_curvature.interval = interval;
+        self.verdict = Verdict::of(interval, self.sensor_curvature);
+        self
     }
 
-    /// R = 1/C_r of the best fit, length: radii are nearly without bias as they are, unlike curvatures.
+    /// R = 1/C_r of the best fit, length. Unlike the curvature, the radius has almost no bias.
     pub fn effective_radius(&self) -> Estimated {
         let Estimated {
             value,
@@ -162,7 +183,7 @@ impl PressEstimate {
         let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
         Estimated {
             value: most_likely.recip(),
-            // The relative standard deviation is the same.
+            // Radius and curvature have the same relative standard deviation.
             std: std / (value * most_likely),
             interval: Interval {
                 low: Some(interval.high.map_or(0.0, f64::recip)),
@@ -174,7 +195,7 @@ impl PressEstimate {
     /// Checks that the contact is narrow enough for at least one curvature in the object's interval.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::hertz::MAX_CONTACT) times the
+    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::MAX_CONTACT) times the
     /// object's radius for every curvature in the interval.
     pub fn within_object(&self) -> Result<(), PressError> {
         let least = self.object_curvature().interval.low;
@@ -197,10 +218,7 @@ impl PressEstimate {
         Estimated {
             value: shift(value),
             std,
-            interval: Interval {
-                low: interval.low.map(shift),
-                high: interval.high.map(shift),
-            },
+            interval: interval.map(shift),
         }
     }
 }

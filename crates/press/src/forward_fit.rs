@@ -1,28 +1,54 @@
-//! Nonlinear least squares of a press's forward law.
+//! Nonlinear least squares of a press's forward model to the displacements of markers.
 
-mod bias;
-mod doubts;
+mod contact_detection;
+mod displacement_check;
 mod minimise;
-mod misfit;
 mod outcome;
-mod presence;
+mod outlier_test;
 mod problem;
 mod profile;
-mod reading;
 mod search;
-mod settings;
-mod slip;
 mod start;
-mod unseen;
+mod undetected_contacts;
 
-use crate::definite::inverse;
+use crate::cholesky::inverse;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
 use outcome::Stds;
 use problem::{Problem, State};
 use search::{SINGULAR, Search};
 
-pub use reading::{Measured, Reading};
-pub use settings::{ForwardFit, Prior};
+/// The readings of one press: displacements of the markers.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading<'a> {
+    /// Markers, with their places under the skin.
+    pub markers: &'a Markers,
+    /// Inward displacement of each, length.
+    pub normal: &'a [f64],
+    /// Displacement of each along the skin, in the axes at the marker, if the sensor measures it. Length.
+    pub tangential: Option<&'a [[f64; 2]]>,
+    /// The indentation, if it is measured separately (for example from a robot's pose).
+    pub indentation: Option<Measured>,
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// The standard deviation; 0 for an exact value.
+    pub std: f64,
+}
+
+/// Prior of a nuisance parameter of the readings, the baseline or the gain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prior {
+    /// The parameter has its ideal value: 0 for a baseline, 1 for a gain.
+    Exact,
+    /// The parameter is fitted, with a normal prior of this standard deviation (> 0, in its own unit) around its ideal value.
+    Within(f64),
+    /// The parameter is fitted without a prior.
+    Free,
+}
 
 /// Cramér–Rao bounds on standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,25 +61,73 @@ pub struct Bounds {
     pub contact_radius: f64,
 }
 
+/// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
+/// gain where they are not exact.
+///
+/// ```
+/// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
+///
+/// // 81 markers, 2 apart and 2 under a skin of radius 20, that an object of radius 80 moves.
+/// let positions: Vec<[f64; 2]> =
+///     (0..81).map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)]).collect();
+/// let (skin, body) = (Skin::new(20.0)?, Body::half_space(0.5, 2.0)?);
+/// let markers = Markers::new(skin, &positions)?;
+/// let moved = markers.displacements(&skin.contact(&body, 1.0 / 80.0, 1.0)?, [0.0; 2]);
+/// let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+/// let reading = Reading { markers: &markers, normal: &normal, tangential: None, indentation: None };
+/// let estimate = ForwardFit::new(body).estimate(&reading)?;
+/// assert!((estimate.most_likely_object_curvature() - 1.0 / 80.0).abs() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ForwardFit {
+    /// The forward law.
+    pub body: Body,
+    /// Offset common to all normal displacements, length; ideally 0.
+    pub baseline: Prior,
+    /// Factor on all normal displacements; ideally 1.
+    pub gain: Prior,
+    /// Standard deviation of normal displacements, length; estimated from the residuals if `None` or 0. The least value is 1e-10
+    /// of the largest normal displacement.
+    pub normal_std: Option<f64>,
+    /// Standard deviation of each tangential component, length; estimated from the residuals if `None` or 0. The least value is
+    /// 1e-10 of the largest normal displacement.
+    pub tangential_std: Option<f64>,
+    /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
+    pub window: Option<f64>,
+}
+
 impl ForwardFit {
-    /// The press behind a reading. For a reading without error the likeliest curvature is that of the press within
-    /// 1e-9, where the markers determine it.
+    /// A fit of a body, with exact baseline and gain, and with noise estimated from the residuals.
+    pub const fn new(body: Body) -> Self {
+        Self {
+            body,
+            baseline: Prior::Exact,
+            gain: Prior::Exact,
+            normal_std: None,
+            tangential_std: None,
+            window: None,
+        }
+    }
+
+    /// Estimates the press from a reading. Without noise, the error of the most likely curvature is below 1e-9 if the markers
+    /// determine it.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
-    /// [`PressError::NoContact`] where no marker moved beyond noise, or all moved alike; [`PressError::OtherBody`] where they moved otherwise than in any press of this body;
-    /// [`PressError::OffMarkers`], [`PressError::Undetermined`] and those of [`Body::press`] where the readings fit no
-    /// press.
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and readings;
+    /// [`PressError::NoContact`] if no marker moved beyond noise, or all moved alike; [`PressError::OtherBody`] if they did
+    /// not move as in a press of this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
+    /// [`Body::press`] if no press fits the readings.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
         self.validate(reading)?;
         Search::new(self, reading)?.run()
     }
 
-    /// The least standard deviations that an unbiased estimate can have (Cramér and Rao), for a true contact at chart
-    /// coordinates `at`. `tangential` tells whether tangential displacements are sensed; `indentation_std` is the
-    /// standard deviation of an indentation that is measured too, length.
+    /// The least possible standard deviations of an unbiased estimate (Cramér and Rao), for a true contact at chart
+    /// coordinates `at`. `tangential` states whether the sensor measures tangential displacements; `indentation_std` is the
+    /// standard deviation of a measured indentation, length.
     ///
-    /// `None` without a stated noise, or where the readings do not determine the press.
+    /// `None` without a stated noise, or if the readings do not determine the press.
     pub fn bounds(
         &self,
         markers: &Markers,
@@ -94,6 +168,61 @@ impl ForwardFit {
             indentation: stds.indentation,
             contact_radius: stds.contact_radius,
         })
+    }
+
+    /// Rejects settings and readings that are out of range.
+    pub(super) fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
+        let at_least_0 = |setting, value: f64| {
+            let good = (0.0..=1e100).contains(&value);
+            PressError::unless_good(setting, value, good, "at least 0 and at most 1e100")
+                .map(|_| ())
+        };
+        for (setting, std) in [
+            ("normal_std", self.normal_std),
+            ("tangential_std", self.tangential_std),
+            (
+                "indentation_std",
+                reading.indentation.map(|known| known.std),
+            ),
+        ] {
+            std.map_or(Ok(()), |std| at_least_0(setting, std))?;
+        }
+        for (setting, prior) in [("baseline_std", self.baseline), ("gain_std", self.gain)] {
+            if let Prior::Within(std) = prior {
+                let good = std > 0.0 && std <= 1e100;
+                PressError::unless_good(setting, std, good, "> 0 and at most 1e100")?;
+            }
+        }
+        if let Some(window) = self.window {
+            let good = window > 0.0;
+            PressError::unless_good("window", window, good, "> 0")?;
+        }
+        if let Some(Measured { value, .. }) = reading.indentation {
+            if !value.is_finite() {
+                return Err(PressError::OutOfRange);
+            }
+            if value <= 0.0 {
+                return Err(PressError::NoIndentation { indentation: value });
+            }
+        }
+        let markers = reading.markers.places().len();
+        let lengths = [
+            Some(reading.normal.len()),
+            reading.tangential.map(<[_]>::len),
+        ];
+        for given in lengths.into_iter().flatten() {
+            let good = given == markers;
+            PressError::unless_good("readings", given as f64, good, "one for each marker")?;
+        }
+        let sound = |value: f64| value.abs() <= 1e50;
+        let is_bad = |marker: &usize| {
+            let tangential = reading.tangential.map_or([0.0; 2], |given| given[*marker]);
+            !(sound(reading.normal[*marker]) && tangential.into_iter().all(sound))
+        };
+        match (0..markers).find(is_bad) {
+            Some(marker) => Err(PressError::NotFinite { marker }),
+            None => Ok(()),
+        }
     }
 }
 

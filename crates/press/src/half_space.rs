@@ -17,22 +17,22 @@
 //! ```
 //!
 //! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka.
-//! Where a is small against the distance these forms cancel, and the series in a/√(r² + z²) is taken.
+//! If a is small relative to the distance, these forms suffer from cancellation, and the series in a/√(r² + z²) is used.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::Field;
 
-/// Contact radius, as a share of the distance, below which the series in it is exact to rounding.
-const FAR: f64 = 1.0 / 12.0;
+/// Ratio of the contact's radius to the distance below which the series is exact to rounding.
+const SERIES_RATIO: f64 = 1.0 / 12.0;
 
-/// Terms of the series in that share.
+/// Number of terms of the series in that ratio.
 const TERMS: usize = 7;
 
-/// Orders of the Legendre polynomials in those terms.
+/// Number of orders of the Legendre polynomials in those terms.
 const ORDERS: usize = 2 * TERMS + 2;
 
-/// Series that are summed: Q₃⁰, Q₂⁰, Q₁⁰, those of order 1, and S₁, S₀ of both orders.
+/// Number of series: Q₃⁰, Q₂⁰, Q₁⁰, those of order 1, and S₁, S₀ of both orders.
 const SERIES: usize = 10;
 
 /// Factors of z/ρ P_m and of P_{m−1} in P_{m+1}.
@@ -74,16 +74,16 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     factors
 };
 
-/// Square of the distance from the edge at the surface within which derivatives no longer grow, in squared contact
-/// radii.
+/// Lower limit, in squared contact radii, of the squared distance from the edge at the surface, where derivatives grow without
+/// limit.
 const EDGE: f64 = 1e-20;
 
 /// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
 ///
-/// At the surface under the edge (z = 0, r = a), where derivatives jump, they are those from inside.
+/// At the edge on the surface (z = 0, r = a), where derivatives have a jump, they are the limits from inside.
 #[inline(always)]
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
-    let moments = if a * a < FAR * FAR * (r * r + z * z) {
+    let moments = if a * a < SERIES_RATIO * SERIES_RATIO * (r * r + z * z) {
         Moments::far(z, a, r)
     } else {
         Moments::near(z, a, r)
@@ -105,7 +105,7 @@ struct Moments {
 }
 
 impl Moments {
-    // Most callers want no derivatives, and what they do not use is not computed where it stands inline.
+    // Inlined, so that the compiler removes derivatives that a caller does not use.
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
@@ -164,7 +164,7 @@ impl Moments {
             slope[m + 1] = slope[m - 1] + (2 * m + 1) as f64 * legendre[m];
         }
         slope[0] = 1.0 / (1.0 + cosine);
-        // In powers of −s², from the last.
+        // Horner's scheme in −s².
         let mut sums = [0.0; SERIES];
         for (n, factors) in FACTORS.iter().enumerate().rev() {
             let ([p_0, p_1, p_2], [q_0, q_1, q_2]) = (
@@ -208,6 +208,47 @@ impl Moments {
     }
 }
 
+/// Oblate spheroidal coordinates of a point under a contact of radius a, with depth z = aξη and distance
+/// r = a √((1 + ξ²)(1 − η²)) from the axis. ξ ≥ 0 is 0 on the contact and grows away from it; η goes from 0 on the surface
+/// around the contact to 1 on the axis.
+///
+/// The complex distance √(r² + (z + ia)²) is a(ξ + iη).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spheroidal {
+    pub(crate) xi: f64,
+    pub(crate) eta: f64,
+    /// 1 − η², stored because of cancellation for η near 1.
+    pub(crate) off_axis: f64,
+    /// r/a.
+    pub(crate) r: f64,
+    /// ξ² + η², which is 0 at the edge of the contact.
+    pub(crate) edge: f64,
+}
+
+impl Spheroidal {
+    /// The coordinates, for lengths whose squared ratios are finite.
+    pub(crate) fn new(a: f64, z: f64, r: f64) -> Self {
+        let (z, r) = (z / a, r / a);
+        let difference = (r - 1.0) * (r + 1.0) + z * z;
+        let square = |offset: f64| offset * offset + z * z;
+        let edge = square(r + 1.0).sqrt() * square(r - 1.0).sqrt();
+        let (xi, eta) = if difference >= 0.0 {
+            let xi = (0.5 * (edge + difference)).sqrt();
+            (xi, if xi > 0.0 { z / xi } else { 0.0 })
+        } else {
+            let eta = (0.5 * (edge - difference)).sqrt();
+            (z / eta, eta)
+        };
+        Self {
+            xi,
+            eta,
+            off_axis: r * r / (1.0 + xi * xi),
+            r,
+            edge,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,7 +270,7 @@ mod tests {
     fn series_and_closed_form_agree_where_they_meet() {
         for poisson in [0.0, 0.3, 0.5] {
             for angle in [0.0_f64, 0.01, 0.7, 1.5, 1.57] {
-                let (a, distance) = (FAR, 1.0);
+                let (a, distance) = (SERIES_RATIO, 1.0);
                 let (z, r) = (distance * libm::cos(angle), distance * libm::sin(angle));
                 let near = Moments::near(z, a, r).field(poisson, z, a);
                 let far = Moments::far(z, a, r).field(poisson, z, a);
@@ -258,25 +299,26 @@ mod tests {
                 let step_a = step * a;
                 let by_a = (at(a + step_a, r), at(a - step_a, r));
                 let slope = |high: f64, low: f64, step: f64| (high - low) / (2.0 * step);
-                let close = |exact: f64, found: f64| {
+                for (exact, found) in [
+                    (
+                        exact.normal_per_r,
+                        slope(by_r.0.normal, by_r.1.normal, step),
+                    ),
+                    (
+                        exact.radial_per_r,
+                        slope(by_r.0.radial, by_r.1.radial, step),
+                    ),
+                    (
+                        exact.normal_per_a,
+                        slope(by_a.0.normal, by_a.1.normal, step_a),
+                    ),
+                    (
+                        exact.radial_per_a,
+                        slope(by_a.0.radial, by_a.1.radial, step_a),
+                    ),
+                ] {
                     assert_relative_eq!(exact, found, epsilon = 1e-9, max_relative = 1e-6);
-                };
-                close(
-                    exact.normal_per_r,
-                    slope(by_r.0.normal, by_r.1.normal, step),
-                );
-                close(
-                    exact.radial_per_r,
-                    slope(by_r.0.radial, by_r.1.radial, step),
-                );
-                close(
-                    exact.normal_per_a,
-                    slope(by_a.0.normal, by_a.1.normal, step_a),
-                );
-                close(
-                    exact.radial_per_a,
-                    slope(by_a.0.radial, by_a.1.radial, step_a),
-                );
+                }
             }
         }
     }

@@ -1,34 +1,129 @@
-//! Nonlinear least squares of what a camera sees of a press.
+//! Nonlinear least squares of a press's forward model to the image of the markers.
 //!
-//! Each marker is made of two discs. A press moves them ([`Body`](crate::Body) at either depth), a camera sees them
-//! ([`View`]), and the tracker reads centroid, hue and size of each marker ([`Seen`]). The frame at rest tells how the
-//! discs of each marker are misaligned, and part of what is known only roughly of the sensor ([`Rest`]); the pressed
-//! one, by the same law, where and how the sensor is touched. What is left unknown of the sensor is common to all
-//! markers: it stands in the fit as parameters with their covariance, by which the interval is as wide as it must be.
+//! Each marker consists of two discs. A press displaces them ([`Body`] at each depth), a camera takes an image ([`View`]), and
+//! the tracker reads centroid, hue and size of each marker ([`Seen`]). The frame at rest determines the misalignment of the
+//! discs of each marker, and partly the departures of the sensor from its nominal parameters ([`Rest`]). The pressed frame
+//! determines the contact. Departures that remain uncertain are common to all markers. They are parameters of the fit with a
+//! covariance, so that the interval includes their uncertainty.
 
+mod calibration_press;
+mod curvature_posterior;
+mod departure_prior;
 mod descent;
-mod doubts;
-mod fitted;
-mod frame;
-mod known;
-mod law;
-mod learn;
-mod mean;
-mod minimise;
-mod moved;
-mod outcome;
-mod pictures;
-mod problem;
-mod profile;
+mod disc_displacements;
+mod fit_state;
+mod image_check;
+mod image_problem;
+mod image_search;
+mod residual_displacement;
 mod rest;
-mod settings;
-mod start;
-mod told;
-mod unknowns;
+mod sensor_update;
 mod view;
 
-pub use known::KnownPress;
+pub use calibration_press::CalibrationPress;
+pub use departure_prior::DeparturePrior;
 pub use rest::Rest;
-pub use settings::ImageFit;
-pub use told::Told;
 pub use view::{PictureSlopes, Seen, SensorState, Steps, View};
+
+use crate::{Body, Markers, Measured, PressError};
+use departure_prior::FreePrior;
+
+/// A least-squares fit of the images of one press: over relative curvature, place of the contact, indentation and, if
+/// possible, the sideways shift of the object.
+#[derive(Clone, Debug)]
+pub struct ImageFit<V> {
+    /// The camera model.
+    pub view: V,
+    /// Markers, with their places under the skin.
+    pub markers: Markers,
+    /// The body at the depths of the magenta and of the yellow discs.
+    pub bodies: [Body; 2],
+    /// The body at depths larger by this length; needed if the depths of the discs are not exact.
+    pub deeper: Option<(f64, [Body; 2])>,
+    /// Standard deviations of the departures of [`SensorState::common`]; 0 for exact ones.
+    pub common_stds: Vec<f64>,
+    /// Prior of some of these departures with a joint covariance.
+    pub departure_prior: Option<DeparturePrior>,
+    /// Standard deviation of each component of a marker's misalignment, rad; 0 for aligned discs.
+    pub misalignment_std: f64,
+    /// Standard deviation of each component of a sideways shift of the object after first touch, length; 0 without shifts. Only
+    /// half-spaces have a model of shifts.
+    pub shift_std: f64,
+}
+
+impl<V: View> ImageFit<V> {
+    /// Rejects settings that are out of range.
+    fn validate(&self) -> Result<(), PressError> {
+        for std in &self.common_stds {
+            squarable("common_stds", *std)?;
+        }
+        squarable("misalignment_std", self.misalignment_std)?;
+        squarable("shift_std", self.shift_std)?;
+        self.known()?;
+        if let Some((deeper, _)) = self.deeper {
+            let good = deeper > 0.0 && deeper <= 1e50;
+            PressError::unless_good("deeper", deeper, good, "> 0 and at most 1e50")?;
+        }
+        Ok(())
+    }
+
+    /// Rejects settings and readings that are out of range.
+    fn check(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+    ) -> Result<(), PressError> {
+        self.validate()?;
+        let markers = self.markers.places().len();
+        for given in [seen.len(), rest.seen.len()] {
+            let good = given == markers;
+            PressError::unless_good("readings", given as f64, good, "one for each marker")?;
+        }
+        let departures = rest.information.nrows();
+        let expected = "as many departures that are not exact as the fit has";
+        let good = departures == self.free().len();
+        PressError::unless_good("rest", departures as f64, good, expected)?;
+        for (marker, seen) in seen.iter().enumerate() {
+            if let Some(seen) = seen {
+                seen.check(marker)?;
+            }
+        }
+        if let Some(Measured { value, std }) = indentation {
+            let good = (0.0..=1e100).contains(&std);
+            PressError::unless_good("indentation_std", std, good, "at least 0 and at most 1e100")?;
+            if !value.is_finite() {
+                return Err(PressError::OutOfRange);
+            }
+            if value <= 0.0 {
+                return Err(PressError::NoIndentation { indentation: value });
+            }
+        }
+        Ok(())
+    }
+
+    /// The prior of free departures, if there is one.
+    fn known(&self) -> Result<Option<FreePrior>, PressError> {
+        let prior = self.departure_prior.as_ref();
+        prior
+            .map(|prior| prior.of_free(&self.common_stds))
+            .transpose()
+    }
+
+    /// Numbers of the common departures that are not exact, with their standard deviations.
+    fn free_stds(&self) -> Vec<(usize, f64)> {
+        let stds = self.common_stds.iter().copied().enumerate();
+        stds.filter(|(_, std)| *std > 0.0).collect()
+    }
+
+    /// Numbers of the common departures that are not exact.
+    fn free(&self) -> Vec<usize> {
+        let free = self.free_stds().into_iter();
+        free.map(|(number, _)| number).collect()
+    }
+}
+
+fn squarable(setting: &'static str, std: f64) -> Result<(), PressError> {
+    let good = std == 0.0 || (1e-100..=1e100).contains(&std);
+    PressError::unless_good(setting, std, good, "0 or from 1e-100 to 1e100").map(|_| ())
+}

@@ -1,44 +1,40 @@
-//! Elastic contact of a soft spherical fingertip: what one press does to its skin, and what the skin's displacements
-//! tell of the object.
+//! Elastic contact of a soft spherical fingertip: displacements of its skin in a press, and the curvature of the object
+//! from these displacements.
 //!
-//! Forward, from a relative curvature and an indentation to displacements at the markers: [`Body`] (Hertz contact at
-//! the surface, half-space at depth, layer bonded to a rigid core), [`Skin`] and [`Markers`]. Back, from displacements
-//! to the curvature: [`ForwardFit`].
+//! [`Body`] (Hertz contact at the surface, half-space at depth, layer bonded to a rigid core), [`Skin`] and [`Markers`]
+//! compute the displacements of the markers from the relative curvature and the indentation. [`ForwardFit`] estimates the
+//! curvature from displacements, [`ImageFit`] from the images of the markers.
 
 mod body;
 mod bonded_layer;
-mod definite;
+mod cholesky;
 mod doubt;
 mod error;
 mod estimate;
-mod field;
 mod forward_fit;
 mod half_space;
-pub mod hertz;
 mod image_fit;
 mod markers;
-mod press_slopes;
+mod no_contact;
 mod regime;
 mod score;
 pub mod shear;
 mod skin;
-mod spheroidal;
-mod unexplained;
+mod unknowns;
 
-pub use body::{Body, Contact, Displacement};
+pub use body::{Body, Contact, Displacement, Field};
 pub use bonded_layer::{BondedLayer, LayerContact};
 pub use doubt::Doubt;
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
-pub use field::Field;
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
 pub use image_fit::{
-    ImageFit, KnownPress, PictureSlopes, Rest, Seen, SensorState, Steps, Told, View,
+    CalibrationPress, DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_statistics::GoodnessOfFit;
-pub use regime::ContactRegime;
-pub use skin::{Place, Skin, within_object};
+pub use regime::{ContactRegime, LARGE_CONTACT, MAX_CONTACT, sneddon_indentation, within_object};
+pub use skin::{Place, Skin};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,13 +1,15 @@
-//! Markers under the skin, and what a press does to them.
+//! Markers under the skin, their displacements in a press, and the derivatives of these displacements.
+//!
+//! u = C F(a, r) with C D(a) = δ, so ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::shear::stuck_shift;
-use crate::{Contact, Place, PressError, Skin};
+use crate::shear::{StuckShift, stuck_shift};
+use crate::{Contact, Field, Place, PressError, Skin};
 
-/// Markers at places under the skin.
+/// Markers at points under the skin.
 #[derive(Clone, Debug)]
 pub struct Markers {
     skin: Skin,
@@ -19,29 +21,39 @@ pub struct Markers {
 pub struct MarkerDisplacement {
     /// Inward, length.
     pub normal: f64,
-    /// Along the apex's x and y axes, carried to the marker along the meridian, length.
+    /// Along the x and y axes of the apex, transported along the meridian to the marker, length.
     pub tangential: [f64; 2],
 }
 
-/// A marker's place as seen from the contact.
+/// Position of a marker relative to the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance along the skin.
     pub(crate) distance: f64,
-    /// Distance across the view per radian of bearing at this distance, R_s sin(distance/R_s).
+    /// Length of an arc around the contact per radian of bearing at this distance, R_s sin(distance/R_s).
     pub(crate) reach: f64,
-    /// The way there, in the contact's axes; unit.
+    /// Unit vector from the contact toward the marker, in the axes of the contact.
     pub(crate) bearing: Vector2<f64>,
-    /// The way on, away from the contact, in the marker's axes; unit.
+    /// Unit vector away from the contact, in the axes of the marker.
     pub(crate) outward: Vector2<f64>,
+}
+
+impl Sight {
+    /// Displacement along the skin, in the axes at the marker, by a shift whose direction has this angle to the bearing.
+    pub(crate) fn along_skin(&self, moved: &StuckShift, sine: f64, cosine: f64) -> Vector2<f64> {
+        let outward = moved.along * cosine + moved.across * sine;
+        let around = moved.across * cosine - moved.along * sine;
+        let turned = Vector2::new(-self.outward.y, self.outward.x);
+        self.outward * outward + turned * around
+    }
 }
 
 impl Markers {
     /// Markers at chart coordinates of the skin.
     ///
     /// # Errors
-    /// [`PressError::NotFinite`] for the first that has none; [`PressError::OffSkin`] for the first beyond the pole
-    /// opposite the apex.
+    /// [`PressError::NotFinite`] for the first marker whose coordinates are not finite; [`PressError::OffSkin`] for the first
+    /// marker beyond the pole opposite the apex.
     pub fn new(skin: Skin, positions: &[[f64; 2]]) -> Result<Self, PressError> {
         let sound = |[x, y]: &[f64; 2]| x.abs() <= 1e50 && y.abs() <= 1e50;
         if let Some(marker) = positions.iter().position(|position| !sound(position)) {
@@ -65,7 +77,7 @@ impl Markers {
         Ok(Self { skin, places })
     }
 
-    /// The markers with these numbers, counted from 0; numbers that no marker has are passed over.
+    /// The markers with these numbers, counted from 0; numbers without a marker are ignored.
     #[must_use]
     pub fn subset(&self, chosen: &[usize]) -> Self {
         let places = chosen.iter().filter_map(|&marker| self.places.get(marker));
@@ -85,7 +97,7 @@ impl Markers {
         &self.places
     }
 
-    /// Arc distances of the markers from a place on the skin at chart coordinates.
+    /// Arc distances of the markers from a point of the skin at chart coordinates.
     pub fn distances(&self, from: [f64; 2]) -> Vec<f64> {
         let contact = self.skin.place(from);
         self.places
@@ -111,9 +123,9 @@ impl Markers {
             .collect()
     }
 
-    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways move of the object: it
-    /// touches with radius `contact_radius` at chart coordinates `at`, sticks to the skin and moves by `shift` along
-    /// the x axis there. All are lengths, but for the ratio `poisson`.
+    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The contact
+    /// with radius `contact_radius` at chart coordinates `at` sticks to the skin and moves by `shift` along the x axis there.
+    /// All arguments but the ratio `poisson` are lengths.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] as [`stuck_shift`], and for a `shift` beyond 1e50.
@@ -133,10 +145,7 @@ impl Markers {
             let (cosine, sine) = (sight.bearing.x, sight.bearing.y);
             let azimuth = libm::atan2(sine, cosine);
             let moved = stuck_shift(poisson, depth, contact_radius, sight.distance, azimuth)?;
-            let outward = moved.along * cosine + moved.across * sine;
-            let around = moved.across * cosine - moved.along * sine;
-            let turned = Vector2::new(-sight.outward.y, sight.outward.x);
-            let tangential = (sight.outward * outward + turned * around) * shift;
+            let tangential = sight.along_skin(&moved, sine, cosine) * shift;
             Ok(MarkerDisplacement {
                 normal: moved.normal * shift,
                 tangential: [tangential.x, tangential.y],
@@ -145,8 +154,8 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Refuses a contact of this radius that has no marker within twice its radius and is not surrounded by markers of
-    /// its hemisphere.
+    /// Rejects a contact of this radius that has no marker within twice its radius and is not surrounded by markers of its
+    /// hemisphere.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -158,12 +167,12 @@ impl Markers {
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
         let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
-        // The chord keeps its digits where the angle's cosine does not: 1 − cos = chord²/2.
+        // For small angles the chord is accurate where 1 − cos is not: 1 − cos = chord²/2.
         let chord = to - from;
         let half_square = 0.5 * chord.norm_squared();
         let half_chord = (0.5 * half_square).sqrt().min(1.0);
         let sine = 2.0 * half_chord * (1.0 - 0.5 * half_square).max(0.0).sqrt();
-        // A marker on the contact is seen along +x.
+        // For a marker on the contact, the direction is +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
             if sine > 0.0 {
                 Vector2::new(along.dot(&axes.x_axis), along.dot(&axes.y_axis)) / sine
@@ -181,8 +190,8 @@ impl Markers {
     }
 }
 
-/// Refuses a contact of this radius, from which markers are seen so, that has no marker within twice its radius and is
-/// not surrounded by markers up to `around` away.
+/// Rejects a contact of this radius that has no marker within twice its radius and is not surrounded by markers closer than
+/// `around`.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
@@ -194,7 +203,7 @@ pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<
     }
 }
 
-/// Whether bearings leave no gap of more than half a turn.
+/// Whether the bearings have no gap of more than half a turn.
 fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     let mut bearings: Vec<f64> = sights
         .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
@@ -206,4 +215,67 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     bearings.push(first + TAU);
     let is_gap = |pair: &[f64]| pair[1] - pair[0] > PI + 1e-6;
     !bearings.windows(2).any(is_gap)
+}
+
+/// Slopes, in this order, by: the logarithm of the relative curvature; displacements of the contact along both axes at its
+/// place; the indentation.
+pub(crate) type Slopes = [f64; 4];
+
+/// A contact of this indentation, with the slope of its radius.
+pub(crate) struct PressSlopes {
+    pub(crate) curvature: f64,
+    pub(crate) indentation: f64,
+    /// Derivative of the radius by D.
+    pub(crate) per_d: f64,
+}
+
+impl PressSlopes {
+    /// A contact with this derivative of D by the radius.
+    pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
+        Self {
+            curvature: contact.relative_curvature,
+            indentation: contact.indentation,
+            per_d: slope.recip(),
+        }
+    }
+
+    fn by_log(&self, value: f64, per_a: f64) -> f64 {
+        self.curvature * value - self.indentation * per_a * self.per_d
+    }
+
+    /// Slopes of the inward displacement, times a gain.
+    #[inline(always)]
+    pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
+        // A displacement of the contact toward the marker reduces the distance.
+        let nearer = -self.curvature * field.normal_per_r;
+        [
+            gain * self.by_log(field.normal, field.normal_per_a),
+            gain * nearer * sight.bearing.x,
+            gain * nearer * sight.bearing.y,
+            gain * (field.normal_per_a * self.per_d),
+        ]
+    }
+
+    /// Slopes of the displacements along the skin.
+    #[inline(always)]
+    pub(crate) fn tangential(&self, field: &Field, sight: &Sight) -> [Slopes; 2] {
+        let nearer = -self.curvature * field.radial_per_r;
+        // A displacement perpendicular to the bearing changes the direction at the marker.
+        let turn = if sight.reach > 1e-6 * sight.distance && sight.distance > 0.0 {
+            -self.curvature * field.radial / sight.reach
+        } else {
+            -self.curvature * field.radial_per_r
+        };
+        let (bearing, outward) = (sight.bearing, sight.outward);
+        let across = [-outward.y, outward.x];
+        [0, 1].map(|axis| {
+            let onward = outward[axis];
+            [
+                onward * self.by_log(field.radial, field.radial_per_a),
+                nearer * bearing.x * onward - turn * bearing.y * across[axis],
+                nearer * bearing.y * onward + turn * bearing.x * across[axis],
+                onward * (field.radial_per_a * self.per_d),
+            ]
+        })
+    }
 }

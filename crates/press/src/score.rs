@@ -1,6 +1,6 @@
-//! Score tests of a press's model (Rao): how much chi-squared would fall, to first order, if the model had one more unknown.
+//! Score tests of a press's model (Rao): the decrease of chi-squared, to first order, by one more unknown in the model.
 //!
-//! The answer is what the residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
+//! The test projects the residuals on the pattern of that unknown, after removing the part that the fitted unknowns explain.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
@@ -8,31 +8,31 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2, Vector3};
 use palpate_statistics::{Explained, LEFT, doubted};
 
 use crate::markers::Sight;
-use crate::{Contact, Doubt, GoodnessOfFit};
+use crate::{Contact, Doubt, GoodnessOfFit, Measured};
 
-/// Patterns, in this order: what depends on the distance alone, on the direction, what a row of contacts has in all directions,
-/// and what depends on the indentation.
+/// Number of patterns. In this order: five by the distance; two by the direction; the mean over all directions of a row of
+/// contacts; one by the indentation.
 pub(crate) const PATTERNS: usize = 9;
 const BY_DISTANCE: std::ops::Range<usize> = 0..5;
 const BY_DIRECTION: std::ops::Range<usize> = 5..7;
 const WIDER: usize = 7;
-/// Pattern of an indentation that is taken for exact.
+/// Pattern of an indentation that is stated as exact.
 pub(crate) const BY_INDENTATION: usize = 8;
 
-/// Number of directions, of half a turn, in which contacts in a row are sought.
+/// Number of directions over half a turn in which the test looks for a row of contacts.
 const ROWS: usize = 60;
 
-/// Share of a pattern that the unknowns must leave for it to be looked for: of less, only what bends the model where the unknowns
-/// are known badly.
-const LEFT_OF_PATTERN: f64 = 0.1;
+/// A pattern is tested only if the fitted unknowns leave at least this share of it. A smaller rest is mostly an effect of the
+/// curved model with uncertain unknowns.
+const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Standard deviations by which a marker may slip before it is left out, about.
-const LEFT_OUT: f64 = 5.0;
+/// Approximate number of standard deviations beyond which a marker is rejected as an outlier.
+const OUTLIER: f64 = 5.0;
 
-/// Whether a slip too small for the marker to be left out moves the curvature by a standard deviation. `moves` is the square of
-/// what standard deviations of its readings move it by; a slip of others spoils no interval.
+/// Whether an error of a marker that is too small for rejection can change the curvature by a standard deviation. `moves` is
+/// the variance of the curvature due to the noise of this marker. Other markers cannot spoil the interval.
 pub(crate) fn matters(moves: f64, variance: f64) -> bool {
-    LEFT_OUT * LEFT_OUT * moves >= variance
+    OUTLIER * OUTLIER * moves >= variance
 }
 
 pub(crate) type Patterns = SVector<f64, PATTERNS>;
@@ -70,7 +70,7 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> [Patterns; 3] {
     all
 }
 
-/// Displacement, inward and along the axes at the marker, by the contact shifted by so much.
+/// Displacement, inward and along the axes at the marker, by the contact shifted by a vector.
 fn at_shifted(contact: &Contact<'_>, sight: &Sight, by: Vector2<f64>) -> Vector3<f64> {
     let from = sight.bearing * sight.distance - by;
     let distance = from.norm();
@@ -78,7 +78,7 @@ fn at_shifted(contact: &Contact<'_>, sight: &Sight, by: Vector2<f64>) -> Vector3
     if distance == 0.0 {
         return Vector3::new(moved.normal, 0.0, 0.0);
     }
-    // The marker's own axes are turned against the bearing's by as much as its outward direction is.
+    // The axes at the marker are rotated against the bearing by the same angle as the outward direction.
     let along = [from.dot(&sight.bearing), sight.bearing.perp(&from)];
     let [cosine, sine] = along.map(|one| one / distance);
     let [x, y] = [sight.outward.x, sight.outward.y];
@@ -86,8 +86,8 @@ fn at_shifted(contact: &Contact<'_>, sight: &Sight, by: Vector2<f64>) -> Vector3
     Vector3::new(moved.normal, along.x, along.y)
 }
 
-/// Pattern of contacts in a row along a direction at this angle: to second order in their distance, what all directions have in
-/// common and a second harmonic.
+/// Pattern of a row of contacts along a direction at this angle: to second order in their distance, the sum of a part common to
+/// all directions and a second harmonic.
 fn row_at(angle: f64) -> Patterns {
     let (sine, cosine) = libm::sincos(2.0 * angle);
     let mut weights = Patterns::zeros();
@@ -97,18 +97,18 @@ fn row_at(angle: f64) -> Patterns {
     weights
 }
 
-/// Noise that residuals are judged by.
+/// Noise to which residuals are compared.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
     /// Noise whose size is stated.
     Stated,
-    /// Noise that is found from the residuals, whose sum of squares is this with so many degrees of freedom.
+    /// Noise estimated from the residuals, with their chi-squared and degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 
 impl Noise {
-    /// The stated noise, or the noise that the residuals show where they are larger than the stated one makes them: noise
-    /// that is stated too small finds every pattern.
+    /// The stated noise, or the noise of the residuals if they are significantly larger: with too small a stated noise every
+    /// pattern would be significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
         match goodness.is_doubted() {
             true => Self::Found {
@@ -119,7 +119,7 @@ impl Noise {
         }
     }
 
-    /// Probability by chance of as much that patterns explain.
+    /// P-value of the decrease of chi-squared that patterns explain.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -130,40 +130,48 @@ impl Noise {
         }
     }
 
-    /// Probability by chance of a given indentation as far as `off` from the fitted one: its variance is `prior`, that of
-    /// the fit `variance`.
-    pub(crate) fn of_indentation(&self, off: f64, prior: f64, variance: f64) -> f64 {
-        // The fit moved a share of the way from what is told to what the displacements alone tell.
+    /// P-value of the difference between the stated indentation and the fitted one, whose variance is `variance`; `None` if
+    /// no indentation is stated or it was not fitted.
+    pub(crate) fn indentation(
+        &self,
+        stated: Option<Measured>,
+        is_fitted: bool,
+        fitted: f64,
+        variance: f64,
+    ) -> Option<f64> {
+        let stated = stated.filter(|_| is_fitted)?;
+        let (off, prior) = (fitted - stated.value, stated.std * stated.std);
+        // The fit moves only this share of the way from the stated indentation to that of the displacements alone.
         let share = 1.0 - variance / prior;
-        match share > LEFT {
+        Some(match share > LEFT {
             true => self.chance(Explained {
                 fall: off * off / (share * prior),
                 freedom: 1,
             }),
             false => 1.0,
-        }
+        })
     }
 }
 
-/// Sums over readings, by their weights, of products of their residuals, their slopes by the unknowns, and patterns.
+/// Weighted sums over readings of the products of their residuals, their slopes by the unknowns, and the patterns.
 pub(crate) struct Products<const UNKNOWNS: usize> {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
     pub(crate) by_residuals: Patterns,
 }
 
-/// Share that residuals of a fit have of patterns.
+/// Projection of the residuals of a fit on the patterns.
 pub(crate) struct Score {
     found: Patterns,
-    /// Products of the patterns, and of what the unknowns leave of them.
+    /// Products of the patterns, and of their parts that the unknowns do not explain.
     all: SMatrix<f64, PATTERNS, PATTERNS>,
     left: SMatrix<f64, PATTERNS, PATTERNS>,
     pub(crate) noise: Noise,
 }
 
 impl Score {
-    /// The score of a fit whose unknowns have this covariance, and by which half of chi-squared has this gradient. It is zero but
-    /// where the best fit is at a limit of its unknowns; what lies beyond the limit is no share of the patterns (Neyman's C(α)).
+    /// The score of a fit with this covariance of the unknowns and this gradient of half of chi-squared. The gradient is 0
+    /// unless the best fit is at a limit of an unknown; its part of the residuals is removed (Neyman's C(α)).
     pub(crate) fn new<const UNKNOWNS: usize>(
         products: &Products<UNKNOWNS>,
         covariance: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
@@ -184,25 +192,25 @@ impl Score {
         }
     }
 
-    /// Probability by chance of as much of these patterns as the residuals have.
+    /// P-value of the projection on these patterns.
     pub(crate) fn pattern(&self, range: std::ops::Range<usize>) -> f64 {
         let squares: Vec<f64> = range.clone().map(|one| self.all[(one, one)]).collect();
         let left = DMatrix::from_fn(range.len(), range.len(), |row, column| {
             self.left[(range.start + row, range.start + column)]
         });
         let found = DVector::from_fn(range.len(), |row, _| self.found[range.start + row]);
-        let explained = Explained::by(&squares, &left, &found, LEFT_OF_PATTERN);
+        let explained = Explained::by(&squares, &left, &found, MIN_REMAINING_SHARE);
         self.noise.chance(explained)
     }
 
-    /// Probability by chance of as much of contacts in a row, of the direction that has most, as the residuals have: at most
-    /// that of the tube about the curve that the patterns of all directions make (Hotelling; Naiman where the noise is found).
-    /// `None` where the unknowns leave too little of what makes a row wider than a round contact.
+    /// P-value of a row of contacts in the direction with the largest projection: an upper bound by the tube around the curve of
+    /// the patterns of all directions (Hotelling; Naiman for estimated noise). `None` if the unknowns explain too much of the
+    /// difference between a row and a round contact.
     fn rows(&self) -> Option<f64> {
         let rows: [Patterns; ROWS] =
             std::array::from_fn(|one| row_at(PI * one as f64 / ROWS as f64));
         let is_left =
-            |row: &Patterns| self.left_of(row) > LEFT_OF_PATTERN * row.dot(&(self.all * row));
+            |row: &Patterns| self.left_of(row) > MIN_REMAINING_SHARE * row.dot(&(self.all * row));
         let wider = rows.iter().sum::<Patterns>();
         if !is_left(&wider) || !rows.iter().all(is_left) {
             return None;
@@ -213,7 +221,7 @@ impl Score {
             most = most.max(row.dot(&self.found));
             length += libm::acos(row.dot(&(self.left * last)).clamp(-1.0, 1.0));
         }
-        // Where a closed curve nowhere comes out of the tube, its mean is in it too.
+        // If no point of the closed curve leaves the tube, its mean is in the tube too.
         let mean = rows.iter().sum::<Patterns>() / ROWS as f64;
         let chance = |fall, freedom| self.noise.chance(Explained { fall, freedom });
         let squared = most * most;
@@ -221,13 +229,13 @@ impl Score {
         Some((length / TAU * chance(squared, 2) + beside).min(1.0))
     }
 
-    /// Square of what the unknowns leave of a sum of patterns.
+    /// Square of the part of a sum of patterns that the unknowns do not explain.
     fn left_of(&self, weights: &Patterns) -> f64 {
         weights.dot(&(self.left * weights))
     }
 
-    /// Doubts about the fit. `indentation` is the probability by chance of one that was fitted about the given one, `slipped`
-    /// that of a marker that contradicts the others as much as this one, and `large` that of the residuals.
+    /// Doubts about the fit. `indentation` is the p-value of a stated indentation that was fitted, `slipped` that of this marker
+    /// as an outlier, and `large` that of the residuals.
     pub(crate) fn doubts(
         &self,
         indentation: Option<f64>,
@@ -237,7 +245,7 @@ impl Score {
         let of_pattern = || self.pattern(BY_INDENTATION..BY_INDENTATION + 1);
         let (of_direction, of_rows) = (self.pattern(BY_DIRECTION), self.rows());
         let of_body = self.pattern(BY_DISTANCE);
-        // Another body is wider or narrower too, and round all the same.
+        // Another body also makes the contact wider or narrower, but round.
         let of_rows = of_rows.filter(|_| of_body >= Doubt::LEVEL);
         let doubts = [
             Doubt::OtherIndentation {
@@ -267,7 +275,7 @@ mod tests {
 
     use super::*;
 
-    /// Numbers of both signs that no rule relates.
+    /// Irregular numbers of both signs.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }
@@ -280,7 +288,7 @@ mod tests {
         let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
             scattered(90 + 9 * row + column)
         });
-        // At a limit the residuals keep what the unknowns would take of them.
+        // At a limit the residuals have a part that the unknowns would explain.
         let residuals = slopes * SVector::from([40.0, -70.0]);
         let products = Products {
             by_slopes: slopes.tr_mul(&patterns),
@@ -313,7 +321,7 @@ mod tests {
 
     #[test]
     fn a_marker_matters_whose_slip_may_spoil_the_curvature() {
-        // A tenth of the variance is of this marker, a hundredth of that one.
+        // A share of 0.1 of the variance is large enough, one of 0.01 is not.
         assert!(matters(0.1 * 0.3, 0.3) && !matters(0.01 * 0.3, 0.3));
     }
 

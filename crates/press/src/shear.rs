@@ -17,22 +17,22 @@
 use std::f64::consts::PI;
 
 use crate::PressError;
-use crate::spheroidal::Spheroidal;
+use crate::half_space::Spheroidal;
 
-/// The displacement of a place per unit shift of a contact that sticks.
+/// Displacement of a point per unit shift of a contact that sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StuckShift {
     /// Along the shift.
     pub along: f64,
-    /// Along the skin, a quarter turn from the shift in the sense in which the azimuth grows.
+    /// Along the skin, perpendicular to the shift, in the direction of growing azimuth.
     pub across: f64,
     /// Inward.
     pub normal: f64,
 }
 
-/// Displacement of the skin at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth`
-/// (radians, from the direction of the shift), when a contact of this radius moves by 1 and nothing slips: at the
-/// surface all of it moves by 1, far away the skin moves as under a force at a point (Cerruti).
+/// Displacement of the skin at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth` (radians,
+/// from the direction of the shift) if a contact of this radius moves by 1 without slip. At the surface all points of the
+/// contact move by 1; far away the displacement is that of a point force (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
@@ -68,9 +68,9 @@ pub fn stuck_shift(
     })
 }
 
-/// Share of the object's shift that a marker under the middle of the contact follows, from 0 to 1: 1 at the surface,
-/// less below, and the more the wider the contact, so that it rises with the indentation. A lateral calibration at one
-/// indentation is therefore off at another, as the 2020 paper found.
+/// Ratio of the displacement of a marker under the middle of the contact to the shift of the object, from 0 to 1. It is 1 at
+/// the surface, decreases with depth and increases with the contact's radius, and so with the indentation. A lateral
+/// calibration at one indentation is therefore wrong at another one, as the 2020 paper found.
 ///
 /// ```
 /// use palpate_press::shear::followed;

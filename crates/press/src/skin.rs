@@ -1,14 +1,13 @@
-//! Places on the skin of a spherical sensor.
+//! Points on the skin of a spherical sensor.
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
-use crate::hertz::MAX_CONTACT;
 use crate::{Body, Contact, ContactRegime, PressError};
 
-/// Lengths that can be multiplied a few times without leaving the range of doubles.
+/// Lengths whose products of a few factors stay in the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// The skin: a sphere, with an apex from which places are counted.
+/// The skin: a sphere, with coordinates from its apex.
 ///
 /// A place has chart coordinates (x, y), its logarithm map from the apex: it lies √(x² + y²) along the skin in the
 /// direction (x, y). Tangential displacements are counted along the axes of the apex, carried along the meridian.
@@ -85,7 +84,7 @@ impl Skin {
         }
     }
 
-    /// The chart coordinates of a direction from the centre, of any length; those of the apex if it is no direction.
+    /// The chart coordinates of a vector from the centre, of any length; those of the apex if the vector is 0 or not finite.
     pub fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let largest = direction.amax();
         let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
@@ -109,7 +108,7 @@ impl Skin {
         ]
     }
 
-    /// The contact with an object of this curvature (positive where convex, 0 flat), pressed this deep into `body`.
+    /// The contact with an object of this curvature (positive if convex, 0 if flat) at this indentation of `body`.
     ///
     /// # Errors
     /// [`PressError::Conforming`] and [`PressError::EdgeContact`] where the relative curvature is not positive;
@@ -130,26 +129,7 @@ impl Skin {
         }
         self.press(body, relative_curvature, indentation)
     }
-}
 
-/// Checks that a contact of this radius (length) is narrow enough for an object of this curvature (1/length).
-///
-/// # Errors
-/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds [`MAX_CONTACT`] times its radius.
-pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
-    let limit = MAX_CONTACT / object_curvature;
-    if object_curvature > 0.0 && contact_radius > limit {
-        let what = "0.9 of the object's radius";
-        return Err(PressError::TooWide {
-            radius: contact_radius,
-            limit,
-            what,
-        });
-    }
-    Ok(())
-}
-
-impl Skin {
     /// The contact at this relative curvature.
     pub(crate) fn press<'b>(
         &self,

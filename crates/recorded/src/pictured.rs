@@ -90,7 +90,7 @@ pub fn estimate_pictures(
         markers: &meant.markers,
         optics: &meant.seen_from(&known.stand).map_err(of_study)?,
         stds: known.stds,
-        told: known.told.clone(),
+        departure_prior: known.departure_prior.clone(),
         layers: &Body::bonded_layers,
     };
     let fit = plan.fit().map_err(of_study)?;

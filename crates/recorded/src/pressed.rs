@@ -145,7 +145,7 @@ pub fn estimate_press(
         left_out,
         Warning::of(
             "unseen-contact",
-            (!estimate.is_seen).then_some(stated::UNSEEN),
+            (!estimate.is_detected).then_some(stated::UNSEEN),
         ),
         Warning::of("repeated-rows", copies(recorded)),
         Warning::of(

@@ -174,7 +174,7 @@ impl PressedObject {
                 p_value,
             },
             r_squared: estimate.r_squared,
-            contact_seen: estimate.is_seen,
+            contact_seen: estimate.is_detected,
             warnings: with_p_values(warnings, doubts),
         }
     }

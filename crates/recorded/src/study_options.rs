@@ -155,7 +155,7 @@ fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
     };
     Some(RoundTip {
         radius: radius * factor,
-        told: TipPoint::Lowest,
+        point: TipPoint::Lowest,
     })
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Largest table that is read, MiB; of the most cells that a study has, none is larger.
+/// Largest size of a file that is read, MiB; larger than the tables of the largest possible study.
 const MOST_MIB: u64 = 4096;
 
 /// Files of a study by their names: in a folder, or in memory. They are read, never written.
@@ -54,7 +54,7 @@ impl Files {
         }
     }
 
-    /// Files in memory with `others` as far as none of these has their names; a folder stays as it is.
+    /// Adds `others` to files in memory, unless a file of the same name exists; a folder does not change.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {

@@ -18,21 +18,20 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-mod calibration;
 mod claims;
 mod error;
 mod files;
-mod group;
+mod interval_coverage;
 mod page;
+mod page_sections;
+mod phrases;
 mod plot;
 mod records;
-mod scorecard;
 mod study;
 mod table;
 mod tradeoff;
-mod words;
 
-pub use claims::{Score, Verdict, claims_csv, is_claim, score};
+pub use claims::{Score, Verdict, claims_csv, is_claim, score, scorecard_lines};
 pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
@@ -41,7 +40,6 @@ pub use plot::{
     RegionPanel, RegionStrip, Stretch, answer_figure, figure, figures, heat_figure, press_figures,
     region_figure, tradeoff_figures,
 };
-pub use scorecard::scorecard_lines;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};
 

@@ -1,16 +1,10 @@
 //! Self-contained HTML page of several studies.
 
-mod calibration;
-mod glossary;
-mod measurements;
-mod size;
-
 use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
-use crate::{plot, words};
+use crate::{page_sections, phrases, plot};
 use minijinja::value::Value;
 use minijinja::{Environment, context};
 use palpate_study::number::grouped;
-use size::least;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The page shows the scorecard, and each study's source, sample size, figures, failures and config. Below are the
@@ -42,7 +36,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A plot of a study is wrong, as for [`figures()`](crate::figures()); a table of measurements is malformed.
 pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
-    // A name in .html switches escaping on.
+    // A name that ends in .html enables escaping.
     environment.add_template("page.html", include_str!("../templates/page.html"))?;
     for (name, text) in [
         (
@@ -66,11 +60,11 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let claims: BTreeSet<u32> = scored.iter().map(|score| score.claim).collect();
     let claims = claims.len();
     let counts = counts(&scored);
-    let measured = measurements::folder(studies)
-        .map(|folder| measurements::sections(&folder))
+    let measured = page_sections::folder(studies)
+        .map(|folder| page_sections::measurements(&folder))
         .transpose()?;
-    let calibration = calibration::section(studies)?;
-    let glossary = glossary::section();
+    let calibration = page_sections::coverage(studies)?;
+    let glossary = page_sections::glossary();
     let on_dark = plot::on_dark().into_iter();
     let on_dark: Vec<[String; 2]> = on_dark
         .map(|(white, dark)| [plot::hex(white), plot::hex(dark)])
@@ -82,7 +76,7 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     })?)
 }
 
-/// How many rows have each verdict, in words.
+/// Numbers of scores with each verdict, in words.
 fn counts(scores: &[Score]) -> String {
     let all = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable];
     let counted = all.map(|verdict| {
@@ -122,7 +116,7 @@ fn row(score: &Score, studies: &[Study]) -> Value {
 
 fn section(study: &Study) -> Result<Value, ReportError> {
     let shown = |figure: Figure| {
-        let least = least(&figure);
+        let least = least_width(&figure);
         let svg = Value::from_safe_string(figure.svg);
         context! { title => figure.title, svg, least }
     };
@@ -135,7 +129,7 @@ fn section(study: &Study) -> Result<Value, ReportError> {
     }
     let failures: Vec<Value> = kinds
         .into_iter()
-        .map(|(kind, (trials, cells))| context! { kind, word => glossary::address(kind), trials => grouped(trials), cells => grouped(cells as u64) })
+        .map(|(kind, (trials, cells))| context! { kind, word => page_sections::address(kind), trials => grouped(trials), cells => grouped(cells as u64) })
         .collect();
     let setting = |key: &str| {
         study
@@ -149,7 +143,7 @@ fn section(study: &Study) -> Result<Value, ReportError> {
         title => study.title(),
         source => study.source(),
         cells => grouped(cells(study)),
-        sample => words::sample(trials, "cell"),
+        sample => phrases::sample(trials, "cell"),
         seed => setting("seed"),
         version => setting("crate_version"),
         figures,
@@ -164,4 +158,12 @@ fn cells(study: &Study) -> u64 {
     cells.sort_unstable();
     cells.dedup();
     cells.len() as u64
+}
+
+/// Smallest scale of a figure, below which it scrolls sideways. Its text is then 11 pixels high.
+const LEAST_SCALE: f64 = 0.61;
+
+/// Smallest width of a figure, pixels.
+pub(crate) fn least_width(figure: &Figure) -> f64 {
+    (LEAST_SCALE * figure.width()).ceil()
 }

@@ -1,53 +1,52 @@
-//! Figures of a study, as its `[[plot]]` tables ask for them.
+//! Figures: of the `[[plot]]` tables of a study, and of other results.
 
 mod answer;
-mod calibration;
 mod captions;
-mod cells;
 mod chart;
+mod class_grid;
 mod class_map;
+mod contact_table;
 mod contacts;
+mod coverage_plot;
+mod default_plot;
 mod drawing;
-mod fronts;
-mod given;
 mod heat;
+mod label_placement;
 mod lettering;
 mod lines;
-mod panel;
+mod pareto;
 mod press_trace;
 mod profile;
+mod reference_lines;
 mod region;
-mod request;
 mod scale;
-mod select;
+mod selection;
 mod series;
 mod sheet;
 mod style;
 mod symbol;
 mod uncertainty;
-mod usual;
 
 use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
-use request::Request;
+use selection::Request;
 
 pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
-pub(crate) use calibration::figure as calibration;
 pub(crate) use captions::swept_values;
+pub(crate) use coverage_plot::figure as coverage_figure;
 pub use drawing::Figure;
-pub(crate) use fronts::all as fronts;
-pub use fronts::tradeoff_figures;
 pub use heat::{Heat, HeatPanel, heat_figure};
+pub(crate) use pareto::figures as pareto_figures;
+pub use pareto::tradeoff_figures;
 pub use press_trace::press_figures;
 pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
 pub(crate) use style::{DARK, hex, on_dark};
 
-/// Draws every `[[plot]]` of the study, in the order of the config; where it has none, the relative rms error of the
-/// object's curvature over the first swept field, with a line per value of the second.
+/// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure: the
+/// relative rms error of the object's curvature over the first swept field, with a line per value of the second.
 ///
-/// A plot of kind `class-map` or `profile` is of
-/// `map.csv`, one of kind `contacts` of `trace.csv` and `readings.csv`. The bytes of an SVG depend on the study's tables
-/// and `run.toml` alone.
+/// Plots of kind `class-map` or `profile` show `map.csv`, plots of kind `contacts` show `trace.csv` and `readings.csv`.
+/// The bytes of an SVG depend only on the study's tables and `run.toml`.
 ///
 /// # Errors
 /// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says which axis
@@ -55,7 +54,7 @@ pub(crate) use style::{DARK, hex, on_dark};
 pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let mut plots = study.plots()?;
     if plots.is_empty() {
-        plots.extend(usual::plot(study)?);
+        plots.extend(default_plot::plot(study)?);
     }
     let draw = |(at, plot): (usize, &PlotConfig)| {
         let name = plot.name.clone().unwrap_or(format!("plot-{}", at + 1));
@@ -64,9 +63,9 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     plots.iter().enumerate().map(draw).collect()
 }
 
-/// Draws one plot of tables in memory: `cells.csv`, and where the kind asks for them `map.csv`, or `trace.csv` and
-/// `readings.csv`. A `run.toml` among them tells settings that the figure names; nothing is read from a disk, and nothing
-/// is written.
+/// Draws one plot of tables in memory: `cells.csv`, and, if the kind needs them, `map.csv`, or `trace.csv` and
+/// `readings.csv`. The figure takes the settings that it names from `run.toml`, if that is among the tables. The function
+/// reads and writes no files.
 ///
 /// ```
 /// use palpate_report::{Files, figure};
@@ -98,7 +97,7 @@ pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
 
 const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// Draws the plot by its kind.
+/// Draws a plot of any kind.
 fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportError> {
     let of = Request { study, plot, name };
     let kind = plot.kind;

@@ -1,6 +1,5 @@
-//! CSV files with their headers checked, and some named columns of them.
+//! Named columns of CSV files, and groups of rows.
 
-use crate::group::by_key;
 use crate::{Files, ReportError};
 use palpate_study::Rows;
 use palpate_study::label::split_unit;
@@ -8,7 +7,7 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A CSV file as text, its header checked for repeated columns, and the places of the columns asked for.
+/// Texts of a CSV file whose header has no column twice, and the indices of the requested columns.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
@@ -19,7 +18,7 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// Columns `names` of a file, with or without a unit, in the order of `names`; there may be no rows.
+    /// Reads a file that has the columns `names`, each with or without a unit. It may have no rows.
     pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
         let path = files.path(file);
         let text = files.read(file)?;
@@ -61,8 +60,8 @@ impl Records {
         Ok(records)
     }
 
-    /// Columns as by [`Self::read`], where the first `ordered` columns stand in this order: sweep columns lie between `cell` and `quantity`,
-    /// statistics after `unit`.
+    /// Reads a file as [`Self::read`]. The first `ordered` columns must also be in the order of `names`, because the sweep
+    /// columns are those between `cell` and `quantity`, and the statistics those after `unit`.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,
@@ -77,7 +76,7 @@ impl Records {
         }
     }
 
-    /// Table with at least one row, or the error that it is empty.
+    /// The table, or an error if it has no rows.
     pub(crate) fn filled(self) -> Result<Self, ReportError> {
         match self.rows.is_empty() {
             true => Err(ReportError::EmptyTable { path: self.path }),
@@ -95,12 +94,12 @@ impl Records {
         &self.header
     }
 
-    /// Place in the header of the `column`-th of the columns asked for.
+    /// Index in the header of the `column`-th requested column.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
 
-    /// Texts of the column at a place in the header.
+    /// Texts of the column with an index in the header.
     pub(crate) fn column(&self, place: usize) -> impl Iterator<Item = &str> {
         self.rows.iter().map(move |row| row[place].as_str())
     }
@@ -110,7 +109,7 @@ impl Records {
         (self.header, self.rows)
     }
 
-    /// The unit of the `column`-th of the columns asked for, as in its header; may be empty.
+    /// Unit of the `column`-th requested column, as in its header; may be empty.
     pub(crate) fn unit(&self, column: usize) -> &str {
         split_unit(&self.header[self.places[column]]).1
     }
@@ -119,14 +118,14 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// A number that a drawing can hold.
+    /// Number in a cell, which must be small enough for a drawing.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)
             .ok_or_else(|| self.bad(row, column, "a number between −1e100 and 1e100"))
     }
 
-    /// A finite number, if there is any text.
+    /// Finite number in a cell; `None` if the cell is empty.
     pub(crate) fn number_or_none(
         &self,
         row: usize,
@@ -138,7 +137,7 @@ impl Records {
         }
     }
 
-    /// A cell that is of a type, in words `expected`.
+    /// Value in a cell, parsed to a type. The error calls the type `expected`.
     pub(crate) fn parsed<T: FromStr>(
         &self,
         row: usize,
@@ -149,12 +148,12 @@ impl Records {
         parsed.map_err(|_| self.bad(row, column, expected))
     }
 
-    /// The rows of each text in a column.
+    /// Rows grouped by the text in a column.
     pub(crate) fn by_text(&self, column: usize) -> Vec<(&str, Vec<usize>)> {
         by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
     }
 
-    /// The rows of each cell, whose numbers a column holds.
+    /// Rows grouped by the number of the cell in a column.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
         let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
@@ -163,12 +162,12 @@ impl Records {
         groups.map(numbered).collect()
     }
 
-    /// The error that this cell is not what was `expected`.
+    /// Error for a cell whose text is not `expected`.
     pub(crate) fn bad(&self, row: usize, column: usize, expected: &'static str) -> ReportError {
         self.bad_at(row, self.places[column], expected)
     }
 
-    /// The error that a cell in the column at a place in the header is not what was `expected`.
+    /// Error for a cell whose text is not `expected`, by the column's index in the header.
     pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
         ReportError::BadCell {
             path: self.path.clone(),
@@ -179,7 +178,7 @@ impl Records {
         }
     }
 
-    /// The error that the `column`-th of the columns asked for is not in `unit`.
+    /// Error for the `column`-th requested column, which is not in `unit`.
     pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
         let name = split_unit(&self.header[self.places[column]]).0;
         self.missing(&[name, unit].join(if unit.is_empty() { "" } else { "_" }))
@@ -194,5 +193,24 @@ impl Records {
     }
 }
 
-/// Sums and squares of coordinates up to this are finite.
+/// Largest magnitude of a coordinate, whose square is finite.
 const LARGEST: f64 = 1e100;
+
+/// Items grouped by their keys, in the order in which the keys first appear.
+pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
+    for (key, item) in items {
+        // Items with one key are mostly neighbours, so search from the end.
+        match groups.iter_mut().rev().find(|(known, _)| *known == key) {
+            Some((_, items)) => items.push(item),
+            None => groups.push((key, vec![item])),
+        }
+    }
+    groups
+}
+
+/// Items without repetitions, in the order in which they first appear.
+pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let keys = items.into_iter().map(|item| (item, ()));
+    by_key(keys).into_iter().map(|(item, _)| item).collect()
+}

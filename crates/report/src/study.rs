@@ -5,16 +5,16 @@ use crate::{Files, ReportError, Table};
 use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// Line of `failures.csv`: number of trials of a cell that failed, and why.
+/// Row of `failures.csv`: failed trials of one kind in a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// The cell.
     pub cell: u64,
     /// Kebab-case name of the error.
     pub kind: String,
-    /// Number of trials that failed so.
+    /// Number of trials that failed with this kind.
     pub count: u64,
-    /// Number of the first trial that failed so, counted from 0.
+    /// Number of the first of these trials, counted from 0.
     pub first_trial: u64,
 }
 
@@ -82,22 +82,14 @@ impl Study {
         if !config.contains_key("name") {
             return Err(bad("name", "is missing".to_owned()));
         }
-        let claims = match config.get("claims") {
-            None => Vec::new(),
-            Some(value) => value
-                .as_array()
-                .and_then(|list| {
-                    list.iter()
-                        .map(|n| n.as_integer().and_then(|n| u32::try_from(n).ok()))
-                        .collect()
-                })
-                .ok_or_else(|| {
-                    bad(
-                        "claims",
-                        format!("must be a list of claim numbers, is {value}"),
-                    )
-                })?,
+        let number = |value: &toml::Value| u32::try_from(value.as_integer()?).ok();
+        let list = |value: &toml::Value| -> Option<Vec<u32>> {
+            value.as_array()?.iter().map(number).collect()
         };
+        let claims = config.get("claims").map_or(Ok(Vec::new()), |value| {
+            let problem = || format!("must be a list of claim numbers, is {value}");
+            list(value).ok_or_else(|| bad("claims", problem()))
+        })?;
         let cells = Table::read(&files)?;
         let failures = read_failures(&files)?;
         Ok(Self {
@@ -119,7 +111,7 @@ impl Study {
         &self.files
     }
 
-    /// The plots that the config asks for.
+    /// The `[[plot]]` tables of the config.
     pub(crate) fn plots(&self) -> Result<Vec<PlotConfig>, ReportError> {
         let file = self.run_toml().display().to_string();
         Ok(config::plots(&file, &self.config_text)?)
@@ -130,7 +122,7 @@ impl Study {
         self.word("name")
     }
 
-    /// The question it answers; its name if it has no title.
+    /// The study's title, which is its question; its name if it has no title.
     pub fn title(&self) -> &str {
         match self.word("title") {
             "" => self.name(),
@@ -138,7 +130,7 @@ impl Study {
         }
     }
 
-    /// Publication or other origin of the question; may be empty.
+    /// Publication or other source of the question; may be empty.
     pub fn source(&self) -> &str {
         self.word("source")
     }

@@ -1,22 +1,21 @@
 //! `cells.csv`: one row per cell and quantity.
 
-use crate::group::distinct;
-use crate::records::Records;
+use crate::records::{Records, distinct};
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
-/// Statistics without which a table is read too: they are `None` in all its rows.
-const MAY_LACK: [Statistic; 3] = [
+/// Statistics that a table may lack. Then they are `None` in all rows.
+const OPTIONAL: [Statistic; 3] = [
     Statistic::RmsErrorStd,
     Statistic::Coverage50,
     Statistic::Coverage80,
 ];
 
-/// Swept path: a column of the table, between `cell` and `quantity`.
+/// Column of the table with the values of a swept path, between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// The header of the column: the path, with its unit appended where it has one.
+    /// Header of the column: the path, followed by its unit if it has one.
     pub header: String,
     /// The path without its unit.
     stem: String,
@@ -37,7 +36,7 @@ impl Axis {
         &self.cells[row]
     }
 
-    /// The finite number in `row`, if it is one (a label is not).
+    /// The finite number in `row`; `None` for a label.
     pub fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
@@ -60,8 +59,8 @@ impl Axis {
     }
 }
 
-/// The contents of one `cells.csv`. Rows are numbered from 0; row `r` stands on line `r + 2` of the file
-/// unless a quoted cell spans lines.
+/// Contents of a `cells.csv`. Rows are numbered from 0; row `r` is line `r + 2` of the file, unless a quoted cell has
+/// several lines.
 #[derive(Debug, Clone)]
 pub struct Table {
     axes: Vec<Axis>,
@@ -96,7 +95,7 @@ impl Table {
     pub fn read(files: &Files) -> Result<Self, ReportError> {
         let places = ["cell", "quantity", "unit"].into_iter();
         let statistics = Statistic::ALL.into_iter();
-        let needed = statistics.filter(|statistic| !MAY_LACK.contains(statistic));
+        let needed = statistics.filter(|statistic| !OPTIONAL.contains(statistic));
         let names: Vec<&str> = places.chain(needed.map(Statistic::name)).collect();
         let table = Records::read_in_order(files, "cells.csv", &names, 3)?.filled()?;
         let [cell, quantity, unit] = [0, 1, 2].map(|column| table.place(column));
@@ -150,7 +149,7 @@ impl Table {
         &self.quantity
     }
 
-    /// Numbers of trials as an axis, one per row: where trials are swept, the table has no other column for them.
+    /// Numbers of trials as an axis, one per row. If trials are swept, this is the column for them.
     pub fn trials(&self) -> &Axis {
         &self.trials
     }
@@ -197,7 +196,7 @@ impl Axis {
     }
 }
 
-/// Whether two texts are equal as numbers, if both are numbers, else as texts.
+/// Whether two texts are equal: as numbers if both are numbers, otherwise as texts.
 pub(crate) fn same(a: &str, b: &str) -> bool {
     match (finite(a), finite(b)) {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),

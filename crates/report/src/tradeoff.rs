@@ -1,9 +1,5 @@
 //! Measurements of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder,
-//! and `promise.csv`, the verdicts on `auto`, which may be absent.
-
-mod promise;
-
-pub(crate) use promise::Promise;
+//! and `promise.csv`, the check of the model `auto`, which may be absent.
 
 use crate::records::Records;
 use crate::{Files, ReportError};
@@ -13,22 +9,22 @@ use palpate_study::number::finite;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
-    /// Verdicts on `auto` for each kind of scene; none where there is no `promise.csv`.
-    pub(crate) promises: Vec<Promise>,
+    /// Check of `auto` for each kind of scene; empty without `promise.csv`.
+    pub(crate) auto_models: Vec<AutoModel>,
     /// Whether instructions are known for every rung; if so they are the cost.
     pub(crate) counted: bool,
-    /// Words for the machine on which the measurements were made.
+    /// Description of the machine that made the measurements.
     pub(crate) machine: String,
 }
 
-/// Models, sensors or settings that answer the same question, each at its own cost and error, on several scenes.
+/// Models, sensors or settings for the same task, with their costs and errors, on several scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Words for the quantity that errs and for the scale that its error is relative to.
+    /// Description of the quantity with the error, and of the scale to which the error is relative.
     pub(crate) error_of: String,
-    /// Words for one evaluation, whose cost is given.
+    /// Description of the evaluation whose cost is measured.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }
@@ -48,19 +44,19 @@ pub(crate) struct LadderScene {
 pub(crate) struct Rung {
     pub(crate) name: String,
     pub(crate) error: f64,
-    /// Standard deviation of the error over sets of trials; 0 where no trials are drawn.
+    /// Standard error of the error; 0 without trials.
     pub(crate) error_std: f64,
-    /// Instructions where they are counted, else the median of nanoseconds.
+    /// Instructions if they are counted, otherwise median time in nanoseconds.
     pub(crate) cost: f64,
-    /// Whether no other rung is both as exact and as cheap (Pareto front).
+    /// Whether it is on the Pareto front: no other rung has both a smaller error and a smaller cost.
     pub(crate) on_front: bool,
 }
 
-/// Rung to take for a target.
+/// Recommended rung for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
-    /// `none` where no rung reaches it.
+    /// `none` if no rung reaches the target.
     pub(crate) rung: String,
     pub(crate) error: Option<f64>,
     pub(crate) ns: Option<f64>,
@@ -73,8 +69,8 @@ impl Tradeoff {
     /// # Errors
     /// A table but `promise.csv` is absent, or one is malformed, or a cost or an error is not positive.
     pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
-        let promises = match files.contain("promise.csv") {
-            true => promise::read(files)?,
+        let auto_models = match files.contain("promise.csv") {
+            true => read_auto_models(files)?,
             false => Vec::new(),
         };
         let (rungs, counted) = rungs(files)?;
@@ -109,7 +105,7 @@ impl Tradeoff {
         let ladders = table.by_text(0).into_iter().map(ladder).collect();
         Ok(Self {
             ladders,
-            promises,
+            auto_models,
             counted,
             machine: text(0, 6),
         })
@@ -124,7 +120,7 @@ impl Tradeoff {
 /// Ladder and scene.
 type Key = (String, String);
 
-/// Items of `all` that belong to a key.
+/// Items of `all` with a key.
 fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
     let mine = all.iter().filter(|one| one.0 == *key);
     mine.map(|one| one.1.clone()).collect()
@@ -191,4 +187,53 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
         ((ladder, scene), answer)
     };
     Ok((0..table.rows()).map(answer).collect())
+}
+
+/// Check of the model `auto` on random scenes of one kind: its error is within the tolerance, and its cost is not much
+/// more than that of the cheapest rung.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AutoModel {
+    pub(crate) kind: String,
+    pub(crate) scenes: usize,
+    /// Number of scenes on which `auto` meets both conditions.
+    pub(crate) successes: usize,
+    /// Number of scenes on which another rung meets the tolerance too.
+    pub(crate) with_rivals: usize,
+    /// Largest ratio of the instructions of the chosen rung to those of the cheapest.
+    pub(crate) largest_ratio: Option<f64>,
+}
+
+/// Reads `promise.csv`; kinds in the order of appearance.
+///
+/// # Errors
+/// The table is malformed.
+fn read_auto_models(files: &Files) -> Result<Vec<AutoModel>, ReportError> {
+    let columns = ["kind", "competitors", "ratio", "kept"];
+    let table = Records::read(files, "promise.csv", &columns)?.filled()?;
+    let is_kept = |row: usize| match table.text(row, 3) {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(table.bad(row, 3, "yes or no")),
+    };
+    let model = |(kind, rows): (&str, Vec<usize>)| -> Result<AutoModel, ReportError> {
+        let mut model = AutoModel {
+            kind: kind.to_owned(),
+            scenes: rows.len(),
+            successes: 0,
+            with_rivals: 0,
+            largest_ratio: None,
+        };
+        for row in rows {
+            model.with_rivals += usize::from(table.number(row, 1)? > 0.0);
+            model.successes += usize::from(is_kept(row)?);
+            let ratio = table.number_or_none(row, 2)?;
+            model.largest_ratio = model
+                .largest_ratio
+                .into_iter()
+                .chain(ratio)
+                .reduce(f64::max);
+        }
+        Ok(model)
+    };
+    table.by_text(0).into_iter().map(model).collect()
 }

@@ -1,4 +1,4 @@
-//! Montana's chart form of the contact equations.
+//! Montana's contact equations in charts.
 //!
 //! ```text
 //! u̇₁ = M₁⁻¹ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ − K̃₂ v)
@@ -6,18 +6,17 @@
 //! ψ̇  = ω_z + T₁ M₁ u̇₁ + T₂ M₂ u̇₂ ,      K̃₂ = R_ψ K₂ R_ψ
 //! ```
 //!
-//! The probe's chart is laid so that the contact starts at its centre and moves first along its
-//! equator, which has no poles.
+//! The probe's chart is placed such that the contact starts at its centre and first moves along its equator. There are no
+//! poles on the equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::surfaces::Sphere;
 use palpate_geometry::{ChartGeometry, Parameters, Surface, TangentForm};
 
-use crate::bodies::Bodies;
-use crate::chart_free::contact_velocity;
+use crate::contact_equations::{ContactEquations, contact_velocity};
 use crate::error::RollFault;
-use crate::form::Form;
 use crate::integrator::System;
+use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
 /// Components: `u₁, v₁, u₂, v₂`, contact angle ψ, angle φ from the probe's Gauss frame to the
@@ -43,7 +42,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
     ) -> Result<(Self, [f64; STATE]), RollFault> {
         let path = motion.drive();
         let path = path.try_normalize(0.0).unwrap_or_else(Vector2::x);
-        // Chart axes in the contact frame: y along the path, z out of the probe.
+        // Chart axes in the contact frame: y is along the path, z points out of the probe.
         let chart_axes = Matrix3::from_columns(&[
             Vector3::new(path.y, -path.x, 0.0),
             Vector3::new(path.x, path.y, 0.0),
@@ -90,7 +89,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
     }
 }
 
-impl<S: Surface> Form<STATE> for ChartForm<'_, S> {
+impl<S: Surface> ContactEquations<STATE> for ChartForm<'_, S> {
     fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
         let [u1, v1, u2, v2, psi, phi, arc_length] = *state;
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?.frame;
@@ -132,11 +131,11 @@ impl<S: Surface> System<STATE> for ChartForm<'_, S> {
         let [u1, v1, u2, v2, psi, phi, _] = *state;
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?;
         let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
-        let seen = object.curvature.seen_from_other_body(psi);
+        let object_curvature = object.curvature.seen_from_other_body(psi);
         let into_gauss = Rotation2::new(phi);
         let c = contact_velocity(
             1.0 / self.probe.radius(),
-            &TangentForm::of_unit_normal(Vector3::z(), seen),
+            &TangentForm::of_unit_normal(Vector3::z(), object_curvature),
             &(into_gauss * self.motion.drive_on_object(self.probe.radius())),
         )?;
         let p = c - into_gauss * self.motion.sliding;

@@ -1,7 +1,7 @@
-//! The chart-free form of the contact equations.
+//! The chart-free contact equations.
 //!
 //! With `n` the object's outward normal, `S₁ = I/R₁` and `S₂` the shape operators on the common
-//! tangent plane, `ω` and `v` the motion of the probe:
+//! tangent plane, and `ω` and `v` the motion of the probe:
 //!
 //! ```text
 //! (S₁ + S₂) q̇ = ω × n + S₁ v          contact on the object
@@ -9,23 +9,23 @@
 //! ẋ₁ = ω_z y₁ − (x₁·ṅ) n               transported axis, turned by spin
 //! ```
 //!
-//! The probe's contact frame in its body turns at `(−p_y, p_x, 0)/R₁`.
+//! In the probe's body frame, the contact frame turns at `(−p_y, p_x, 0)/R₁`.
 
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::{CurvatureForm, Surface, TangentForm};
+use palpate_geometry::Surface;
 
-use crate::bodies::Bodies;
+use crate::contact_equations::{ContactEquations, contact_velocity};
 use crate::error::RollFault;
-use crate::form::Form;
 use crate::integrator::System;
+use crate::roller::Bodies;
 use crate::{Contact, Motion};
 
 /// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion
-/// `w, i, j, k`, then z of `x₁` and of the contact, arc length, and a spare one: pairs are cheaper.
+/// `w, i, j, k`, then z of `x₁` and of the contact, arc length, and an unused one, because pairs are faster.
 const STATE: usize = 12;
 /// Number of components that the derivative reads in general.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of components that it reads on a graph, where nothing depends on the height.
+/// Number of components that the derivative reads on a graph, where nothing depends on the height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -62,7 +62,7 @@ impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
     }
 }
 
-impl<S: Surface, const READ: usize> Form<STATE> for ChartFree<'_, S, READ> {
+impl<S: Surface, const READ: usize> ContactEquations<STATE> for ChartFree<'_, S, READ> {
     fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
         let [qx, qy, xx, xy, w, i, j, k, xz, qz, arc_length, _] = *state;
         let on_object = Point3::new(qx, qy, qz);
@@ -82,59 +82,6 @@ impl<S: Surface, const READ: usize> Form<STATE> for ChartFree<'_, S, READ> {
     }
 }
 
-/// The contact's velocity on the object in the tangent basis `(x, y)` of `object`, driven by
-/// `(K₁ + K₂) c = drive` (in orthonormal axes).
-///
-/// With `W = |∇F|` the equations read, multiplied through by `W` along `x` and by `W²` along `y`:
-///
-/// ```text
-/// [ W/R₁ + F_xx        F_xy     ] [c_x]   [ W  drive_x ]
-/// [     F_xy      W³/R₁ + F_yy  ] [c_y] = [ W² drive_y ]
-/// ```
-#[inline]
-pub(crate) fn contact_velocity(
-    probe_curvature: f64,
-    object: &TangentForm,
-    drive: &Vector2<f64>,
-) -> Result<Vector2<f64>, RollFault> {
-    let (w, ww) = (object.steepness, object.steepness_squared);
-    let a11 = probe_curvature * w + object.xx;
-    let a22 = probe_curvature * ww * w + object.yy;
-    let a12 = object.xy;
-    let determinant = a11 * a22 - a12 * a12;
-    // Positive definite, with room for the rounding of the sums.
-    let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
-    if !(a11 > 0.0 && determinant > floor) {
-        return Err(not_positive(probe_curvature, *object, determinant));
-    }
-    let (g1, g2) = (w * drive.x, ww * drive.y);
-    Ok(Vector2::new(
-        (a22 * g1 - a12 * g2) / determinant,
-        (a11 * g2 - a12 * g1) / determinant,
-    ))
-}
-
-/// The velocities of the contact on object and probe in the contact frame.
-pub(crate) fn contact_velocities(
-    radius: f64,
-    object: &CurvatureForm,
-    motion: &Motion,
-) -> Result<(Vector2<f64>, Vector2<f64>), RollFault> {
-    let form = TangentForm::of_unit_normal(Vector3::z(), *object);
-    let on_object = contact_velocity(1.0 / radius, &form, &motion.drive_on_object(radius))?;
-    Ok((on_object, on_object - motion.sliding))
-}
-
-#[cold]
-fn not_positive(probe_curvature: f64, object: TangentForm, determinant: f64) -> RollFault {
-    let relative_curvature = probe_curvature + object.curvature().principal().k_min;
-    if determinant.is_finite() && relative_curvature.is_finite() {
-        RollFault::Conforming { relative_curvature }
-    } else {
-        RollFault::NotFinite
-    }
-}
-
 impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
     const READ: usize = READ;
 
@@ -146,11 +93,11 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // ẋ along the gradient keeps x tangent.
+        // The part of ẋ along the gradient keeps x tangent.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);
-        // Half the angular velocity of the contact frame in the body.
+        // Half the angular velocity of the contact frame in the body frame.
         let half = 0.5 * self.probe_curvature;
         let p = (
             c.x - self.sliding.x,

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
 
-use crate::chart_free::contact_velocity;
+use crate::contact_equations::contact_velocity;
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 

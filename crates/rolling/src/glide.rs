@@ -1,37 +1,33 @@
-//! A fingertip that glides over an object: where it touches, given where it is held.
+//! A fingertip that glides over an object: from the position of the finger to its contact.
 //!
-//! A finger is held in a vertical plane and lowered until it touches. A point touches on its own
-//! vertical line. A spherical tip of radius `r` touches where its centre lies on the offset
+//! A finger comes down vertically until it touches. A point touches on its own vertical line. A spherical tip of radius `r` touches where its centre lies on the offset
 //! surface, at a contact `q` with outward normal `n`,
 //!
 //! ```text
-//! q + r n(q) = tip's centre,
+//! q + r n(q) = tip's centre.
 //! ```
 //!
-//! which is beside the vertical line wherever the object slopes.
+//! The contact is beside the vertical line if the object slopes there.
 
-mod closed_form;
-mod foot;
-mod model;
-mod relief;
 mod search;
 mod touch;
+mod touch_model;
 
 use nalgebra::Vector2;
 use palpate_geometry::surfaces::Sphere;
 use palpate_geometry::{InvalidShape, Shape, Surface, SurfaceError};
 
 use crate::Choice;
-use crate::rung::CLOSED_FORM_ERROR;
-use foot::Foot;
-use model::TouchRung;
+use crate::ladder::CLOSED_FORM_ERROR;
 use search::Search;
+use touch::Foot;
+use touch_model::TouchRung;
 
-pub use model::{InvalidTouch, TouchModel};
 pub use touch::{Fingertip, GlideError, Touch};
+pub use touch_model::{InvalidTouch, TouchModel};
 
-/// Largest distance from the origin whose square is still a number.
-const FARTHEST: f64 = 1e150;
+/// Largest distance from the origin; its square does not overflow.
+const MAX_DISTANCE: f64 = 1e150;
 
 /// An object and a fingertip that touches it.
 ///
@@ -56,10 +52,10 @@ pub struct Glider {
 }
 
 impl Glider {
-    /// A glider whose contacts are found by the default model, [`TouchModel::default`]; [`Glider::on`] takes another.
+    /// A glider with the default model, [`TouchModel::default`]. [`Glider::on`] changes the model.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless a sphere's radius is finite, positive and can be squared.
+    /// [`InvalidShape`] unless a sphere's radius is finite and positive, and its square neither overflows nor vanishes.
     pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, InvalidShape> {
         if let Fingertip::Sphere { radius } = fingertip {
             Sphere::new(radius)?;
@@ -73,12 +69,12 @@ impl Glider {
         })
     }
 
-    /// A glider with this fingertip and object whose contacts are found by `model`.
+    /// A glider with the same fingertip and object, and with `model`.
     ///
     /// # Errors
-    /// [`InvalidTouch`] where the tolerance is out of range, or the rung cannot do it.
+    /// [`InvalidTouch`] if the tolerance is out of range, or if the model has no rung for this fingertip and object.
     pub fn on(&self, model: TouchModel) -> Result<Self, InvalidTouch> {
-        let rung = TouchRung::of(model, &self.object, self.fingertip)?;
+        let rung = TouchRung::new(model, &self.object, self.fingertip)?;
         Ok(Self {
             object: self.object.clone(),
             fingertip: self.fingertip,
@@ -86,7 +82,7 @@ impl Glider {
         })
     }
 
-    /// The way in which contacts are found, and the reason for it.
+    /// The rung that finds contacts, and the reason for it.
     pub fn choice(&self) -> Choice<TouchModel> {
         let name = self.object.name();
         let (rung, model, reason, bound) = match self.rung {
@@ -127,23 +123,21 @@ impl Glider {
         self.fingertip
     }
 
-    /// The contact of a finger whose tip has its centre on the vertical line through `(x, y)`:
-    /// the first one that the tip meets on its way down, on the side of the object that
-    /// [`Surface::contact_at`] touches.
+    /// The contact of a tip whose centre is on the vertical line through `(x, y)`: the first contact on the way down, on the
+    /// side of the object that [`Surface::contact_at`] uses.
     ///
-    /// On planes, spheres, dishes and cylinders that contact has a closed form. Elsewhere it is found
-    /// by Newton's method from the object beneath. On ellipsoids and tori it is the only one that
-    /// fits. On graphs the object is asked at
-    /// sixteen places across the tip, about half a radius apart; where one of them reaches into the
-    /// tip or is too hollow for it, Newton's method starts from every top of a relief of the places
-    /// under the tip, a twelfth of its radius apart, and the highest contact counts. It is the first
-    /// for certain where the graph's second derivatives stay below `1/radius`; elsewhere a ridge
-    /// may pass unseen that fits between those places.
+    /// On planes, spheres, dishes and cylinders the contact has a closed form. On other objects Newton's method finds it,
+    /// starting beneath the tip. On ellipsoids and tori only one contact fits.
+    ///
+    /// On graphs, sixteen places under the tip are checked, about half a radius apart. If the object extends into the tip at
+    /// one of them, or the tip does not fit there, Newton's method starts from every top of a relief with a spacing of a
+    /// twelfth of the radius, and the highest contact is returned. This is certainly the first contact if the graph's second
+    /// derivatives are below `1/radius`. Otherwise a narrow ridge between the places may be missed.
     ///
     /// # Errors
     /// [`GlideError`].
     pub fn touch(&self, x: f64, y: f64) -> Result<Touch, GlideError> {
-        let is_near = (0.0..=FARTHEST).contains(&(x.abs() + y.abs()));
+        let is_near = (0.0..=MAX_DISTANCE).contains(&(x.abs() + y.abs()));
         let centre = Vector2::new(x, y);
         match self.rung {
             TouchRung::Point => {

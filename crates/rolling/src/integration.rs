@@ -1,13 +1,13 @@
-//! One motion by an integrator, in either form of the equations.
+//! Integration of one motion, with either form of the contact equations.
 
 use palpate_geometry::{Shape, Surface, Visitor};
 
-use crate::bodies::Bodies;
 use crate::chart::ChartForm;
 use crate::chart_free::{ChartFree, OF_GRAPHS, OF_SPACE};
+use crate::contact_equations::ContactEquations;
 use crate::error::RollError;
-use crate::form::Form;
 use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
+use crate::roller::Bodies;
 use crate::{Chart, Contact, Motion};
 
 /// An integrator.
@@ -17,7 +17,7 @@ pub(crate) enum Method {
     Dop853(Dop853),
 }
 
-/// An integrator on one form of the equations.
+/// An integrator with a form of the contact equations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Integration {
     pub(crate) method: Method,
@@ -25,7 +25,7 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// The contact after `motion`; also how often the derivative was asked for.
+    /// The contact after `motion`, and the number of evaluations of the derivative.
     pub(crate) fn advance(
         &self,
         bodies: &Bodies<'_, Shape>,
@@ -33,9 +33,9 @@ impl Integration {
         motion: &Motion,
     ) -> Result<(Contact, usize), RollError> {
         self.in_unit_time(bodies, from, &motion.in_unit_time())
-            .map_err(|mut error| {
-                error.time_s *= motion.duration_s;
-                error
+            .map_err(|error| RollError {
+                time_s: error.time_s * motion.duration_s,
+                ..error
             })
     }
 
@@ -73,7 +73,7 @@ impl Integration {
     fn follow<S: Surface, const N: usize>(
         &self,
         bodies: &Bodies<'_, S>,
-        form: &impl Form<N>,
+        form: &impl ContactEquations<N>,
         start: [f64; N],
         from: &Contact,
         motion: &Motion,
@@ -97,7 +97,7 @@ impl Integration {
     }
 }
 
-/// Motion without charts, compiled for each surface.
+/// A motion without charts. It is compiled for each type of surface.
 struct Free<'a> {
     integration: &'a Integration,
     bodies: &'a Bodies<'a, Shape>,

@@ -1,18 +1,98 @@
-//! The choice of a rung.
+//! The ladder of models: its rungs, and the choice of a rung.
 
-mod integrators;
+use palpate_geometry::{Shape, Surface};
 
-use palpate_geometry::Surface;
-
+use crate::closed_form::ClosedForm;
+use crate::integration::{Integration, Method};
+use crate::integrator::{Dop853, Rk4};
+use crate::ladder_errors::{Unmeasured, finer};
 use crate::meridian::MeridianRung;
-use crate::rung::{CLOSED_FORM_ERROR, MERIDIAN_ERROR, MOST_STEPS, Rung, Setting, dop853, rk4};
-use crate::{Chart, Choice, InvalidRoll, Model, Rolls};
-use integrators::{Unmeasured, finer};
+use crate::roller::Bodies;
+use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-pub(crate) use integrators::Ends;
+/// Error bounds of the rungs without a setting, relative to the contact's length scale.
+pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
+pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
+/// Tolerance of a step, relative to that of a roll, because errors may grow over a roll; and the smallest tolerance of a step.
+const STEP_SHARE: f64 = 0.1;
+const MIN_STEP_TOLERANCE: f64 = 1e-15;
+/// Largest number of steps of an integration.
+const MAX_STEPS: usize = 100_000;
 
-/// Reason for a rung that was not chosen from the ladder.
-const NAMED: &str = "named in the config";
+/// Reason for a rung that was set instead of chosen.
+const SET_IN_CONFIG: &str = "named in the config";
+
+/// A rung of the ladder, ready to compute rolls.
+#[derive(Clone, Debug)]
+pub(crate) enum Rung {
+    ClosedForm(ClosedForm),
+    Meridian(MeridianRung),
+    Integrated(Integration),
+}
+
+/// The problem for which a rung is chosen: the bodies and their first contact.
+pub(crate) struct Setting<'a> {
+    pub(crate) bodies: Bodies<'a, Shape>,
+    pub(crate) first: Contact,
+    pub(crate) closed_form: ClosedForm,
+}
+
+/// RK4 with a form of the equations, and its choice.
+pub(crate) fn rk4(
+    steps: usize,
+    chart: Chart,
+    reason: String,
+    error_bound: Option<f64>,
+) -> (Rung, Choice) {
+    let method = rk4_method(steps);
+    let rung = Rung::Integrated(Integration { method, chart });
+    (
+        rung,
+        choice(Model::Rk4 { steps, chart }, reason, error_bound),
+    )
+}
+
+/// DOP853 with a form of the equations, and its choice.
+pub(crate) fn dop853(
+    tolerance: f64,
+    chart: Chart,
+    reason: String,
+    error_bound: Option<f64>,
+) -> (Rung, Choice) {
+    let method = dop853_method(tolerance);
+    let rung = Rung::Integrated(Integration { method, chart });
+    let model = Model::Dop853 { tolerance, chart };
+    (rung, choice(model, reason, error_bound))
+}
+
+fn choice(model: Model, reason: String, error_bound: Option<f64>) -> Choice {
+    Choice {
+        rung: model.name(),
+        model,
+        reason,
+        error_bound,
+    }
+}
+
+/// RK4 with this number of steps per motion.
+pub(crate) const fn rk4_method(steps: usize) -> Method {
+    Method::Rk4(Rk4 { steps })
+}
+
+/// DOP853 with this tolerance for a roll.
+pub(crate) const fn dop853_method(tolerance: f64) -> Method {
+    Method::Dop853(Dop853 {
+        tolerance: (STEP_SHARE * tolerance).max(MIN_STEP_TOLERANCE),
+        most_steps: MAX_STEPS,
+    })
+}
+
+/// The integration for motions that a chosen closed form or meridian does not cover. Such motions did not occur in the
+/// noiseless rolls for which the rung was chosen.
+pub(crate) const FALLBACK: Integration = Integration {
+    method: dop853_method(MERIDIAN_ERROR),
+    chart: Chart::Free,
+};
 
 impl Setting<'_> {
     pub(crate) fn rung(
@@ -29,9 +109,8 @@ impl Setting<'_> {
         match model {
             Model::Auto { tolerance, chart } => Ok(self.cheapest(tolerance, chart, rolls)),
             Model::ClosedForm => {
-                let rung = self
-                    .closed_form(rolls)
-                    .map_err(|why| unsupported("closed form", why))?;
+                let rung = self.closed_form(rolls);
+                let rung = rung.map_err(|why| unsupported("closed form", why))?;
                 Ok((rung, self.closed_form_choice()))
             }
             Model::Meridian => {
@@ -41,26 +120,29 @@ impl Setting<'_> {
                 Ok((rung, self.meridian_choice()))
             }
             Model::Rk4 { steps, chart } => {
-                if !(1..=MOST_STEPS).contains(&steps) {
-                    let reason = format!("{steps} steps are not from 1 to {MOST_STEPS}");
+                if !(1..=MAX_STEPS).contains(&steps) {
+                    let reason = format!("{steps} steps are not from 1 to {MAX_STEPS}");
                     return Err(unsupported("RK4", reason));
                 }
-                Ok(rk4(steps, chart, NAMED.to_owned(), None))
+                Ok(rk4(steps, chart, SET_IN_CONFIG.to_owned(), None))
             }
-            Model::Dop853 { tolerance, chart } => {
-                Ok(dop853(tolerance, chart, NAMED.to_owned(), Some(tolerance)))
-            }
+            Model::Dop853 { tolerance, chart } => Ok(dop853(
+                tolerance,
+                chart,
+                SET_IN_CONFIG.to_owned(),
+                Some(tolerance),
+            )),
         }
     }
 
-    /// The cheapest rung that errs by at most the tolerance.
+    /// The cheapest rung whose error is within the tolerance.
     fn cheapest(&self, tolerance: f64, chart: Chart, rolls: Rolls<'_>) -> (Rung, Choice) {
         if tolerance >= CLOSED_FORM_ERROR
             && let Ok(rung) = self.closed_form(rolls)
         {
             return (rung, self.closed_form_choice());
         }
-        // An axis held in the chart follows a meridian too: it is a line of symmetry.
+        // This also holds for an axis that is steady in the chart, because a meridian is a line of symmetry.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {
@@ -72,7 +154,7 @@ impl Setting<'_> {
                     let reason = "no closed form; a roll that does not end cannot be measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // Errors add up along the way, and grow with it.
+                // Errors add up and grow along the path.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try others";
                     let finer = finer(tolerance / rolls.turns().max(1.0));
@@ -83,10 +165,8 @@ impl Setting<'_> {
 
     fn closed_form(&self, rolls: Rolls<'_>) -> Result<Rung, String> {
         if !self.bodies.object.is_homogeneous() {
-            return Err(format!(
-                "a {} has no closed form",
-                self.bodies.object.name()
-            ));
+            let name = self.bodies.object.name();
+            return Err(format!("a {name} has no closed form"));
         }
         if rolls.spin() {
             return Err("the motion spins".to_owned());
@@ -104,13 +184,9 @@ impl Setting<'_> {
     }
 
     fn meridian(&self, rolls: Rolls<'_>) -> Result<Rung, String> {
-        let meridian = self
-            .bodies
-            .object
-            .meridian(&self.first.on_object)
-            .ok_or_else(|| {
-                "the first contact is not the apex of a surface of revolution".to_owned()
-            })?;
+        let meridian = self.bodies.object.meridian(&self.first.on_object);
+        let meridian =
+            meridian.ok_or("the first contact is not the apex of a surface of revolution")?;
         if rolls.spin() || rolls.slide() {
             return Err("the motion spins or slides".to_owned());
         }
@@ -122,11 +198,9 @@ impl Setting<'_> {
     }
 
     fn meridian_choice(&self) -> Choice {
+        let name = self.bodies.object.name();
         Choice {
-            rung: format!(
-                "meridian: sphere through the apex of a {}",
-                self.bodies.object.name()
-            ),
+            rung: format!("meridian: sphere through the apex of a {name}"),
             model: Model::Meridian,
             reason: "the contact runs along a line of symmetry".to_owned(),
             error_bound: Some(MERIDIAN_ERROR),

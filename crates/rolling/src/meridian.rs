@@ -1,10 +1,10 @@
 //! Rolling through the apex of a surface of revolution.
 //!
-//! The contact runs along a meridian of the object and a great circle of the probe. With α the
-//! angle by which the object's normal has turned and s the arc length, the probe has turned by
-//! `θ = α + s/R₁`, which is solved for the meridian's parameter.
+//! The contact moves along a meridian of the object and a great circle of the probe. If the object's normal has turned by
+//! the angle α and the arc length is s, the probe has turned by `θ = α + s/R₁`. This equation is solved for the
+//! meridian's parameter.
 
-mod ellipse;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector2;
 use palpate_geometry::Meridian;
@@ -13,8 +13,13 @@ use crate::closed_form::roll_on_probe;
 use crate::error::RollFault;
 use crate::{Contact, Motion, Shift};
 
-/// Largest number of iterations of Newton's or Halley's method with bisection in between; 3 are usual.
-const MOST_ITERATIONS: usize = 200;
+/// Largest number of iterations of Newton's or Halley's method, including bisections; 3 are usual.
+const MAX_ITERATIONS: usize = 200;
+/// Largest relative difference of the arguments at which Carlson's series replaces duplication. Each duplication makes the
+/// difference four times smaller; the series omit sixth powers.
+const MAX_DIFFERENCE: f64 = 1.5e-3;
+/// Largest number of duplications; arguments with a ratio of 1e300 need about 260.
+const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
@@ -23,7 +28,7 @@ pub(crate) struct MeridianRung {
 }
 
 impl MeridianRung {
-    /// A probe of `radius`, which must fit at the apex.
+    /// A probe of `radius`. It must fit at the apex.
     pub(crate) const fn new(meridian: Meridian, radius: f64) -> Self {
         Self { meridian, radius }
     }
@@ -38,19 +43,19 @@ impl MeridianRung {
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Newton's method; θ grows with the parameter, for the relative curvature is positive.
+    /// Newton's method. θ increases with the parameter, because the relative curvature is positive.
     fn along_ellipse(&self, a: f64, c: f64, theta: f64) -> Option<(f64, f64)> {
         let apex = self.meridian.slope(0.0);
         let rate = apex.slope_per_parameter + apex.arc_per_parameter / self.radius;
         let mut root = Bracket::new(theta / rate);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let t = root.at;
-            let arc = ellipse::arc_length(a, c, t);
+            let arc = arc_length(a, c, t);
             let point = self.meridian.slope(t);
             let excess = point.slope_rad + arc / self.radius - theta;
             let slope = point.slope_per_parameter + point.arc_per_parameter / self.radius;
             root.step(excess, excess / slope);
-            // Quadratic convergence: the next correction is below rounding.
+            // Convergence is quadratic, so the next correction is below rounding errors.
             if (root.at - t).abs() <= 1e-8 * t {
                 return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
             }
@@ -79,7 +84,7 @@ impl MeridianRung {
         let point = self.meridian.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The frame turns about the tangent across the meridian.
+        // The frame turns about the tangent that is perpendicular to the meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -100,8 +105,8 @@ impl MeridianRung {
 /// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
 /// ```
 ///
-/// is solved by Halley's method from the first three terms of its series or, where these are no
-/// guide, from its behaviour at infinity.
+/// is solved by Halley's method. It starts from the first three terms of the series or, if they converge badly, from the
+/// asymptote.
 fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let (sign, steepening) = (c.signum(), 2.0 * c.abs());
     let a = 1.0 / (steepening * radius);
@@ -110,11 +115,11 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         return Some((arc, arc));
     }
     let mut root = Bracket::new(first_slope(sign, a, theta));
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // asinh q, with the root at hand.
+        // asinh q, from the root that is already known.
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -122,7 +127,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Cubic convergence: the next correction is below rounding.
+        // Convergence is cubic, so the next correction is below rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);
@@ -134,7 +139,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
 
 /// First guess of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
-    // θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + …, of which this is the inverse.
+    // The inverse of the series θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + ….
     let rate = a + sign;
     let linear = theta / rate;
     let square = linear * linear;
@@ -143,12 +148,12 @@ fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
         let quintic = square * square * (sign / 5.0 - a / 40.0) / rate;
         return linear * (1.0 - cubic + 3.0 * cubic * cubic - quintic);
     }
-    // S(q) tends to q²/2, atan q to about 1.2 rad or more.
+    // S(q) approaches q²/2, and atan q is about 1.2 rad or more.
     let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));
     y / libm::hypot(0.5 * y, 1.0).sqrt()
 }
 
-/// The root of a growing function, once it lies between two places.
+/// A bracket of the root of an increasing function.
 struct Bracket {
     low: f64,
     high: f64,
@@ -164,7 +169,7 @@ impl Bracket {
         }
     }
 
-    /// Moves by `−step`, as far as the sign of `excess`, the function's value here, allows.
+    /// Moves by `−step`, limited by the bracket, which is updated from the sign of the function's value `excess`.
     fn step(&mut self, excess: f64, step: f64) {
         if excess > 0.0 {
             self.high = self.at;
@@ -182,8 +187,91 @@ impl Bracket {
     }
 }
 
+/// The arc from the pole of an ellipse with half-axes `a` across and `c` along its axis, both positive, up to the parameter
+/// `t >= 0`.
+///
+/// From the pole of `r = a sin t`, `height = c cos t` the arc is `a E(t, m)` with `m = 1 − (c/a)²`,
+///
+/// ```text
+/// E(t, m) = s R_F − (m/3) s³ R_D,     s = sin t,     R(cos² t, 1 − m s², 1),     |t| ≤ π/2
+/// ```
+///
+/// by Carlson's duplication ("Numerical computation of real or complex elliptic integrals", 1995).
+fn arc_length(a: f64, c: f64, t: f64) -> f64 {
+    let half_turns = (t / PI).round();
+    let rest = quarter_arc(a, c, t - half_turns * PI);
+    if half_turns == 0.0 {
+        rest
+    } else {
+        rest + 2.0 * half_turns * quarter_arc(a, c, FRAC_PI_2)
+    }
+}
+
+fn quarter_arc(a: f64, c: f64, t: f64) -> f64 {
+    let (sin, cos) = libm::sincos(t);
+    let ratio = c / a;
+    let [x, y] = [cos * cos, cos * cos + ratio * sin * (ratio * sin)];
+    let (first, second) = integrals(x, y);
+    let m = (1.0 - ratio) * (1.0 + ratio);
+    a * sin * (first - m / 3.0 * sin * sin * second)
+}
+
+/// Carlson's `R_F(x, y, 1)` and `R_D(x, y, 1)`, with at most one argument 0.
+fn integrals(mut x: f64, mut y: f64) -> (f64, f64) {
+    let mut z = 1.0;
+    let (mut sum, mut share) = (0.0, 1.0);
+    for _ in 0..MAX_DUPLICATIONS {
+        let mean = (x + y + 3.0 * z) / 5.0;
+        let difference = (x - mean).abs().max((y - mean).abs()).max((z - mean).abs());
+        if difference <= MAX_DIFFERENCE * mean {
+            break;
+        }
+        let (root_x, root_y, root_z) = (x.sqrt(), y.sqrt(), z.sqrt());
+        let shift = root_x * (root_y + root_z) + root_y * root_z;
+        sum += share / (root_z * (z + shift));
+        share *= 0.25;
+        x = 0.25 * (x + shift);
+        y = 0.25 * (y + shift);
+        z = 0.25 * (z + shift);
+    }
+    (
+        first_kind(x, y, z),
+        share * second_kind(x, y, z) + 3.0 * sum,
+    )
+}
+
+/// `R_F` of nearly equal arguments.
+fn first_kind(x: f64, y: f64, z: f64) -> f64 {
+    let mean = (x + y + z) / 3.0;
+    let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
+    let dz = -dx - dy;
+    let e2 = dx * dy - dz * dz;
+    let e3 = dx * dy * dz;
+    let series = 1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 / 44.0 * e2 * e3;
+    series / mean.sqrt()
+}
+
+/// `R_D` of nearly equal arguments.
+fn second_kind(x: f64, y: f64, z: f64) -> f64 {
+    let mean = (x + y + 3.0 * z) / 5.0;
+    let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
+    let dz = -(dx + dy) / 3.0;
+    let (xy, zz) = (dx * dy, dz * dz);
+    let e2 = xy - 6.0 * zz;
+    let e3 = (3.0 * xy - 8.0 * zz) * dz;
+    let e4 = 3.0 * (xy - zz) * zz;
+    let e5 = xy * zz * dz;
+    let series = 1.0 - 3.0 / 14.0 * e2 + e3 / 6.0 + 9.0 / 88.0 * e2 * e2
+        - 3.0 / 22.0 * e4
+        - 9.0 / 52.0 * e2 * e3
+        + 3.0 / 26.0 * e5;
+    series / (mean * mean.sqrt())
+}
+
 #[cfg(test)]
 mod tests {
+    use approx::assert_relative_eq;
+
     use super::*;
 
     /// The larger of two relative errors: that of θ, relative to its terms, and that of the arc length.
@@ -197,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn parabolas_from_flat_to_sharp_however_far() {
+    fn parabolas_from_flat_to_sharp_at_any_distance() {
         for exponent in -12..=12 {
             for mantissa in [1.0, 2.3, 4.999] {
                 let c = mantissa * 10.0_f64.powi(exponent);
@@ -226,5 +314,68 @@ mod tests {
         // 1/R₁ + 2c → 0: θ = q³/2 to leading order, and the contact runs ahead of the probe.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
+    }
+
+    #[test]
+    fn integrals_of_the_literature() {
+        // Carlson 1995, section 3: R_F(2, 3, 4) and R_D(2, 3, 4), R_D(0, 2, 1); R_F(1, 2, 0) is that of (0, 2, 1).
+        let scaled = integrals(0.5, 0.75);
+        assert_relative_eq!(
+            scaled.0 / 2.0,
+            0.584_082_841_677_151_7,
+            max_relative = 2e-15
+        );
+        assert_relative_eq!(
+            scaled.1 / 8.0,
+            0.165_105_272_942_610_53,
+            max_relative = 2e-15
+        );
+        let lemniscate = integrals(0.0, 2.0);
+        assert_relative_eq!(lemniscate.0, 1.311_028_777_146_059_8, max_relative = 2e-15);
+        assert_relative_eq!(lemniscate.1, 1.797_210_352_103_388_4, max_relative = 2e-15);
+    }
+
+    #[test]
+    fn arcs_of_circles_and_quarters_of_ellipses() {
+        for t in [1e-300, 1e-9, 0.3, 1.5, 1.6, 3.0, 4.0, 1e3] {
+            assert_relative_eq!(arc_length(2.0, 2.0, t), 2.0 * t, max_relative = 2e-15);
+        }
+        // E(3/4): a quarter of the perimeter of an ellipse that is half as high, or half as wide.
+        let quarter = 2.0 * 1.211_056_027_568_459_5;
+        assert_relative_eq!(
+            arc_length(2.0, 1.0, FRAC_PI_2),
+            quarter,
+            max_relative = 2e-15
+        );
+        assert_relative_eq!(
+            arc_length(1.0, 2.0, FRAC_PI_2),
+            quarter,
+            max_relative = 2e-15
+        );
+        assert_relative_eq!(
+            arc_length(2.0, 1.0, 7.0 * PI),
+            14.0 * quarter,
+            max_relative = 2e-15
+        );
+    }
+
+    #[test]
+    fn a_quarter_of_a_flat_or_long_ellipse_is_its_longer_half_axis() {
+        // A quarter tends to the longer half-axis, plus (b²/a)(ln(4a/b) − ½)/2.
+        for (a, c) in [(1.0, 1e-9), (1e-9, 1.0), (1e9, 1e-9), (1e-150, 1.0)] {
+            let arc = arc_length(a, c, FRAC_PI_2);
+            assert_relative_eq!(arc, f64::max(a, c), max_relative = 2e-14);
+        }
+        let (short, rest) = (1e-3_f64, 0.5e-6 * (libm::log(4e3_f64) - 0.5));
+        assert_relative_eq!(
+            arc_length(1.0, short, FRAC_PI_2),
+            1.0 + rest,
+            max_relative = 1e-11
+        );
+        assert_relative_eq!(
+            arc_length(short, 1.0, FRAC_PI_2),
+            1.0 + rest,
+            max_relative = 1e-11
+        );
     }
 }

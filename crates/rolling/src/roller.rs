@@ -1,17 +1,80 @@
-//! A probe that rolls on an object.
+//! A probe that rolls on an object: the bodies, and the roller.
 
 use nalgebra::Matrix2;
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::surfaces::Sphere;
+use palpate_geometry::{InvalidShape, Shape, Surface};
 
-use crate::bodies::Bodies;
-use crate::chart_free::contact_velocities;
 use crate::closed_form::ClosedForm;
-use crate::rung::{RESERVE, Rung, Setting};
-use crate::{
-    Choice, Contact, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Rolls, Shift,
-};
+use crate::contact_equations::contact_velocities;
+use crate::ladder::{FALLBACK, Rung, Setting};
+use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// A probe on an object, with a first contact and the rung by which its noiseless rolls are computed.
+/// Relative curvature, in units of the probe's, below which a singular motion means that the bodies conform.
+const CONFORMING_CURVATURE: f64 = 1e-3;
+
+/// A spherical fingertip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    pub(crate) sphere: Sphere,
+}
+
+impl Probe {
+    /// A probe of `radius`.
+    ///
+    /// # Errors
+    /// [`InvalidShape`] unless the radius is finite and positive.
+    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
+        Ok(Self {
+            sphere: Sphere::new(radius)?,
+        })
+    }
+
+    /// Its radius.
+    pub const fn radius(&self) -> f64 {
+        self.sphere.radius()
+    }
+}
+
+/// A probe and the object on which it rolls.
+#[derive(Debug)]
+pub(crate) struct Bodies<'a, S> {
+    pub(crate) probe: Probe,
+    pub(crate) object: &'a S,
+    /// The length to which errors of position are relative.
+    pub(crate) length_scale: f64,
+}
+
+impl<'a, S> Bodies<'a, S> {
+    /// The same probe on an object of another type.
+    pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
+        Bodies {
+            probe: self.probe,
+            object,
+            length_scale: self.length_scale,
+        }
+    }
+}
+
+impl<S: Surface> Bodies<'_, S> {
+    /// The cause of a fault. A motion may be singular because the bodies conform: then the contact's speed has no bound.
+    pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
+        if fault == RollFault::Singular
+            && let Ok(contact) = last
+            && let Ok((_, curvature)) = self
+                .object
+                .curvature_along(&contact.on_object, &contact.x_axis)
+        {
+            let radius = self.probe.radius();
+            let relative_curvature = 1.0 / radius + curvature.principal().k_min;
+            if relative_curvature * radius < CONFORMING_CURVATURE {
+                return RollFault::Conforming { relative_curvature };
+            }
+        }
+        fault
+    }
+}
+
+/// A probe on an object, with a first contact and the rung that computes its rolls.
 ///
 /// ```
 /// use palpate_geometry::{Shape, surfaces::Sphere};
@@ -32,8 +95,7 @@ pub struct Roller {
     probe: Probe,
     object: Shape,
     first: Contact,
-    /// Smallest distance that the contact moves per radian at first, length: the scale on which errors of the contact
-    /// are counted.
+    /// Smallest initial displacement of the contact per radian, length. Errors of the contact are relative to it.
     length_scale: f64,
     closed_form: ClosedForm,
     rung: Rung,
@@ -41,11 +103,11 @@ pub struct Roller {
 }
 
 impl Roller {
-    /// Sets up `rolls` of `probe` on `object`, first touching at `(x, y)`.
+    /// A roller of `probe` on `object` with a first contact at `(x, y)`. Its rung is chosen for the noiseless `rolls`.
     ///
     /// # Errors
-    /// [`InvalidRoll`] where there is no first contact, the bodies conform there, the tolerance is
-    /// out of range, or a forced rung cannot do it.
+    /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, if the tolerance is out of range, or if the
+    /// set rung cannot compute the rolls.
     pub fn new(
         probe: Probe,
         object: Shape,
@@ -81,10 +143,10 @@ impl Roller {
         })
     }
 
-    /// A roller with this probe, object and first contact on the rung of `model`.
+    /// A roller with the same probe, object and first contact, and the rung of `model`.
     ///
     /// # Errors
-    /// [`InvalidRoll`] where the tolerance is out of range, or the rung cannot do it.
+    /// [`InvalidRoll`] if the tolerance is out of range, or if the rung cannot compute the rolls.
     pub fn on(&self, model: Model, rolls: Rolls<'_>) -> Result<Self, InvalidRoll> {
         let (rung, choice) = self.setting().rung(model, rolls)?;
         Ok(Self {
@@ -95,7 +157,7 @@ impl Roller {
         })
     }
 
-    /// The rung that was taken, and the reason for it.
+    /// The chosen rung, and the reason for the choice.
     pub const fn choice(&self) -> &Choice {
         &self.choice
     }
@@ -115,23 +177,23 @@ impl Roller {
         &self.first
     }
 
-    /// The contact after `motions`, one after the other, from the first contact.
+    /// The contact after all `motions` in a row, from the first contact.
     ///
     /// # Errors
-    /// [`RollError`] with the time since the first motion began.
+    /// [`RollError`], whose time starts with the first motion.
     pub fn roll(&self, motions: &[Motion]) -> Result<Contact, RollError> {
         self.follow(motions).map(|(contact, _)| contact)
     }
 
-    /// [`Roller::roll`]; also how often the contact equations were evaluated.
+    /// [`Roller::roll`] with the number of evaluations of the contact equations.
     pub(crate) fn follow(&self, motions: &[Motion]) -> Result<(Contact, usize), RollError> {
         let mut contact = self.first;
         let mut evaluations = 0;
         let mut elapsed = 0.0;
         for motion in motions {
-            let (next, more) = self.advance(&contact, motion).map_err(|mut error| {
-                error.time_s += elapsed;
-                error
+            let (next, more) = self.advance(&contact, motion).map_err(|error| RollError {
+                time_s: error.time_s + elapsed,
+                ..error
             })?;
             contact = next;
             evaluations += more;
@@ -140,11 +202,11 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Displacement of the contact on the probe by `motions`, which is all that EP1 needs of a roll. Cheaper
-    /// than [`Roller::roll`] in closed form and along meridians.
+    /// Displacement of the contact on the probe by `motions`; EP1 needs nothing else. It costs less than [`Roller::roll`] in
+    /// closed form and along meridians.
     ///
     /// # Errors
-    /// As [`Roller::roll`].
+    /// Errors of [`Roller::roll`].
     #[inline]
     pub fn shift(&self, motions: &[Motion]) -> Result<Shift, RollError> {
         if let [motion] = motions
@@ -174,8 +236,8 @@ impl Roller {
             .shift_from(&self.first, self.probe.radius()))
     }
 
-    /// The matrix that takes `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
-    /// contact's path on the probe (length), if the rung is the closed form, where that is linear.
+    /// The matrix that maps `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the contact's path on the probe
+    /// (length). Only the closed form is linear; for the other rungs the result is `None`.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
@@ -183,11 +245,11 @@ impl Roller {
         }
     }
 
-    /// Duration (s) for which `motion`, whose own duration is ignored, must last for the contact's path on
-    /// the probe to be `arc_length` long, within 1e-14 of itself where rolls are exact.
+    /// Duration (s) of `motion` for which the contact's path on the probe has the length `arc_length`. The duration of `motion`
+    /// itself is ignored. The relative error is at most 1e-14 if rolls are exact.
     ///
     /// # Errors
-    /// The [`RollError`] that ends the roll before it is that long.
+    /// The [`RollError`] that ends the roll before the path has this length.
     pub fn duration_for_arc(&self, motion: &Motion, arc_length: f64) -> Result<f64, RollError> {
         let speed = |contact: &Contact| -> Result<f64, RollFault> {
             let (_, curvature) = self
@@ -209,7 +271,7 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
-                // Too short a path to be squared: the first estimate is exact.
+                // The path is too short to be squared. The first estimate is exact.
                 Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
                     let excess = contact.arc_length - arc_length;
@@ -221,11 +283,11 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // A roll too long to follow does not get easier by trying others.
+                // Other durations would not help if a roll needs too many steps.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }
-                // Overshot the end of the contact: come back, unless that is where it ends.
+                // The roll went beyond the end of the contact: shorten it, unless the end is already here.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),
                 Err(_) => {
                     high = duration_s;
@@ -264,7 +326,7 @@ impl Roller {
             }
             Rung::Integrated(integration) => integration.advance(&self.bodies(), from, motion)?,
             Rung::ClosedForm(_) | Rung::Meridian(_) => {
-                RESERVE.advance(&self.bodies(), from, motion)?
+                FALLBACK.advance(&self.bodies(), from, motion)?
             }
         };
         if contact.is_finite() {

@@ -1,10 +1,9 @@
 //! A glide: fingers slide over a patch, and EP2 estimates its curvature.
 
-mod ladder;
-mod map;
-mod plan;
-mod scene;
-mod sensor;
-mod trace;
+mod fingertip_sensor;
+mod glide_plan;
+mod glide_tables;
+mod glide_trial;
 
-pub use scene::GlideScene;
+pub(crate) use glide_trial::GLIDE_QUANTITIES;
+pub use glide_trial::GlideScene;

@@ -42,10 +42,35 @@ pub struct Rung {
     pub name: String,
     /// The model in the form of a config; never `auto`.
     pub model: ModelConfig,
-    /// Error of the noiseless truth, compared with the ladder's best rung, or why this rung cannot simulate the
-    /// scene. Roll: error of the last contacts, relative to the first contact's length scale. Glide: error of
-    /// contacts, relative to the tip's radius. Press: error of marker displacements, relative to the largest.
-    pub outcome: Result<f64, String>,
+    /// Error of the noiseless truth, compared with the ladder's best rung. Roll: error of the last contacts, relative to
+    /// the first contact's length scale. Glide: error of contacts, relative to the tip's radius. Press: error of marker
+    /// displacements, relative to the largest.
+    pub accuracy: Accuracy,
+}
+
+/// Accuracy of a rung.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Accuracy {
+    /// The rung simulates the scene with this relative error.
+    Error(f64),
+    /// The rung cannot simulate the scene, for this reason.
+    Impossible(String),
+}
+
+impl Accuracy {
+    /// The relative error; `None` if the rung cannot simulate the scene.
+    pub const fn error(&self) -> Option<f64> {
+        match self {
+            Self::Error(error) => Some(*error),
+            Self::Impossible(_) => None,
+        }
+    }
+}
+
+impl From<Result<f64, String>> for Accuracy {
+    fn from(measured: Result<f64, String>) -> Self {
+        measured.map_or_else(Self::Impossible, Self::Error)
+    }
 }
 
 impl Ladder {
@@ -56,9 +81,9 @@ impl Ladder {
         reason: String,
         tolerance: Option<f64>,
     ) -> Self {
-        let of_taken = rungs.iter().position(|rung| rung.model == *taken);
+        let place = rungs.iter().position(|rung| rung.model == *taken);
         Self {
-            taken: of_taken.expect("what is named or chosen is among the rungs"),
+            taken: place.expect("the named or chosen model is among the rungs"),
             rungs,
             reference: None,
             reason,

@@ -1,14 +1,11 @@
 //! A sensor without contact: folding strains of its skin, and the image area of its markers.
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
-use palpate_study::Quantity;
-use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
-
-use crate::need::Need;
-use crate::trials::{Outcome, Trials};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
-use palpate_study::FieldError;
-use palpate_study::MapTable;
+use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
+use palpate_study::{FieldError, MapTable, Quantity};
+
+use crate::scene::{Need, Outcome, Trials};
 
 /// A sensor that touches nothing, and its computed quantities. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,26 +43,20 @@ impl MeasuredSensor {
         let markers = sphere.places()?.len();
         let mut needs = vec![format!("{markers} markers, touching nothing").into()];
         let mut values = Vec::new();
-        let has_discs = sphere.discs.is_some();
-        let has_folds = if let Layout::Gores { gores, .. } = sphere.layout {
+        if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
                 .map_err(|error| FieldError::at(format!("{LAYOUT}.gores"), error))?;
             values.extend([strain.greatest(), strain.rms()].map(Some));
             needs.push(format!("strain of folding {gores} gores: closed form").into());
-            true
-        } else {
-            false
-        };
-        if has_discs {
-            values.push(area(&sphere, config)?);
-            needs.push(
-                "image area of a marker: closed form, no pixels"
-                    .to_owned()
-                    .into(),
-            );
         }
-        if !has_folds && !has_discs {
-            let message = "has neither `discs` nor a layout with gores: there is nothing to tell";
+        if sphere.discs.is_some() {
+            values.push(area(&sphere, config)?);
+            let text = "image area of a marker: closed form, no pixels";
+            needs.push(text.to_owned().into());
+        }
+        if values.is_empty() {
+            let message =
+                "has neither `discs` nor a layout with gores: it has no quantity to compute";
             return Err(FieldError::at("scene.probe", message));
         }
         Ok(Self {
@@ -123,10 +114,10 @@ fn area(
         .map_err(|error| optics_error(&error))?;
     // Fails unless such discs can be made in the skin.
     sphere.array(&[[0.0; 2]])?;
-    let seen = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
+    let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
     let larger = f64::max(
-        seen(diameters.magenta, depths.magenta),
-        seen(diameters.yellow, depths.yellow),
+        angle(diameters.magenta, depths.magenta),
+        angle(diameters.yellow, depths.yellow),
     );
     Ok(camera.disc_area(larger, config.view.polar_deg.to_radians()))
 }

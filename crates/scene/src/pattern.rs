@@ -118,7 +118,7 @@ fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, FieldE
     };
     let diameters = sphere.diameters()?;
     sphere.disc_depths()?;
-    let refused = |error: PatternError| of_pattern(&error);
+    let refused = |error: PatternError| pattern_error(&error);
     let sheet = Pattern::new(gores, sphere.outline_samples, sphere.radius)
         .and_then(|pattern| pattern.sheet(&sphere.layout, diameters))
         .map_err(refused)?;
@@ -133,7 +133,7 @@ fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, FieldE
     })
 }
 
-fn of_pattern(error: &PatternError) -> FieldError {
+fn pattern_error(error: &PatternError) -> FieldError {
     let path = match error {
         PatternError::Layout(error) => match error.setting() {
             Some("samples") => "scene.probe.outline_samples".to_owned(),

@@ -1,24 +1,47 @@
-//! A press: a soft spherical sensor touches an object once, and the object's curvature is estimated from how the markers
-//! under its skin move.
+//! A press: a soft spherical sensor touches an object once, and the object's curvature is estimated from the motions of
+//! the markers under its skin.
 
-mod camera;
-mod departed;
-mod failure;
-mod judged;
-mod ladder;
-mod looks;
-mod parts;
+mod camera_calibration;
+mod camera_model;
+mod curvature_score;
+mod description;
 mod plan;
-mod pressed;
-mod profile;
-mod readings;
-mod scene;
-mod seen;
-mod soft_body;
-mod trace;
-mod words;
+mod press_tables;
+mod reading;
+mod sensor_variation;
+mod trial;
+mod truth;
 
-pub use failure::PressFailure;
-pub use judged::JudgedCurvature;
-pub use parts::Parts;
-pub use scene::PressScene;
+use palpate_chromatouch::OpticsError;
+use palpate_press::PressError;
+use palpate_tracking::TrackingError;
+use strum::IntoStaticStr;
+use thiserror::Error;
+
+pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames, RestMarkers};
+pub use curvature_score::CurvatureScore;
+pub use trial::PressScene;
+
+/// Why a press, or a trial of it, has no estimate.
+#[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
+pub enum PressFailure {
+    /// The press is impossible, or no press fits its readings.
+    #[error(transparent)]
+    #[strum(transparent)]
+    Press(#[from] PressError),
+    /// The camera cannot image the moved markers.
+    #[error(transparent)]
+    #[strum(transparent)]
+    Optics(#[from] OpticsError),
+    /// The camera's frame shows no markers.
+    #[error(transparent)]
+    #[strum(transparent)]
+    Camera(#[from] TrackingError),
+}
+
+impl PressFailure {
+    /// The stable name of the failure.
+    pub fn name(&self) -> &'static str {
+        self.into()
+    }
+}

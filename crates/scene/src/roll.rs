@@ -1,13 +1,12 @@
 //! A roll: probes roll from a first contact, and EP1 estimates the curvature there.
 
-mod ladder;
-mod linear;
-mod noise;
-mod plan;
-mod rotation_sensor;
-mod scene;
-mod sensor;
-mod trace;
+mod linear_rolls;
+mod motion_noise;
+mod roll_plan;
+mod roll_sensor;
+mod roll_trace;
+mod roll_trial;
 
 pub use pulp::Arch;
-pub use scene::{RollScene, SideBySide};
+pub(crate) use roll_trial::ROLL_QUANTITIES;
+pub use roll_trial::{RollScene, SideBySide};

@@ -1,17 +1,18 @@
-//! Scenes of any kind, and the scenes of a study's cells.
+//! Scenes of any kind, their trials, and the scenes of a study's cells.
 
+use std::fmt;
 use std::ops::Deref;
 
-use palpate_study::Quantity;
-use palpate_study::config::{Cell, ConfigError, SceneConfig, Study};
+use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
+use palpate_study::{FieldError, MapTable, Quantity, Warning};
 
-use crate::glide::GlideScene;
+use crate::cache::SharedModels;
+use crate::glide::{GLIDE_QUANTITIES, GlideScene};
 use crate::ladder::{Ladder, Rung};
 use crate::measured_sensor::MeasuredSensor;
-use crate::press::{Parts, PressScene};
-use crate::roll::RollScene;
-use crate::trials::{Outcome, Trials};
-use palpate_study::FieldError;
+use crate::press::PressScene;
+use crate::roll::{ROLL_QUANTITIES, RollScene};
+use crate::trace::{Trace, TraceError};
 
 /// A scene that is ready to run: [`Trials`] of one kind.
 ///
@@ -63,8 +64,8 @@ impl Deref for Scene {
 /// Quantities of a config's scene, as [`Trials::quantities`] returns them, without building the scene.
 pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     match config {
-        SceneConfig::Roll(_) => &RollScene::QUANTITIES,
-        SceneConfig::Glide(_) => &GlideScene::QUANTITIES,
+        SceneConfig::Roll(_) => &ROLL_QUANTITIES,
+        SceneConfig::Glide(_) => &GLIDE_QUANTITIES,
         SceneConfig::Press(press) => PressScene::quantities_of(press),
         SceneConfig::Fingertip(sensor) => MeasuredSensor::quantities_of(&sensor.probe),
     }
@@ -76,18 +77,18 @@ impl Scene {
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
     pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, FieldError> {
-        Self::of(config, seed, &Parts::default())
+        Self::of(config, seed, &SharedModels::default())
     }
 
-    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `parts`.
+    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `models`.
     ///
     /// # Errors
     /// Errors of [`Scene::new`].
-    pub fn of(config: &SceneConfig, seed: u64, parts: &Parts) -> Result<Self, FieldError> {
+    pub fn of(config: &SceneConfig, seed: u64, models: &SharedModels) -> Result<Self, FieldError> {
         match config {
             SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Self::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Self::Glide),
-            SceneConfig::Press(press) => PressScene::new(press, seed, parts).map(Self::Press),
+            SceneConfig::Press(press) => PressScene::new(press, seed, models).map(Self::Press),
             SceneConfig::Fingertip(sensor) => MeasuredSensor::new(sensor).map(Self::Sensor),
         }
     }
@@ -120,7 +121,7 @@ pub trait Scenes {
     /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed; other cells may share `parts`.
+    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed; other cells may share `models`.
     ///
     /// # Errors
     /// Errors of [`Scenes::estimable_scene`].
@@ -128,7 +129,7 @@ pub trait Scenes {
         &self,
         number: usize,
         cell: &Cell,
-        parts: &Parts,
+        models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of a cell with the model of another rung.
@@ -159,17 +160,17 @@ impl Scenes for Study {
     }
 
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
-        self.estimable_scene_of(cell, &self.cell(cell)?, &Parts::default())
+        self.estimable_scene_of(cell, &self.cell(cell)?, &SharedModels::default())
     }
 
     fn estimable_scene_of(
         &self,
         number: usize,
         cell: &Cell,
-        parts: &Parts,
+        models: &SharedModels,
     ) -> Result<Scene, ConfigError> {
         let config = &cell.config;
-        let scene = Scene::of(&config.scene, config.seed, parts);
+        let scene = Scene::of(&config.scene, config.seed, models);
         let is_estimable = |scene: Scene| scene.estimable().map(|()| scene);
         scene
             .and_then(is_estimable)
@@ -178,15 +179,11 @@ impl Scenes for Study {
 
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
         let config = self.cell(cell)?.config;
-        match config.scene.with_model(&rung.model) {
-            Some(scene) => {
-                Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))
-            }
-            None => {
-                let message = format!("{} is no model of this kind of scene", rung.name);
-                Err(self.error_at(cell, "scene.model", message))
-            }
-        }
+        let Some(scene) = config.scene.with_model(&rung.model) else {
+            let message = format!("{} is no model of this kind of scene", rung.name);
+            return Err(self.error_at(cell, "scene.model", message));
+        };
+        Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))
     }
 
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
@@ -199,5 +196,179 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),
         None => study.error_at(cell, &error.path, error.message),
+    }
+}
+
+/// One trial's estimate of a quantity, and its truth, in the quantity's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// The estimate, or the value of a quantity that is measured directly.
+    pub estimate: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the estimator states; `None` if it states none.
+    pub std: Option<f64>,
+    /// Whether the stated 50, 80 and 95 % intervals contain the truth; `None` if they are the estimate ± 0.67, 1.28
+    /// and 1.96 std.
+    pub interval_holds: Option<[bool; 3]>,
+}
+
+impl Outcome {
+    /// An estimate that comes without a standard deviation.
+    pub(crate) const fn plain(estimate: f64, truth: f64) -> Self {
+        Self {
+            estimate,
+            truth,
+            std: None,
+            interval_holds: None,
+        }
+    }
+
+    /// An exact value: it is not estimated and has no error.
+    pub(crate) const fn exact(value: f64) -> Self {
+        Self::plain(value, value)
+    }
+}
+
+/// Trials of a scene: from true values to readings to estimates.
+///
+/// ```
+/// use palpate_scene::Scenes;
+/// use palpate_study::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let scene = parse("study.toml", text)?.estimable_scene(0)?;
+/// // Nothing is random: all trials are the same.
+/// assert_eq!(scene.trials(1000), 1);
+/// let last = scene.quantities().len() - 1;
+/// assert_eq!(scene.quantities()[last].name, "arc_length");
+/// assert!((scene.truth(last).ok_or("the same everywhere")? - 0.08).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Trials {
+    /// Quantities that a trial reports, in the order of the indices of [`Trials::trial`].
+    fn quantities(&self) -> &'static [Quantity];
+
+    /// Whether trials differ.
+    fn is_random(&self) -> bool;
+
+    /// How many trials make sense: `wanted`, or one if nothing is random.
+    fn trials(&self, wanted: u64) -> u64 {
+        if self.is_random() { wanted } else { 1 }
+    }
+
+    /// Checks that readings without noise determine the quantities.
+    ///
+    /// # Errors
+    /// [`FieldError`] at the field that prevents it: fewer than two probes, or all parallel; too few contacts, or all
+    /// on a line; too few markers.
+    fn estimable(&self) -> Result<(), FieldError> {
+        Ok(())
+    }
+
+    /// Runs trial number `trial` and reports outcomes, each with the index of its quantity: one of each quantity, or
+    /// one at each point of a patch.
+    ///
+    /// # Errors
+    /// The stable name of the failure; outcomes of a failed trial do not count.
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str>;
+
+    /// The true value of the quantity with this index, if it is the same everywhere.
+    fn truth(&self, quantity: usize) -> Option<f64>;
+
+    /// Name of the true shape class at more than half of the points of a patch; `None` if there is no such class, and
+    /// for other scenes.
+    fn true_class(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this index. It is available
+    /// for presses with noise.
+    fn std_bound(&self, _quantity: usize) -> Option<f64> {
+        None
+    }
+
+    /// The models that the scene needs with the reasons, and warnings.
+    fn needs(&self) -> Vec<Need>;
+
+    /// Measures the errors of the models that can compute the true values; `None` if there is no choice.
+    ///
+    /// # Errors
+    /// [`FieldError`] if the model cannot simulate the scene.
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
+        Ok(None)
+    }
+
+    /// Records one pass: in trial number `trial`, or without noise if it is `None`.
+    ///
+    /// # Errors
+    /// [`TraceError`] if there is no pass, or if it ends early.
+    fn trace(&self, _trial: Option<u64>, _unit: LengthUnit) -> Result<Trace, TraceError> {
+        Err(TraceError::Untouched)
+    }
+
+    /// Empty table for the maps of scenes of this kind.
+    ///
+    /// # Errors
+    /// Reason why there is no map, in words.
+    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str>;
+
+    /// Adds the map of trial number `trial` to a table made with [`Trials::map_table`], in rows that begin with the number
+    /// of their cell.
+    ///
+    /// # Errors
+    /// The stable name of the failure; the map then lacks the items that [`MapTable::lacks`] names.
+    fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
+        Ok(())
+    }
+}
+
+/// Message about a scene; `palpate check` prints its `Display` text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Need {
+    /// A model that the scene needs, and why.
+    Model(String),
+    /// A warning.
+    Warning(Warning),
+}
+
+impl Need {
+    /// The warning, if this need is one.
+    pub fn warning(&self) -> Option<&Warning> {
+        match self {
+            Self::Warning(warning) => Some(warning),
+            Self::Model(_) => None,
+        }
+    }
+}
+
+impl From<String> for Need {
+    fn from(model: String) -> Self {
+        Self::Model(model)
+    }
+}
+
+impl From<Warning> for Need {
+    fn from(warning: Warning) -> Self {
+        Self::Warning(warning)
+    }
+}
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model(model) => f.write_str(model),
+            Self::Warning(warning) => write!(f, "warning: {}", warning.text),
+        }
     }
 }

@@ -19,15 +19,15 @@ pub struct Trace {
     /// Readings, in the form that `estimate` accepts.
     pub readings: Table,
     /// Camera readings of a press; `None` without a camera.
-    pub seen: Option<SeenPress>,
+    pub camera: Option<CameraTrace>,
     /// Summary of the pass, such as "404 contacts of 4 probes".
     pub what: String,
 }
 
 /// Camera readings of a press.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SeenPress {
-    /// The reading of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
+pub struct CameraTrace {
+    /// The track of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
     pub markers: Table,
     /// The frames at rest and pressed, if they were rendered.
     pub frames: Option<[RgbImage; 2]>,
@@ -60,8 +60,8 @@ pub enum TraceError {
     Untouched,
 }
 
-/// A count with its noun, such as "2 probes"; `what` is the singular.
-pub(crate) fn counted(count: usize, what: &str) -> String {
+/// A count with its noun, such as "2 probes"; `noun` is the singular.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {what}{plural}")
+    format!("{count} {noun}{plural}")
 }

@@ -1,13 +1,13 @@
-//! Distributions of errors.
+//! Distributions of errors, and Gaussian errors of single numbers.
 
-use crate::Stream;
+use crate::{InvalidSensor, Stream};
 
 /// The distribution of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
-    /// Uniform; the stated size is the bound.
+    /// Uniform. The stated size is the bound.
     Uniform,
-    /// Gaussian; the stated size is the standard deviation.
+    /// Gaussian. The stated size is the standard deviation.
     Gaussian,
 }
 
@@ -26,6 +26,105 @@ impl Distribution {
         match self {
             Self::Uniform => size / 3.0_f64.sqrt(),
             Self::Gaussian => size,
+        }
+    }
+}
+
+/// An independent Gaussian error with mean 0 of a measured number, such as a displacement or a gain.
+///
+/// ```
+/// use palpate_sensing::{Channel, GaussianError, Stream};
+///
+/// let error = GaussianError::new(0.3)?;
+/// // The error of the mean of nine readings is a third of that of one.
+/// assert!((error.averaged(9).std() - 0.1).abs() < 1e-15);
+/// let exact = GaussianError::new(0.0)?;
+/// assert_eq!(exact.draw(&mut Stream::new(1, 0, Channel::Gain)), 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussianError {
+    std: f64,
+}
+
+impl GaussianError {
+    /// An error with this standard deviation, in the unit of the measured number.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless it is from 0 to 10¹⁵⁰.
+    pub fn new(std: f64) -> Result<Self, InvalidSensor> {
+        let holds = (0.0..=1e150).contains(&std);
+        InvalidSensor::unless(holds, "std", std, "from 0 to 1e150")?;
+        Ok(Self { std })
+    }
+
+    /// The standard deviation.
+    pub const fn std(&self) -> f64 {
+        self.std
+    }
+
+    /// The error of the mean of this number of readings; 0 counts as 1.
+    #[must_use]
+    pub fn averaged(&self, readings: u32) -> Self {
+        Self {
+            std: self.std / f64::from(readings.max(1)).sqrt(),
+        }
+    }
+
+    /// Whether a reading draws random numbers. Otherwise it equals the number.
+    pub fn is_random(&self) -> bool {
+        self.std > 0.0
+    }
+
+    /// The error of one reading. It draws one random number, or none without an error.
+    #[inline]
+    pub fn draw(&self, stream: &mut Stream) -> f64 {
+        if !self.is_random() {
+            return 0.0;
+        }
+        self.std * stream.standard_normal()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Channel;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn errors_have_the_stated_size_and_means_a_smaller_one() {
+        let single = GaussianError::new(0.3).unwrap();
+        for (error, std) in [
+            (single, 0.3),
+            (single.averaged(4), 0.15),
+            (single.averaged(0), 0.3),
+        ] {
+            assert_relative_eq!(error.std(), std, max_relative = 1e-15);
+            let mut stream = Stream::new(5, 0, Channel::NormalDisplacement);
+            let count = 100_000;
+            let errors: Vec<f64> = (0..count).map(|_| error.draw(&mut stream)).collect();
+            let mean = errors.iter().sum::<f64>() / f64::from(count);
+            let square = errors.iter().map(|error| error * error).sum::<f64>() / f64::from(count);
+            assert!(mean.abs() < 0.02 * std, "{mean}");
+            assert_relative_eq!(square.sqrt(), std, max_relative = 0.01);
+        }
+    }
+
+    #[test]
+    fn without_an_error_nothing_is_drawn() {
+        let exact = GaussianError::new(0.0).unwrap();
+        assert!(!exact.is_random());
+        let mut stream = Stream::new(5, 0, Channel::Gain);
+        assert_eq!(exact.draw(&mut stream), 0.0);
+        let untouched = Stream::new(5, 0, Channel::Gain).symmetric_uniform();
+        assert_eq!(stream.symmetric_uniform(), untouched);
+    }
+
+    #[test]
+    fn impossible_sizes_are_refused() {
+        for std in [-1.0, 1e200, f64::NAN, f64::INFINITY] {
+            assert_eq!(GaussianError::new(std).unwrap_err().setting, "std");
         }
     }
 }

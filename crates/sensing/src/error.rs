@@ -1,39 +1,12 @@
-//! Errors of impossible sensors, and of readings that cannot be taken.
+//! Errors of sensors with invalid parameters, and of impossible readings.
 
-use palpate_statistics::Number;
+use palpate_statistics::{BadSetting, Number};
 use thiserror::Error;
 
-/// A parameter that makes no sensor.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{parameter} is {value}; it must be {expected}", value = Number(*value))]
-pub struct InvalidSensor {
-    /// Name of the parameter, as in the config.
-    pub parameter: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Values that the parameter may have, in words that follow "must be".
-    pub expected: String,
-}
+/// A parameter of a sensor that is out of its range.
+pub type InvalidSensor = BadSetting<String>;
 
-impl InvalidSensor {
-    pub(crate) fn unless(
-        holds: bool,
-        parameter: &'static str,
-        value: f64,
-        expected: &str,
-    ) -> Result<f64, Self> {
-        if holds {
-            return Ok(value);
-        }
-        Err(Self {
-            parameter,
-            value,
-            expected: expected.to_owned(),
-        })
-    }
-}
-
-/// The contact left the part of the fingertip that carries pads.
+/// The contact is outside of the part of the fingertip that has pads.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
     "the contact is {:.3} degrees from the middle of the pads, which end at {:.3}",

@@ -1,35 +1,31 @@
-//! Sensors as they are: noise and resolution as channels over rotations and points.
+//! Noise and resolution of sensors for rotations and points.
 //!
-//! Randomness is keyed: a [`Stream`] is a function of seed, trial and [`Channel`], so that any
-//! trial can be replayed alone, and adding a channel changes no other number.
+//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. So every trial can be repeated alone,
+//! and a new channel does not change the numbers of other channels.
 //!
 //! Displacements on the fingertip are great-circle displacements (logarithm map) from the first
 //! contact, in the tangent basis there; see [`displacement_between`].
 
-mod angular_velocity;
 mod distribution;
-mod encoder;
 mod error;
-mod gaussian;
-mod normal;
-mod normals;
+mod normal_deviates;
 mod pads;
 mod position;
+mod rotation;
 mod sphere_map;
 mod stream;
+mod surface_normal;
 mod uniform_lattice;
 mod wrist;
 
-pub use angular_velocity::AngularVelocityError;
-pub use distribution::Distribution;
-pub use encoder::Encoder;
+pub use distribution::{Distribution, GaussianError};
 pub use error::{BeyondPads, InvalidSensor};
-pub use gaussian::GaussianError;
-pub use normal::NormalError;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};
+pub use rotation::{AngularVelocityError, Encoder};
 pub use sphere_map::{direction_at, displacement_between};
 pub use stream::{Channel, Stream, Streams};
+pub use surface_normal::NormalError;
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;
 

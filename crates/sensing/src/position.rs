@@ -131,7 +131,7 @@ mod tests {
     fn impossible_sizes_are_refused() {
         for size in [-1.0, 1e200, f64::NAN, f64::INFINITY] {
             let made = PositionError::new(Distribution::Uniform, size, PositionAxes::Z);
-            assert_eq!(made.unwrap_err().parameter, "size");
+            assert_eq!(made.unwrap_err().setting, "size");
         }
     }
 }

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use rand::rand_core::{TryRng, utils};
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::normals::{PAIRS, normals};
+use crate::normal_deviates::{PAIRS, normals};
 
 /// A named source of noise. Each has a stream of its own, so that adding one changes no other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,28 +1,27 @@
-//! Goodness of fit: how likely chance alone leaves as much unexplained.
+//! Goodness of fit: the chi-squared test.
 
 use crate::chi_squared_tail;
 
-/// Probability with which each doubt about an estimate arises where the model holds.
+/// Significance level of each test of an estimate: its probability of a false alarm if the model holds.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
-/// Probability by chance of all patterns together, below which the likeliest of them is doubted.
+/// Significance level of the joint test of all patterns. If it fails, the most significant pattern is reported.
 pub const SIGNIFICANCE_LEVEL_OF_ALL: f64 = 0.02;
 
-/// Chi-squared of a fit against what noise of the stated size leaves.
+/// The chi-squared of a fit, compared with the stated noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
-    /// Sum of the squares of what the fit leaves of the readings and of prior knowledge, in standard deviations.
+    /// Sum of the squared residuals of readings and priors, in standard deviations.
     pub chi_squared: f64,
-    /// Degrees of freedom: readings that count and priors, less unknowns.
+    /// Degrees of freedom: number of used readings and priors minus number of unknowns.
     pub freedom: usize,
-    /// Probability that normally distributed noise of the stated size leaves a chi-squared at least as large where the
-    /// model holds: uniform from 0 to 1 there, and small where the readings contradict the model or the noise. 1 without
-    /// degrees of freedom.
+    /// Probability of a chi-squared at least as large, if the model holds and the noise is normal with the stated size. Then it
+    /// is uniform from 0 to 1. It is small if the readings contradict the model or the noise; 1 without degrees of freedom.
     pub p_value: f64,
 }
 
 impl GoodnessOfFit {
-    /// The goodness of a fit that leaves this chi-squared on so many degrees of freedom.
+    /// The goodness of a fit with this chi-squared and these degrees of freedom.
     pub fn new(chi_squared: f64, freedom: usize) -> Self {
         Self {
             chi_squared,
@@ -31,8 +30,8 @@ impl GoodnessOfFit {
         }
     }
 
-    /// Whether chance alone leaves as much in fewer than [`SIGNIFICANCE_LEVEL`] of all fits. Patterns in the residuals are then to be judged
-    /// by the residuals' own size: noise that is stated too small finds every pattern.
+    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. Then patterns must be compared with the residuals instead of the
+    /// stated noise: with a stated noise that is too small, every pattern would be significant.
     pub fn is_doubted(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

@@ -1,11 +1,10 @@
-//! Probabilities, numbers in messages and counts of work, which all crates share.
+//! Probabilities, numbers in messages, and counts of work, for all crates.
 
 mod bad_setting;
 mod goodness_of_fit;
 mod hue;
 mod normal;
 mod number_format;
-mod percent;
 mod score_test;
 mod tails;
 pub mod work;
@@ -14,8 +13,7 @@ pub use bad_setting::BadSetting;
 pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL};
 pub use hue::hue_turns;
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
-pub use number_format::Number;
-pub use percent::Percent;
+pub use number_format::{Number, Percent};
 pub use score_test::{Explained, LEFT, doubted, least_likely};
 pub use tails::{chi_squared_tail, ratio_tail, student_half_width};
 

@@ -1,6 +1,6 @@
 //! The normal distribution.
 
-/// Largest score: of what has no spread.
+/// Largest score, for a quantity without spread.
 pub const CERTAIN: f64 = 40.0;
 
 /// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations of the normal distribution.
@@ -19,8 +19,8 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`]. The
-/// opposite of that for a probability that rounding takes to 1, and for what is not a number.
+/// The score that a standard normal number exceeds with this probability, to 1e-12; at most [`CERTAIN`]. It is −[`CERTAIN`] for a
+/// probability that rounds to 1, and for NaN.
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);

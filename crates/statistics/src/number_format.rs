@@ -1,9 +1,9 @@
-//! Numbers as messages show them.
+//! Numbers and probabilities in messages.
 
 use std::fmt;
 
-/// Number as messages show it: the fewest digits that read back the same, with an exponent from 1e16 up and below 1e-4
-/// instead of a row of zeros; zero without a sign. With a precision, as in `{:.4}`, only large numbers get an exponent.
+/// A number as messages display it: with the fewest digits that parse back to the same number, with an exponent from 1e16 and
+/// below 1e-4, and without a sign of zero. With a precision, as in `{:.4}`, only large numbers have an exponent.
 ///
 /// ```
 /// use palpate_statistics::Number;
@@ -15,7 +15,7 @@ use std::fmt;
 pub struct Number(pub f64);
 
 impl Number {
-    /// The nearest number of three digits.
+    /// The nearest number with three digits.
     #[must_use]
     pub fn rounded(number: f64) -> Self {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
@@ -33,7 +33,7 @@ impl Number {
     pub fn known_to(number: f64, std: f64) -> Self {
         let size = |number: f64| libm::floor(libm::log10(number.abs()));
         let digits = size(number) - size(std) + 1.0;
-        // As many as tell doubles apart, at most.
+        // A double has at most 16 significant digits.
         let digits = if digits.is_finite() {
             digits.clamp(2.0, 16.0)
         } else {
@@ -56,6 +56,29 @@ impl fmt::Display for Number {
             fmt::LowerExp::fmt(&number, f)
         } else {
             fmt::Display::fmt(&number, f)
+        }
+    }
+}
+
+/// Smallest probability that is displayed as a number. Real noise does not follow the model in such far tails.
+const MIN_DISPLAYED: f64 = 1e-12;
+
+/// A probability as messages display it.
+///
+/// ```
+/// use palpate_statistics::Percent;
+///
+/// assert_eq!(Percent(0.00123456).to_string(), "0.00123");
+/// assert_eq!(Percent(1e-200).to_string(), "fewer than 1e-12");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Percent(pub f64);
+
+impl fmt::Display for Percent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 < MIN_DISPLAYED {
+            true => write!(f, "fewer than {}", Number(MIN_DISPLAYED)),
+            false => write!(f, "{}", Number::rounded(self.0)),
         }
     }
 }

@@ -1,26 +1,27 @@
-//! Rao's score test: what residuals have of patterns, after the unknowns that were fitted have taken of them what they can.
+//! Rao's score test: how much of the residuals patterns would explain, in addition to the fitted unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::{SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL, chi_squared_tail, ratio_tail};
 
-/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model. More
-/// is needed of patterns that are themselves noisy.
+/// A pattern is skipped if the fitted unknowns already explain all but this share of it; the rest would be due to the model's
+/// nonlinearity. Noisy patterns need a larger share.
 pub const LEFT: f64 = 0.02;
 
-/// Fall of chi-squared, to first order, if patterns were fitted too.
+/// First-order decrease of chi-squared if patterns were fitted too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
-    /// The fall of chi-squared.
+    /// The decrease of chi-squared.
     pub fall: f64,
-    /// Number of patterns that the unknowns leave.
+    /// Number of patterns that the unknowns do not explain.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// Fall of chi-squared by patterns, from their squared sizes, their products with each other after the unknowns have taken what
-    /// they can, and their products with the residuals, all in standard deviations. Patterns of which the unknowns leave less
-    /// than the share `least` ([`LEFT`] where nothing speaks for more) do not count, and none where a number is not finite.
+    /// The decrease of chi-squared by patterns. `squares` are the squared norms of the patterns, `left` the products between
+    /// their parts that the unknowns do not explain, and `by_residuals` their products with the residuals, all in standard
+    /// deviations. Patterns with a smaller unexplained share than `least` (usually [`LEFT`]) are skipped. If a number is not
+    /// finite, all are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -57,13 +58,12 @@ impl Explained {
         explained
     }
 
-    /// Probability by chance of as much where the noise is told.
+    /// P-value if the noise is stated.
     pub fn p_value(self) -> f64 {
         chi_squared_tail(self.fall, self.freedom)
     }
 
-    /// Probability by chance of as much where the noise is found from the residuals, whose squares sum up to `chi_squared`
-    /// on `freedom` degrees of freedom.
+    /// P-value if the noise is estimated from the residuals, which have this `chi_squared` and `freedom`.
     pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
         let rest = freedom.saturating_sub(self.freedom);
         let below = (chi_squared - self.fall).max(0.0);
@@ -71,8 +71,8 @@ impl Explained {
     }
 }
 
-/// The least likely of alternatives by their probabilities by chance, and the probability that one of them all is as unlikely
-/// (Bonferroni); the first and 1 of none. Alternatives are numbers, as of probes.
+/// The alternative with the smallest p-value, and the p-value for all alternatives together (Bonferroni); 0 and 1 without
+/// alternatives. Alternatives are numbers, for example of probes.
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
@@ -89,8 +89,9 @@ pub fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64)
     (most, (least * count.max(1.0)).min(1.0))
 }
 
-/// Doubts that are told: those less likely by chance than [`SIGNIFICANCE_LEVEL`], and the likeliest cause among the first `patterns` of
-/// them where all patterns together have less than [`SIGNIFICANCE_LEVEL_OF_ALL`]. What no pattern alone tells, all may tell together.
+/// The significant ones of possible contradictions: those with a p-value below [`SIGNIFICANCE_LEVEL`]. If the joint p-value
+/// `by_all` of the first `patterns` is below [`SIGNIFICANCE_LEVEL_OF_ALL`], the most significant of them is added, because a
+/// joint test may be significant although no single pattern is.
 pub fn doubted<D: Copy>(
     doubts: &[D],
     p_value: fn(D) -> f64,
@@ -99,10 +100,10 @@ pub fn doubted<D: Copy>(
 ) -> Vec<D> {
     let chances = doubts.iter().take(patterns).map(|doubt| p_value(*doubt));
     let least = chances.fold(1.0, f64::min);
-    let is_told_by_all = by_all < SIGNIFICANCE_LEVEL_OF_ALL && least < 1.0;
+    let is_joint = by_all < SIGNIFICANCE_LEVEL_OF_ALL && least < 1.0;
     let is_doubted = |doubt: &&D| {
         let chance = p_value(**doubt);
-        chance < SIGNIFICANCE_LEVEL || is_told_by_all && chance == least
+        chance < SIGNIFICANCE_LEVEL || is_joint && chance == least
     };
     doubts.iter().filter(is_doubted).copied().collect()
 }
@@ -112,9 +113,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_likeliest_pattern_is_told_where_all_together_are_unlikely() {
-        let told = |by_all| doubted(&[0.3, 0.05, 0.004, 0.01], |one| one, 3, by_all);
-        assert_eq!(told(0.5), [0.004]);
+    fn the_best_pattern_is_reported_if_the_joint_test_is_significant() {
+        let reported = |by_all| doubted(&[0.3, 0.05, 0.004, 0.01], |one| one, 3, by_all);
+        assert_eq!(reported(0.5), [0.004]);
         let of_two = |by_all| doubted(&[0.3, 0.05, 0.01], |one| one, 2, by_all);
         assert_eq!((of_two(0.03), of_two(0.01)), (vec![], vec![0.05]));
         assert_eq!(doubted(&[1.0, 1.0], |one| one, 2, 0.0), []);

@@ -1,76 +1,73 @@
-//! Study configs: TOML text in, validated cells out.
+//! Study configs: from a TOML text to validated cells.
 //!
 //! A config passes through four steps, each with its own file:
 //!
-//! 1. `tree`: the text becomes a tree in which every key and value knows its bytes;
-//! 2. `sweep`, `grid`: the `[[sweep]]` axes multiply; a cell is the tree with one combination of values put in;
-//! 3. `validate`: each cell's tree (of a study of many cells: those of a `sample`, and every swept value) is walked against the JSON Schema of the config ([`schema()`]), the one place where
-//!    keys, types, kinds and limits are known;
-//! 4. the tree becomes a [`StudyConfig`], and the few rules that join several fields are checked.
+//! 1. `tree`: the text is parsed to a tree in which every key and value has its byte range.
+//! 2. `sweep`, `grid`: the `[[sweep]]` axes are multiplied. A cell is the tree with one combination of values.
+//! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines keys,
+//!    types, kinds and limits. In a study of many cells, only the cells of a `sample` and every swept value are validated.
+//! 4. The tree is converted to a [`StudyConfig`], and the few rules that concern several fields are checked.
 //!
-//! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
+//! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.
 
-mod edit;
+mod config_builder;
+mod config_output;
 mod error;
+mod error_location;
 mod field;
-mod fingertip;
-mod flat;
 mod glide;
+mod glide_estimator;
 mod grid;
-mod length_unit;
 mod load;
-mod located;
-mod model;
+mod marker_sensor;
 mod object;
-mod output;
-mod overrides;
-mod pads;
 mod plot;
 mod press;
-mod resolved;
+mod press_estimator;
 mod roll;
 mod sample;
 mod schema;
-mod settings;
+mod setting_list;
 mod study;
 mod sweep;
 mod tree;
 mod validate;
 mod vary;
 
-pub use edit::{of_json, with_axes, with_fields};
-pub use error::ConfigError;
+pub use config_builder::{of_json, with_axes, with_fields};
+pub use config_output::to_toml;
+pub use error::{ConfigError, FieldError};
 pub use field::field;
-pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};
 pub use glide::{
-    CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
-    GlideModelConfig, GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis,
-    NormalNoise, NormalsOf, PositionNoise, Reports,
+    EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
+    GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, PositionNoise, Reports,
 };
-pub use length_unit::LengthUnit;
+pub use glide_estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
 pub use load::{Cell, Study, SweptKind, load, parse, plots};
-pub use model::ModelConfig;
+pub use marker_sensor::{
+    BareFingertipConfig, CalibrationConfig, CameraConfig, DiscsConfig, LayoutConfig, LayoutTable,
+    LensConfig, LensName, NamedLayout, NormalFrom, PressProbeConfig, PressSensorConfig,
+    ShownMarkers, ViewConfig,
+};
 pub use object::ObjectConfig;
-pub use output::Output;
-pub use pads::{PadLayout, PadOffset};
 pub use plot::{
     Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
 };
 pub use press::{
-    Baseline, CalibrationConfig, CameraConfig, CentroidNoise, DiscsConfig, GainNoise, HueNoise,
-    Indentation, LayoutConfig, LayoutTable, LengthNoise, LostMarkers, NamedLayout, NoiseKnown,
-    NormalFrom, PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
-    PressNoiseConfig, PressObjectConfig, PressPriors, PressProbeConfig, PressSensorConfig,
-    SensorNoise, ShownMarkers, SizeNoise, WrongMarkers,
+    CentroidNoise, GainNoise, HueNoise, LengthNoise, LostMarkers, PixelNoise, PressConfig,
+    PressModelConfig, PressMotionConfig, PressNoiseConfig, PressObjectConfig, SensorNoise,
+    SizeNoise, WrongMarkers,
 };
-pub use resolved::to_toml;
+pub use press_estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
 pub use roll::{
-    AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
-    RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig, RollSensorConfig,
-    Side, When,
+    AngularVelocityNoise, Chart, EncoderConfig, PadLayout, PadOffset, ProbeConfig, RollAxis,
+    RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig,
+    RollSensorConfig, Side, When,
 };
 pub use schema::schema;
-pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
-pub use study::{SceneConfig, StopConfig, StopStatistic, StudyConfig};
+pub use setting_list::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
+pub use study::{
+    LengthUnit, ModelConfig, Output, SceneConfig, StopConfig, StopStatistic, StudyConfig,
+};
 pub use sweep::{RangeConfig, Sample, Spacing, SweepConfig};
 pub use vary::{Takes, Varied, Vary, VaryError};

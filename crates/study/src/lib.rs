@@ -1,17 +1,15 @@
-//! Studies as they are written and tabulated: configs, quantities with their units, tables. Without physics.
+//! Configs, quantities with their units, and tables of studies. This crate has no physics.
 //!
-//! [`config`] turns a TOML text into a validated [`config::Study`] of cells; a [`Quantity`] names what a scene estimates and
-//! in which [`Unit`]; a [`Statistic`] is a column over its trials; a [`Label`] says in words what a column holds; a
-//! [`Table`] is what results are written as, its numbers by [`number`](mod@number); [`readings`] names the columns of recorded
-//! readings; the [`glossary`] says what words mean.
+//! [`config`] parses a TOML text to a validated [`config::Study`] of cells. A [`Quantity`] is an estimated value with its
+//! [`Unit`]. A [`Statistic`] is a column that summarises it over the trials. A [`Label`] describes a column in words. A
+//! [`Table`] holds results; [`number`](mod@number) formats its numbers. [`readings`] has the columns of recorded readings. The
+//! [`glossary`] explains terms.
 
+mod bounded_read;
 pub mod config;
-mod field_error;
 pub mod glossary;
 pub mod label;
-mod limited;
-mod map_table;
-pub mod number;
+pub mod number_text;
 mod quantity;
 pub mod readings;
 mod statistic;
@@ -19,14 +17,13 @@ mod table;
 mod target;
 mod warning;
 
-pub use field_error::FieldError;
+pub use bounded_read::{read_all, read_limited};
+pub use config::FieldError;
 pub use label::Label;
-pub use limited::{read_all, read_limited};
-pub use map_table::MapTable;
-pub use number::shortest as number;
+pub use number_text::{self as number, shortest as number};
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
-pub use table::{Rows, Table, csv, push_row};
+pub use table::{MapTable, Rows, Table, csv, push_row};
 pub use target::{Bound, Target, TargetError};
 pub use warning::Warning;
 

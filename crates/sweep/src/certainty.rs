@@ -1,13 +1,13 @@
-//! How surely trials tell on which side of a limit a number lies, as scores: standard deviations of a normal number. A
-//! score of 2 is as sure as a normal number that is found two of its standard deviations from 0.
+//! Scores of statements such as "this number is at most the limit": the number of standard deviations by which a normal
+//! number would meet the limit with the same probability.
 
 use palpate_statistics::{CERTAIN, NORMAL_95};
 
-/// Score of a number that is `margin` on the right side of its limit (negative: on the wrong one) and has been found with
-/// the standard error `std` on so many degrees of freedom.
+/// Score of an estimate that meets its limit by `margin` (negative: it misses the limit), with the standard error `std`
+/// on `degrees` degrees of freedom.
 ///
-/// Student's t becomes the normal number of the same probability by Wallace's approximation (1959), which is within 1 % of
-/// the score from 5 degrees of freedom on. Without a spread the margin alone decides, and 0 is right.
+/// Wallace's approximation (1959) turns Student's t into the normal number of the same probability, within 1 % from 5
+/// degrees of freedom on. If `std` is 0, the sign of the margin decides, and a margin of 0 meets the limit.
 pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     let side = if margin >= 0.0 { 1.0 } else { -1.0 };
     let t = margin.abs() / std;
@@ -18,7 +18,7 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
         return 0.0;
     }
     let shrunk = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0);
-    // ln(1 + t²/ν), where t² may be beyond the doubles.
+    // ln(1 + t²/ν); t² itself may overflow.
     let grown = match t < 1e150 {
         true => libm::log1p(t * t / degrees),
         false => 2.0 * libm::log(t) - libm::log(degrees),
@@ -26,8 +26,8 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     side * (shrunk * (degrees * grown).sqrt()).min(CERTAIN)
 }
 
-/// Score by which a probability is at most `limit`, in (0, 1), after `count` of `of` independent trials: the signed root of
-/// the deviance, with a continuity correction of half a trial; 0 without trials.
+/// Score of the statement that a probability is at most `limit`, in (0, 1), after an event in `count` of `of` independent
+/// trials: the signed root of the deviance, with a continuity correction of half a trial; 0 without trials.
 ///
 /// ```
 /// // No failure in 256 trials: P = 0.95²⁵⁶ = 2.0e-6, which is a score of 4.6.
@@ -38,7 +38,7 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     let (all, expected) = (of as f64, limit * of as f64);
     let side = if count as f64 <= expected { 1.0 } else { -1.0 };
     let corrected = count as f64 + 0.5 * side;
-    // Within half a trial of the limit, nothing is told.
+    // Within half a trial of the limit, neither side is more likely.
     if of == 0 || (corrected - expected) * side >= 0.0 {
         return 0.0;
     }
@@ -51,8 +51,7 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     side * (2.0 * all * deviance.max(0.0)).sqrt().min(CERTAIN)
 }
 
-/// Wilson's 95 % interval (1927) of a probability that has been found as `share` in as much as `of` independent trials; all
-/// of 0 to 1 without trials.
+/// Wilson's 95 % interval (1927) of a probability, from the `share` of `of` independent trials; 0 to 1 without trials.
 ///
 /// ```
 /// let (low, high) = palpate_sweep::wilson(0.5, 100.0);
@@ -67,7 +66,7 @@ pub fn wilson(share: f64, of: f64) -> (f64, f64) {
     let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
     let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
     let half = NORMAL_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
-    // Rounding must not take the ends off the share itself.
+    // Rounding must not move an end past the share itself.
     (
         (about - half).clamp(0.0, share),
         (about + half).clamp(share, 1.0),
@@ -82,7 +81,7 @@ mod tests {
 
     #[test]
     fn students_t_has_the_normal_score_of_its_probability() {
-        // P(T > t) of Student's distribution as tables have it.
+        // Tabulated P(T > t) of Student's distribution.
         for (degrees, t, probability) in [
             (31.0, 1.695_519, 0.05),
             (31.0, 2.039_513, 0.025),

@@ -1,12 +1,12 @@
-//! Observations of one quantity by the trials of a block, until they are summed up.
+//! Observations of one quantity in the trials of a block, until they are summed up.
 
 use std::ops::Range;
 
+use crate::cell::BLOCK;
 use crate::histogram::Histogram;
-use crate::observation::{Observation, Observations};
-use crate::pass::Observed;
+use crate::simd_sums::Observed;
 use crate::sums::Sums;
-use crate::trial::BLOCK;
+use crate::trial_record::{Observation, Observations};
 
 /// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
 /// least 0.
@@ -144,7 +144,7 @@ impl Column {
             .partition_point(|(place, _)| *place < places.start);
         for &(place, holds) in &self.verdicts[first..] {
             if places.contains(&place) {
-                sums.judge(self.errors[place - places.start], self.stds[place], holds);
+                sums.replace_coverage(self.errors[place - places.start], self.stds[place], holds);
             }
         }
         sums

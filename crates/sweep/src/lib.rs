@@ -35,53 +35,45 @@
 //! let summary = statistics[0].quantities[0];
 //! assert_eq!((summary.bias, summary.rms_error), (Some(0.0), Some(0.5)));
 //! assert_eq!(summary.coverage95, Some(1.0));
-//! # Ok::<(), palpate_sweep::SweepError>(())
+//! # Ok::<(), palpate_sweep::NoThreads>(())
 //! ```
 
-mod batches;
+mod batch_statistics;
+mod cell;
 mod certainty;
 mod column;
-mod failures;
 mod histogram;
 mod moments;
-mod observation;
 mod order;
-mod partial;
-mod pass;
+mod partial_statistics;
 mod plan;
 mod queue;
-mod record;
-mod run;
 mod runner;
-mod scale;
 mod search;
+mod simd_sums;
 mod squares;
 mod stream;
 mod summary;
 mod sums;
-mod task;
-mod trial;
+mod trial_record;
 
-pub use batches::{Batches, Estimate, Growth};
+pub use batch_statistics::{Batches, Estimate, Growth};
+pub use cell::{BLOCK, Cell, StoppingRule, StoppingStatistic, Task, Trial};
 pub use certainty::{share_at_most, wilson};
-pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use observation::{Observation, Observations};
-pub use order::{Order, Repeats, Told, both_above, in_order, repeats};
+pub use order::{Order, Repeats, TrialMeans, both_above, in_order, repeats};
 pub use palpate_statistics::CERTAIN;
 pub use plan::{
-    Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,
-    SHARE_OF_MODEL, plan, spread,
+    Clock, FailingCell, Goal, MODEL_ERROR_SHARE, Pace, Pass, PassQuantity, PassValue, Plan,
+    PlanError, Plannable, plan, spread,
 };
-pub use record::{Record, TrialObservations};
-pub use run::run;
-pub use runner::{NoThreads, RunOptions, Runner, SweepError};
+pub use runner::{NoThreads, RunOptions, Runner, SweepError, run};
 pub use search::{
-    Among, Ask, Curves, Ended, Looked, Run, Scores, Search, Searched, Side, Span, search,
+    Curves, EndReason, Run, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
+    TestedValue, search,
 };
-pub use stream::{Sweep, Taken};
-pub use summary::{CellStatistics, Summary};
-pub use task::{Stop, Task, Watched};
-pub use trial::{BLOCK, Cell, Trial};
+pub use stream::{Sweep, SweepOutput};
+pub use summary::{CellStatistics, Failure, NEGATIVE_STD, NOT_FINITE, Summary, UNKNOWN_QUANTITY};
+pub use trial_record::{Observation, Observations, Record, TrialObservations};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,6 +1,4 @@
-//! Mean and spread of a run of numbers, mergeable, sound for every finite number.
-
-use crate::scale::{exponent, is_ordinary, largest, power_of_two, sum};
+//! Mean and spread of numbers, which can be merged, for finite numbers of any size.
 
 /// Count, mean and squared deviations of some finite numbers.
 ///
@@ -108,7 +106,7 @@ impl Moments {
         self.squares *= factor * factor;
     }
 
-    /// How many numbers.
+    /// Count of the numbers.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
@@ -125,7 +123,7 @@ impl Moments {
         (self.count > 0).then(|| self.in_plain_units(mean_square.sqrt()))
     }
 
-    /// Sample standard deviation, divided by count − 1; `None` of fewer than two.
+    /// Sample standard deviation, with the divisor count − 1; `None` for fewer than two numbers.
     pub(crate) fn std(&self) -> Option<f64> {
         let variance = self.squares / self.count.checked_sub(1)? as f64;
         (self.count > 1).then(|| self.in_plain_units(variance.sqrt()))
@@ -139,6 +137,48 @@ impl Moments {
     fn in_plain_units(&self, value: f64) -> f64 {
         value * power_of_two(self.exponent)
     }
+}
+
+/// Independent partial sums, which let the compiler use vector instructions.
+pub(crate) const LANES: usize = 8;
+/// Units are at most 2^±1000, so that they are normal floats, and no square of a scaled number overflows or vanishes.
+const MAX_EXPONENT: i32 = 1000;
+/// Numbers from 2^−200 to 2^200 need no unit: their fourth powers, and sums of 2^60 of these, are normal floats.
+const ORDINARY: i32 = 200;
+
+/// Sum of a term over all values, in a fixed order.
+pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let mut lanes = [0.0; LANES];
+    for chunk in values.chunks(LANES) {
+        for (lane, &x) in lanes.iter_mut().zip(chunk) {
+            *lane += term(x);
+        }
+    }
+    lanes.into_iter().sum()
+}
+
+/// Largest magnitude of some numbers; 0 without numbers.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+/// Exponent of the unit 2^exponent for numbers up to `largest`: 0 if `largest` is from 2^−200 to 2^200.
+pub(crate) fn exponent(largest: f64) -> i32 {
+    let biased = (largest.abs().to_bits() >> 52) as i32;
+    match biased - 1023 {
+        exponent if exponent.abs() <= ORDINARY => 0,
+        exponent => exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT),
+    }
+}
+
+/// Whether a sum of squares is so far from overflow and underflow that it needs no scaling.
+pub(crate) fn is_ordinary(squares: f64) -> bool {
+    (1e-200..1e200).contains(&squares)
+}
+
+/// 2^exponent for exponents up to 1023; 0 if it would be subnormal.
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023).max(0) as u64) << 52)
 }
 
 #[cfg(test)]
@@ -183,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_spread_near_the_resolution_of_a_large_mean_survives_merging() {
-        // 1e9 and its eight next floats, over and over: variance of 0 … 8 is 20/3 (population).
+        // 1e9 and the eight floats after it, repeatedly; the population variance of 0 … 8 is 20/3.
         let ulp = 2f64.powi(-23);
         let values: Vec<f64> = (0..9 * 1024)
             .map(|i| 1e9 + f64::from(i % 9) * ulp)

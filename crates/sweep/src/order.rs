@@ -1,4 +1,4 @@
-//! How surely single trials, and means of several, tell two experiments apart.
+//! Probability that trials of two experiments, or means of several trials, are in the right order.
 
 use std::ops::Range;
 
@@ -6,18 +6,18 @@ use rayon::prelude::*;
 
 use palpate_statistics::score_of_tail;
 
+use crate::cell::Trial;
 use crate::certainty::wilson;
-use crate::record::{Record, TrialObservations};
 use crate::runner::Runner;
-use crate::trial::Trial;
+use crate::trial_record::{Record, TrialObservations};
 
-/// Report of a trial on a quantity: its mean estimate and mean truth over the observations; `None` of a trial that failed.
-pub type Told = Option<(f64, f64)>;
+/// Mean estimate and mean true value of a quantity over the observations of a trial; `None` if the trial failed.
+pub type TrialMeans = Option<(f64, f64)>;
 
 /// Probability, with a 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
-    /// The probability as it was found.
+    /// Estimate of the probability.
     pub probability: f64,
     /// Lower end of its interval.
     pub low: f64,
@@ -25,28 +25,29 @@ pub struct Order {
     pub high: f64,
 }
 
-/// Number of trials, the mean of which tells two experiments apart with a given probability.
+/// Number of trials whose means are in the right order with a given probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// Found in groups of so many trials.
+    /// Found in groups of this many trials.
     Found(u64),
-    /// Too many for groups; by the normal distribution that the means of many trials have.
+    /// Too many for groups; computed from the normal distribution of the means.
     About(u64),
-    /// None: the means of ever more trials are in the wrong order, or always tell the same.
+    /// No number of trials: the means are in the wrong order, or all equal.
     Never,
-    /// Not known: so many would be needed that the trials do not tell.
+    /// So many that the number cannot be estimated from these trials.
     Unknown,
 }
 
-/// Fewest groups of trials by which a probability is found.
+/// Least number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Odd trials by which a variance is half trusted.
-const FEW_ODD: f64 = 20.0;
-/// Most trials that a number of repeats is told up to.
+/// Number of uncertain trials at which the weight of an estimated variance is one half.
+const HALF_WEIGHT: f64 = 20.0;
+/// Largest number of repeats that is returned.
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {
-    /// Runs trials of an experiment and gives what each told of a quantity; one trial where nothing is random.
+    /// Runs trials of an experiment, and returns the means of a quantity in each. An experiment that is not random is run
+    /// once.
     ///
     /// ```
     /// use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial, in_order};
@@ -62,18 +63,18 @@ impl Runner {
     ///     }
     /// }
     /// let runner = Runner::new(&RunOptions::default())?;
-    /// let [low, high] = [Coin(5.0), Coin(6.0)].map(|coin| runner.told(&coin, 0, 0..1000));
+    /// let [low, high] = [Coin(5.0), Coin(6.0)].map(|coin| runner.trial_means(&coin, 0, 0..1000));
     /// assert_eq!(low[0], Some((6.0, 5.0)));
-    /// // 4 and 6 against 5 and 7: three of four pairs are in order.
+    /// // 4 and 6 against 5 and 7: three of four pairs are in the right order.
     /// assert_eq!(in_order(&low, &high).probability, 0.75);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn told<T: Trial + ?Sized>(
+    pub fn trial_means<T: Trial + ?Sized>(
         &self,
         trial: &T,
         quantity: usize,
         numbers: Range<u64>,
-    ) -> Vec<Told> {
+    ) -> Vec<TrialMeans> {
         let count = numbers.end.saturating_sub(numbers.start);
         let count = if trial.is_random() {
             count
@@ -81,8 +82,9 @@ impl Runner {
             count.min(1)
         };
         let run = |record: &mut Record, place: u64| {
-            let told = record.alone(&trial, numbers.start + place, |told| mean(told, quantity));
-            told.ok().flatten()
+            let read = |observed: &TrialObservations<'_>| mean(observed, quantity);
+            let means = record.single_trial(&trial, numbers.start + place, read);
+            means.ok().flatten()
         };
         self.install(|| {
             let places = (0..count as usize).into_par_iter();
@@ -94,7 +96,7 @@ impl Runner {
 }
 
 /// Mean estimate and mean truth of a quantity in a trial; `None` without observations.
-fn mean(trial: &TrialObservations<'_>, quantity: usize) -> Told {
+fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
     let count = trial.of(quantity).count() as f64;
     let (mut estimate, mut truth) = (0.0, 0.0);
     for observation in trial.of(quantity) {
@@ -110,21 +112,26 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> Told {
 ///
 /// This is Mann and Whitney's statistic with the variance of Sen (1960). Wilson's interval uses the number of
 /// independent trials that would have the same variance.
-pub fn in_order(low: &[Told], high: &[Told]) -> Order {
+pub fn in_order(low: &[TrialMeans], high: &[TrialMeans]) -> Order {
     order(&estimates(low), &estimates(high))
 }
 
-/// Probability that trials of two experiments both tell more than `limit`, such as a share of places classified right that
-/// is more than half. A trial that failed does not.
-pub fn both_above(one: &[Told], other: &[Told], limit: f64) -> Order {
+/// Probability that the estimates of two experiments are both above `limit`, for example that both classify more than half
+/// of the places correctly. A failed trial counts as not above.
+pub fn both_above(one: &[TrialMeans], other: &[TrialMeans], limit: f64) -> Order {
     above(&estimates(one), &estimates(other), limit)
 }
 
-/// Number of trials of each experiment, the mean of which is in order with the probability `confidence`; with `limit`, those
-/// whose means are both above it. A mean is that of the trials that succeed.
-pub fn repeats(one: &[Told], other: &[Told], limit: Option<f64>, confidence: f64) -> Repeats {
+/// Number of trials of each experiment whose means are in the right order with the probability `confidence`; with `limit`,
+/// the number whose means are both above it. Means are taken over the trials that succeed.
+pub fn repeats(
+    one: &[TrialMeans],
+    other: &[TrialMeans],
+    limit: Option<f64>,
+    confidence: f64,
+) -> Repeats {
     let (one, other) = (estimates(one), estimates(other));
-    let told = |each: usize| {
+    let probability = |each: usize| {
         let (one, other) = (means(&one, each), means(&other, each));
         match limit {
             None => order(&one, &other),
@@ -132,20 +139,20 @@ pub fn repeats(one: &[Told], other: &[Told], limit: Option<f64>, confidence: f64
         }
         .probability
     };
-    if told(1) >= confidence {
+    if probability(1) >= confidence {
         return Repeats::Found(1);
     }
     let most = one.len().min(other.len()) / GROUPS;
-    // The first power of two that does, then the least number between.
+    // First the smallest sufficient power of two, then by bisection the smallest number.
     let mut enough = 2;
-    while enough <= most && told(enough) < confidence {
+    while enough <= most && probability(enough) < confidence {
         enough *= 2;
     }
     if enough <= most {
         let (mut few, mut enough) = (enough / 2, enough);
         while enough - few > 1 {
             let middle = few + (enough - few) / 2;
-            if told(middle) >= confidence {
+            if probability(middle) >= confidence {
                 enough = middle;
             } else {
                 few = middle;
@@ -156,7 +163,7 @@ pub fn repeats(one: &[Told], other: &[Told], limit: Option<f64>, confidence: f64
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Repeats that groups are too few for.
+/// Number of repeats by the normal distribution, where there would be too few groups.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -167,7 +174,8 @@ fn beyond(
     let (Some(one), Some(other)) = (Moments::of(one), Moments::of(other)) else {
         return Repeats::Never;
     };
-    // Separations in standard deviations of a single trial, each positive where means come out right.
+    // Distance, standard deviation of a trial, and standard error of the distance. A distance is positive if the means
+    // are in the right order.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -180,7 +188,7 @@ fn beyond(
     };
     let tail = match limit {
         None => 1.0 - confidence,
-        // Both must be right.
+        // Both means must be above the limit.
         Some(_) => 1.0 - confidence.max(0.0).sqrt(),
     };
     let score = score_of_tail(tail);
@@ -203,7 +211,7 @@ fn beyond(
     }
 }
 
-/// Moments of the trials that succeeded.
+/// Mean and standard deviation of the trials that succeeded.
 #[derive(Clone, Copy)]
 struct Moments {
     mean: f64,
@@ -213,15 +221,15 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(told: &[Option<f64>]) -> Option<Self> {
-        let values: Vec<f64> = told.iter().flatten().copied().collect();
-        let count = values.len() as f64;
-        let first = *values.first()?;
-        let mean = values
+    fn of(values: &[Option<f64>]) -> Option<Self> {
+        let succeeded: Vec<f64> = values.iter().flatten().copied().collect();
+        let count = succeeded.len() as f64;
+        let first = *succeeded.first()?;
+        let mean = succeeded
             .iter()
             .map(|value| (value - first) / count)
             .sum::<f64>();
-        let squares = values.iter().map(|value| {
+        let squares = succeeded.iter().map(|value| {
             let deviation = value - first - mean;
             deviation * deviation / (count - 1.0).max(1.0)
         });
@@ -229,7 +237,7 @@ impl Moments {
             mean: first + mean,
             std: squares.sum::<f64>().sqrt(),
             count,
-            success: count / told.len() as f64,
+            success: count / values.len() as f64,
         };
         (moments.mean.is_finite() && moments.std.is_finite()).then_some(moments)
     }
@@ -239,17 +247,18 @@ impl Moments {
     }
 }
 
-fn estimates(told: &[Told]) -> Vec<Option<f64>> {
-    told.iter()
-        .map(|told| told.map(|(estimate, _)| estimate))
+fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
+    means
+        .iter()
+        .map(|means| means.map(|(estimate, _)| estimate))
         .collect()
 }
 
-/// Means of consecutive trials, so many each, of those that succeeded.
-fn means(told: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
-    // One trial tells all where nothing is random.
-    if each == 1 || told.len() == 1 {
-        return told.to_vec();
+/// Means of groups of `each` consecutive trials, over the trials that succeeded.
+fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
+    // An experiment that is not random has one trial.
+    if each == 1 || values.len() == 1 {
+        return values.to_vec();
     }
     let mean = |group: &[Option<f64>]| {
         let count = group.iter().flatten().count() as f64;
@@ -260,19 +269,19 @@ fn means(told: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
             .sum::<f64>();
         (count > 0.0).then_some(mean)
     };
-    told.chunks_exact(each).map(mean).collect()
+    values.chunks_exact(each).map(mean).collect()
 }
 
-/// Numbers of the experiments' trials that succeeded, ascending.
-fn sorted(told: &[Option<f64>]) -> Vec<f64> {
-    let mut sorted: Vec<f64> = told.iter().flatten().copied().collect();
+/// Estimates of the trials that succeeded, ascending.
+fn sorted(values: &[Option<f64>]) -> Vec<f64> {
+    let mut sorted: Vec<f64> = values.iter().flatten().copied().collect();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted
 }
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Share of the others' trials that each is in order with.
+    // Number of the other experiment's trials below a value, with equal ones counted half, and of all.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -280,45 +289,50 @@ fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
         ];
         (0.5 * (below + up_to) as f64, sorted.len() as f64)
     };
-    let of_low = low.iter().map(|told| {
-        told.map_or(0.0, |value| {
+    let of_low = low.iter().map(|estimate| {
+        estimate.map_or(0.0, |value| {
             let (below, all) = half_and_above(&sorted_high, value);
             (all - below) / high.len() as f64
         })
     });
-    let of_high = high.iter().map(|told| {
-        told.map_or(0.0, |value| {
+    let of_high = high.iter().map(|estimate| {
+        estimate.map_or(0.0, |value| {
             half_and_above(&sorted_low, value).0 / low.len() as f64
         })
     });
     let all = || of_low.clone().chain(of_high.clone());
-    let odd = all().filter(|share| *share < 1.0).count();
-    let even = all().filter(|share| *share > 0.0).count();
+    let below_one = all().filter(|share| *share < 1.0).count();
+    let above_zero = all().filter(|share| *share > 0.0).count();
     let (mean, of_low) = mean_and_variance(of_low);
     let (_, of_high) = mean_and_variance(of_high);
     interval(
         mean,
         of_low + of_high,
-        odd.min(even),
+        below_one.min(above_zero),
         [low.len(), high.len()],
     )
 }
 
 fn above(one: &[Option<f64>], other: &[Option<f64>], limit: f64) -> Order {
     let is_above =
-        |told: &Option<f64>| told.map_or(0.0, |value| f64::from(u8::from(value > limit)));
+        |estimate: &Option<f64>| estimate.map_or(0.0, |value| f64::from(u8::from(value > limit)));
     let all = || one.iter().chain(other).map(is_above);
-    let odd = all().filter(|share| *share < 1.0).count();
-    let even = all().filter(|share| *share > 0.0).count();
+    let below_one = all().filter(|share| *share < 1.0).count();
+    let above_zero = all().filter(|share| *share > 0.0).count();
     let (one_share, one_variance) = mean_and_variance(one.iter().map(is_above));
     let (other_share, other_variance) = mean_and_variance(other.iter().map(is_above));
     let variance =
         other_share * other_share * one_variance + one_share * one_share * other_variance;
     let counts = [one.len(), other.len()];
-    interval(one_share * other_share, variance, odd.min(even), counts)
+    interval(
+        one_share * other_share,
+        variance,
+        below_one.min(above_zero),
+        counts,
+    )
 }
 
-/// Mean of some numbers, and the variance of that mean; 0 of a single one, which is then exact.
+/// Mean of some numbers, and the variance of that mean. The variance of a single number is 0: it is exact.
 fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f64, f64) {
     let count = numbers.len() as f64;
     let mean = numbers.clone().sum::<f64>() / count;
@@ -331,42 +345,31 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
     }
 }
 
-/// A probability with its interval, from the variance with which it was found in so many trials of each experiment; `odd`
-/// are the trials by which it is neither 0 nor 1.
-fn interval(probability: f64, variance: f64, odd: usize, [one, other]: [usize; 2]) -> Order {
+/// Probability with its interval, from the variance of the probability and the numbers of trials of each experiment.
+/// `uncertain` is the number of trials because of which the probability is neither 0 nor 1.
+fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
+    let order = |probability: f64, (low, high): (f64, f64)| Order {
+        probability,
+        low,
+        high,
+    };
     if one == 0 || other == 0 || !probability.is_finite() {
-        return Order {
-            probability: 0.0,
-            low: 0.0,
-            high: 1.0,
-        };
+        return order(0.0, (0.0, 1.0));
     }
-    // Where nothing is random, nothing is uncertain.
+    // Nothing is random, so the probability is exact.
     if one == 1 && other == 1 {
-        return Order {
-            probability,
-            low: probability,
-            high: probability,
-        };
+        return order(probability, (probability, probability));
     }
-    // Independent trials that would tell as much: no fewer than the random experiment of fewer trials has, and no more than
-    // these where a few odd trials alone tell of the variance.
+    // Number of independent trials with the same variance: at least as many as the random experiment of fewer trials
+    // has, and hardly more if only a few uncertain trials determine the variance.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),
     } as f64;
     let as_many = probability * (1.0 - probability) / variance;
-    let trusted = odd as f64 / (odd as f64 + FEW_ODD);
-    let more = if as_many.is_finite() {
-        (as_many - fewest).max(0.0)
-    } else {
-        0.0
-    };
+    let trusted = uncertain as f64 / (uncertain as f64 + HALF_WEIGHT);
+    let more = Some(as_many - fewest).filter(|more| more.is_finite());
+    let more = more.map_or(0.0, |more| more.max(0.0));
     let as_many = fewest + trusted * more;
-    let (low, high) = wilson(probability, as_many);
-    Order {
-        probability,
-        low,
-        high,
-    }
+    order(probability, wilson(probability, as_many))
 }

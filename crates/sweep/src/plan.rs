@@ -1,7 +1,6 @@
 //! Choice of the number of trials and of a model's tolerance before the first trial, from a budget of time or a target
 //! error.
 
-mod clock;
 mod pace;
 mod pilot;
 mod tolerance;
@@ -11,32 +10,34 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-pub use clock::Clock;
 pub use pace::{Pace, spread};
 pub use tolerance::{Pass, PassQuantity, PassValue};
 
-use crate::failures::NOT_FINITE;
-use crate::runner::{Runner, SweepError};
-use crate::trial::Trial;
+use crate::cell::Trial;
+use crate::runner::Runner;
+use crate::summary::NOT_FINITE;
 use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 
-/// Share of the target error by which the model may shift an estimate, relative to its rms error.
-pub const SHARE_OF_MODEL: f64 = 0.1;
-/// Most trials per cell that a target error may ask for.
-const MOST_FOR_TARGET: f64 = 1e8;
-/// Most trials per cell that a budget may give.
-const MOST_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
-/// Share of a budget that may go into timing a few trials.
-const TIMING: f64 = 0.1;
-/// Share of a budget that may go into a pilot.
-const PILOT: f64 = 0.15;
-/// Share of the budget left after planning that the run may take, as predicted.
-const KEPT: f64 = 0.9;
-/// Fewest trials per cell of a pilot within a budget; fewer tell nothing of the errors.
-const FEWEST_OF_PILOT: u64 = 32;
-/// Most trials per cell of a pilot within a budget.
-const MOST_OF_PILOT: u64 = 1024;
+/// Returns the time since planning began. It must advance: measurements with a clock that stands still never end.
+pub type Clock<'a> = dyn Fn() -> Duration + 'a;
+
+/// Largest shift of an estimate by the model's error, as a share of target error × rms error.
+pub const MODEL_ERROR_SHARE: f64 = 0.1;
+/// Largest number of trials per cell for a target error.
+const MAX_FOR_TARGET: f64 = 1e8;
+/// Largest number of trials per cell for a budget.
+const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
+/// Share of a budget for timing a few trials.
+const TIMING_SHARE: f64 = 0.1;
+/// Share of a budget for a pilot.
+const PILOT_SHARE: f64 = 0.15;
+/// Predicted time of the run, as a share of the budget left after planning.
+const RUN_SHARE: f64 = 0.9;
+/// Least number of trials per cell of a pilot within a budget; from fewer, no error can be estimated.
+const MIN_PILOT: u64 = 32;
+/// Largest number of trials per cell of a pilot within a budget.
+const MAX_PILOT: u64 = 1024;
 
 /// Cells whose number of trials and model can be chosen.
 pub trait Plannable: Sized {
@@ -57,30 +58,30 @@ pub trait Plannable: Sized {
     /// Name of a quantity that an experiment observes.
     fn quantity(trial: &Self::Trial, quantity: usize) -> &'static str;
 
-    /// Tolerances that the model of all cells may have, largest first; none where it is given.
+    /// Possible tolerances of the model of all cells, largest first; empty if the config states the model.
     fn tolerances(&self) -> &[f64];
 
-    /// Noiseless pass of a cell whose model has this tolerance; `None` where there is none. `trial` is its experiment as it
-    /// was set up.
+    /// Noiseless pass of a cell whose model has this tolerance; `None` if the cell has no such pass. `trial` is the
+    /// experiment of the cell.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
-    /// Cells as they are to be run: with a model of this tolerance, or the model that they have.
+    /// The cells to run: with a model of this tolerance, or with the model of the config.
     ///
     /// # Errors
-    /// Reason why such cells cannot be made.
+    /// Reason why the cells cannot be made.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, Self::Error>;
 }
 
-/// Aim of a run: how long it may take, how well its error figures are known, or both.
+/// Aim of a run: its time, the precision of its error figures, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Goal {
     /// Time for planning and run together.
     pub budget: Option<Duration>,
-    /// Relative standard error that every rms error may have, in (0, 1).
+    /// Largest relative standard error of every rms error, in (0, 1).
     pub target_error: Option<f64>,
 }
 
-/// Choice of a number of trials, and what is known of it.
+/// Chosen number of trials, and the reasons for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Whether the model's tolerance could be chosen.
@@ -91,15 +92,15 @@ pub struct Plan {
     pub by_target: Option<NonZeroU64>,
     /// Trials of each random cell that the budget has time for; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
-    /// Largest relative standard error to be expected of an rms error; `None` where it is not known.
+    /// Largest expected relative standard error of an rms error; `None` if it is not known.
     pub expected_error: Option<f64>,
-    /// Cell, and name of its quantity, whose heavy-tailed errors decided the number of trials by the target.
+    /// Cell and name of the quantity whose heavy-tailed errors determined `by_target`.
     pub heavy_tails: Option<(usize, &'static str)>,
-    /// Cells of which every trial failed in a pilot; they have no errors to go by.
+    /// Cells in which every trial of the pilot failed, so that they have no errors.
     pub failing: Vec<FailingCell>,
 }
 
-/// Cell of which every trial failed in a pilot.
+/// Cell in which every trial of a pilot failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FailingCell {
     /// Index of the cell.
@@ -110,33 +111,30 @@ pub struct FailingCell {
     pub kind: &'static str,
 }
 
-/// Reason why nothing can be chosen; `E` is the error of setting up a cell.
+/// Reason why there is no plan; `E` is the error of setting up a cell.
 #[derive(Debug, Error)]
 pub enum PlanError<E> {
     /// A cell cannot be set up.
     #[error("{0}")]
     SetUp(E),
-    /// Trials cannot be timed.
-    #[error(transparent)]
-    Timing(#[from] SweepError),
     /// One trial of each cell does not fit into the budget.
     #[error(
         "one trial of each cell does not fit into {budget:?}; the least is about {least_s} s on {threads} threads"
     )]
     DoesNotFit {
-        /// Budget that was given.
+        /// The budget.
         budget: Duration,
-        /// Least budget with which there is a plan, roughly, s.
+        /// Approximate smallest budget for which there is a plan, s.
         least_s: f64,
-        /// Threads that it is for.
+        /// Number of threads for that budget.
         threads: NonZeroUsize,
     },
     /// All trials of all random cells fail in a pilot.
-    #[error("all {} trials of a pilot fail ({}), which leaves no error to tell", .0.trials, .0.kind)]
+    #[error("all {} trials of a pilot fail ({}), so no error can be estimated", .0.trials, .0.kind)]
     AllFail(FailingCell),
-    /// A target error needs more trials than are taken.
+    /// A target error needs more trials than the largest number.
     #[error(
-        "the rms error of {quantity} needs about {needed:.1e} trials, and at most {MOST_FOR_TARGET:.0e} are taken, \
+        "the rms error of {quantity} needs about {needed:.1e} trials, and at most {MAX_FOR_TARGET:.0e} are taken, \
          which reach {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
     )]
     TooManyTrials {
@@ -146,15 +144,15 @@ pub enum PlanError<E> {
         quantity: &'static str,
         /// Number of trials.
         needed: f64,
-        /// Relative standard error that the most trials reach.
+        /// Relative standard error with the largest number of trials.
         reached: f64,
-        /// Whether a few trials decide the error.
+        /// Whether a few trials determine the error.
         has_heavy_tails: bool,
     },
 }
 
 impl Plan {
-    /// Trials of each random cell, the fewer of what target error and budget say; `None` where no cell is random.
+    /// Trials of each random cell: the smaller number by target error and budget; `None` if no cell is random.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
             (Some(error), Some(time)) => Some(error.min(time)),
@@ -164,10 +162,9 @@ impl Plan {
     }
 }
 
-/// Chooses the model's tolerance and the number of trials that lead to a goal; gives the cells with that model, and the plan.
+/// Chooses the model's tolerance and the number of trials for a goal. Returns the cells with that model, and the plan.
 ///
-/// `clock` counts from the moment at which the budget begins. With a target error alone the result depends on nothing but
-/// the trials' numbers.
+/// `clock` counts from the start of the budget. Without a budget the result depends only on the trials.
 ///
 /// # Errors
 /// [`PlanError`].
@@ -186,13 +183,13 @@ pub fn plan<C: Plannable>(
     let random: Vec<usize> = (0..trials.len())
         .filter(|&cell| trials[cell].is_random())
         .collect();
-    let pilot = planner.pilot(&trials, &random)?;
+    let pilot = planner.pilot(&trials, &random);
     let failing = match &pilot {
         Some(pilot) => planner.failing(&random, pilot)?,
         None => Vec::new(),
     };
     let tolerance = goal.target_error.and_then(|target| {
-        let share = SHARE_OF_MODEL * target;
+        let share = MODEL_ERROR_SHARE * target;
         let allowances = allowances(trials.len(), &random, pilot.as_ref(), share);
         tolerance_for(&allowances, cells.tolerances(), |cell, tolerance| {
             cells.pass(cell, &trials[cell], tolerance)
@@ -209,10 +206,10 @@ pub fn plan<C: Plannable>(
         failing,
     };
     if let (Some(pilot), Some(target)) = (&pilot, goal.target_error) {
-        planner.aim::<C>(&mut plan, &trials, &random, pilot, target)?;
+        planner.set_by_target::<C>(&mut plan, &trials, &random, pilot, target)?;
     }
-    // The rung that the run is going to be on.
-    plan.by_budget = planner.fitting(&planned, &random)?;
+    // Time the model that the run will use.
+    plan.by_budget = planner.by_budget(&planned, &random)?;
     let trials = plan.trials();
     plan.expected_error = trials
         .zip(pilot)
@@ -220,7 +217,7 @@ pub fn plan<C: Plannable>(
     Ok((planned, plan))
 }
 
-/// Means of the choice.
+/// Goal, threads and clock of a plan.
 struct Planner<'a> {
     goal: &'a Goal,
     runner: &'a Runner,
@@ -228,7 +225,7 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// The experiments that are run; refuses where setting them up uses up the budget.
+    /// Sets up the experiments of all cells; an error if that uses up the budget.
     fn set_up<C: Plannable>(&self, cells: &C) -> Result<Vec<C::Trial>, PlanError<C::Error>> {
         let mut trials = Vec::with_capacity(cells.cells());
         for cell in 0..cells.cells() {
@@ -245,33 +242,33 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// A pilot of the random cells, for the target or to tell what a budget will give; `None` where there is nothing to
-    /// run, or no time.
-    fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Result<Option<Pilot>, SweepError> {
+    /// Pilot of the random cells, for the target error or to predict the errors within a budget; `None` without random
+    /// cells, or without time.
+    fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
-            return Ok(None);
+            return None;
         }
         let most = match self.goal.budget {
             None => u64::MAX,
             Some(budget) => {
-                let pace = self.pace(trials, budget)?;
+                let pace = self.pace(trials, budget);
                 let each: f64 = random.iter().map(|&one| pace.seconds_per_trial(one)).sum();
                 let threads = self.runner.threads().get() as f64;
-                let seconds = PILOT * budget.as_secs_f64() * threads;
-                ((seconds / each) as u64).min(MOST_OF_PILOT)
+                let seconds = PILOT_SHARE * budget.as_secs_f64() * threads;
+                ((seconds / each) as u64).min(MAX_PILOT)
             }
         };
-        if most < FEWEST_OF_PILOT {
-            return Ok(None);
+        if most < MIN_PILOT {
+            return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
         // Without a target, as many trials as the budget's share allows.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
-        let pilot = Pilot::for_error(self.runner, &cells, target, most, MOST_FOR_TARGET);
-        Ok(Some(pilot))
+        let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
+        Some(pilot)
     }
 
-    /// Cells of which every trial of the pilot failed. Refuses if all random cells are so and there is a target error.
+    /// Cells in which every trial of the pilot failed; an error if these are all random cells and there is a target error.
     fn failing<E>(
         &self,
         random: &[usize],
@@ -298,12 +295,17 @@ impl Planner<'_> {
         }
     }
 
-    fn pace<T: Trial>(&self, trials: &[T], budget: Duration) -> Result<Pace, SweepError> {
-        Pace::of(self.runner, trials, budget.mul_f64(TIMING), self.clock)
+    fn pace<T: Trial>(&self, trials: &[T], budget: Duration) -> Pace {
+        Pace::of(
+            self.runner,
+            trials,
+            budget.mul_f64(TIMING_SHARE),
+            self.clock,
+        )
     }
 
     /// Sets the number of trials that the target needs.
-    fn aim<C: Plannable>(
+    fn set_by_target<C: Plannable>(
         &self,
         plan: &mut Plan,
         trials: &[C::Trial],
@@ -312,19 +314,19 @@ impl Planner<'_> {
         target: f64,
     ) -> Result<(), PlanError<C::Error>> {
         let Some(need) = pilot.need(target) else {
-            // Where no estimate of the pilot errs, the run has as many trials as the pilot.
+            // If no estimate of the pilot has an error, the run has as many trials as the pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             plan.by_target = run.and_then(NonZeroU64::new).or(Some(NonZeroU64::MIN));
             return Ok(());
         };
         let cell = random[need.cell];
         let quantity = C::quantity(&trials[cell], need.quantity);
-        if need.trials > MOST_FOR_TARGET && self.goal.budget.is_none() {
+        if need.trials > MAX_FOR_TARGET && self.goal.budget.is_none() {
             return Err(PlanError::TooManyTrials {
                 cell,
                 quantity,
                 needed: need.trials,
-                reached: target * (need.trials / MOST_FOR_TARGET).sqrt(),
+                reached: target * (need.trials / MAX_FOR_TARGET).sqrt(),
                 has_heavy_tails: need.is_doubtful,
             });
         }
@@ -333,8 +335,8 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// The most trials that the rest of the budget has time for; `None` without a budget.
-    fn fitting<C: Plannable>(
+    /// Largest number of trials for which the rest of the budget has time; `None` without a budget.
+    fn by_budget<C: Plannable>(
         &self,
         planned: &C,
         random: &[usize],
@@ -342,20 +344,20 @@ impl Planner<'_> {
         let Some(budget) = self.goal.budget else {
             return Ok(None);
         };
-        // The cells are set up once more by the run.
+        // The run sets up the cells once more.
         let before = (self.clock)();
         let trials = self.set_up(planned)?;
         let setting_up = (self.clock)().saturating_sub(before);
-        let pace = self.pace(&trials, budget)?;
+        let pace = self.pace(&trials, budget);
         let threads = self.runner.threads();
         let is_random: Vec<bool> = (0..trials.len()).map(|one| random.contains(&one)).collect();
         let planning = ((self.clock)() + setting_up).as_secs_f64();
-        let left = KEPT * (budget.as_secs_f64() - planning);
-        match pace.most_trials(&is_random, threads, left, MOST_FOR_BUDGET) {
+        let left = RUN_SHARE * (budget.as_secs_f64() - planning);
+        match pace.most_trials(&is_random, threads, left, MAX_FOR_BUDGET) {
             Some(trials) => Ok(Some(rounded(trials.get() as f64, f64::floor))),
             None => {
                 let once = pace.run_seconds(&vec![1; trials.len()], threads);
-                Err(self.does_not_fit(budget, planning + once / KEPT))
+                Err(self.does_not_fit(budget, planning + once / RUN_SHARE))
             }
         }
     }
@@ -369,7 +371,7 @@ impl Planner<'_> {
     }
 }
 
-/// Allowances of all cells; those of a pilot have its rms errors.
+/// Allowances of all cells, with the rms errors of the cells in the pilot.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);
@@ -389,7 +391,7 @@ fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64)
         .collect()
 }
 
-/// A number of trials to three digits; at least 1.
+/// Number of trials, rounded to three digits; at least 1.
 fn rounded(trials: f64, round: fn(f64) -> f64) -> NonZeroU64 {
     let unit = libm::pow(10.0, (libm::log10(trials).floor() - 2.0).max(0.0));
     let whole = round(trials / unit) * unit;

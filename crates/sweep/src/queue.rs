@@ -1,28 +1,27 @@
-//! Tasks handed out to threads, in their order.
+//! Queue of the trials that the threads run, in the order of the tasks.
 
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
-use crate::task::Task;
-use crate::trial::BLOCK;
+use crate::cell::BLOCK;
+use crate::cell::Task;
 
-/// Time that the trials of a job take, roughly: long against handing it out, short against a run.
+/// Approximate time of the trials of a job: long compared with the queue's own work, short compared with a run.
 pub(crate) const JOB: Duration = Duration::from_millis(4);
-/// Most blocks of a job.
-const MOST_BLOCKS: u64 = 64;
-/// Jobs by which the results of quick threads may be ahead of a slow one's.
+/// Largest number of blocks in a job.
+const MAX_BLOCKS: u64 = 64;
+/// Number of jobs by which the results of quick threads may be ahead of those of a slow thread.
 const AHEAD: u64 = 512;
+/// The same number for cells whose trials a rule may end.
+const AHEAD_WITH_RULE: u64 = 128;
 
-/// The same limit for cells whose trials a stopping rule may end.
-const AHEAD_OF_RULE: u64 = 128;
-
-/// Experiment of a cell, set up by the first thread that needs it and dropped by the last; or why there is none.
+/// Experiment of a cell, or the error of setting it up. The first thread that needs it sets it up, the last drops it.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
 /// Work for one thread.
 pub(crate) struct Job<T, E> {
-    /// Its place among all jobs.
+    /// Number of the job, from 0.
     pub(crate) number: u64,
     pub(crate) pieces: Vec<Piece<T, E>>,
 }
@@ -43,12 +42,12 @@ impl<T, E> Piece<T, E> {
     }
 }
 
-/// The tasks that are left.
+/// Queue of the tasks that have not been run yet.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
     task: F,
     state: Mutex<State<T, E>>,
-    moved: Condvar,
+    changed: Condvar,
 }
 
 /// Task that is being handed out, the next of its trials to hand out, and its experiment.
@@ -58,18 +57,18 @@ struct State<T, E> {
     open: Option<OpenTask<T, E>>,
     /// Number of the open task, or of the next.
     next: u64,
-    /// Number of jobs handed out, and of those whose results have been taken.
+    /// Number of jobs handed out, and number of those whose results have been passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time of a trial in the last job, s; `None` before there was one, or without a clock.
+    /// Time per trial in the last job, s; `None` before the first job has ended, or without a clock.
     trial_s: Option<f64>,
 }
 
 impl<T, E> State<T, E> {
-    /// Jobs by which quick threads may be ahead.
-    fn ahead(&self) -> u64 {
+    /// Number of jobs by which quick threads may be ahead.
+    fn max_ahead(&self) -> u64 {
         let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
-        if has_rule { AHEAD_OF_RULE } else { AHEAD }
+        if has_rule { AHEAD_WITH_RULE } else { AHEAD }
     }
 }
 
@@ -86,15 +85,15 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
                 is_stopped: false,
                 trial_s: None,
             }),
-            moved: Condvar::new(),
+            changed: Condvar::new(),
         }
     }
 
-    /// The next job; `None` where nothing is left to do. `has_clock` tells whether jobs are timed.
+    /// The next job; `None` if no trials are left. `has_clock` is whether jobs are timed.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
-        while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.ahead() {
-            let waited = self.moved.wait(state);
+        while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {
+            let waited = self.changed.wait(state);
             state = waited.unwrap_or_else(PoisonError::into_inner);
         }
         if state.is_stopped {
@@ -103,7 +102,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         let mut pieces = Vec::new();
         let mut blocks = 0;
         let mut left_s = JOB.as_secs_f64();
-        while blocks < MOST_BLOCKS
+        while blocks < MAX_BLOCKS
             && let Some(piece) = self.piece(&mut state, has_clock, pieces.is_empty(), &mut left_s)
         {
             blocks += (piece.trials.end - piece.trials.start)
@@ -120,7 +119,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         (!pieces.is_empty()).then_some(Job { number, pieces })
     }
 
-    /// The next trials of a task that fit into the time; the first of a job need not.
+    /// The next trials of a task that fit into the time left. The first piece of a job may take longer.
     fn piece(
         &self,
         state: &mut State<T, E>,
@@ -135,15 +134,15 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let end = task.trials;
         let fitting = match (has_clock, state.trial_s) {
-            (false, _) => MOST_BLOCKS * BLOCK,
-            // The first trials tell the time of one.
+            (false, _) => MAX_BLOCKS * BLOCK,
+            // A single trial, to measure its time.
             (true, None) => 1,
             (true, Some(trial_s)) => (*left_s / trial_s).clamp(0.0, 1e18) as u64,
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // Where it will end is not known. Threads that have nothing else to do run trials of it that may turn out to be
-        // too many.
+        // The end of a task with a rule is unknown. Only for the last task do several threads run trials, some of which
+        // may be beyond the end.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -151,10 +150,10 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         } else if task.may_stop && fitting >= to_block {
             to_block
         } else if start.is_multiple_of(BLOCK) && fitting >= to_block {
-            let blocks = (fitting / BLOCK).clamp(1, MOST_BLOCKS);
+            let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // Trials side by side are eight.
+            // Trials that run side by side are eight.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {
@@ -183,27 +182,27 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         })
     }
 
-    /// Notes the time of a job's trials.
-    pub(crate) fn timed(&self, trials: u64, time: Duration) {
+    /// Stores the time of a job's trials.
+    pub(crate) fn set_time(&self, trials: u64, time: Duration) {
         if trials > 0 {
             let trial_s = time.as_secs_f64() / trials as f64;
             self.state().trial_s = Some(trial_s.max(1e-10));
         }
     }
 
-    /// Notes how many jobs' results have been taken.
-    pub(crate) fn taken(&self, jobs: u64) {
+    /// Stores the number of jobs whose results have been passed on.
+    pub(crate) fn set_passed_on(&self, jobs: u64) {
         self.state().jobs[1] = jobs;
-        self.moved.notify_all();
+        self.changed.notify_all();
     }
 
-    /// Hands out nothing more.
+    /// Ends the queue: it hands out no more jobs.
     pub(crate) fn stop(&self) {
         self.state().is_stopped = true;
-        self.moved.notify_all();
+        self.changed.notify_all();
     }
 
-    /// State, which changes at once, so that it is sound also where another thread panicked.
+    /// State. Every change is a single step, so that the state is valid even if another thread panicked.
     fn state(&self) -> MutexGuard<'_, State<T, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

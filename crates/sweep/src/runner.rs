@@ -1,24 +1,47 @@
-//! The threads of a run.
+//! Worker threads, and runs of cells on them.
 
 use std::convert::Infallible;
 use std::error::Error as _;
 use std::io;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Settings that must not change results.
+use crate::cell::{Cell, Task, Trial};
+use crate::stream::{Sweep, SweepOutput};
+use crate::summary::CellStatistics;
+
+/// Runs all trials of all cells on new threads, and returns the statistics of each cell, in order.
+///
+/// Each thread calls `progress` after each block, with the number of trials in it.
+///
+/// # Errors
+/// [`NoThreads`], before any trial is run.
+///
+/// # Panics
+/// If a trial or `progress` panics.
+pub fn run(
+    cells: &[Cell],
+    options: &RunOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<CellStatistics>, NoThreads> {
+    Ok(Runner::new(options)?.run(cells, progress))
+}
+
+/// Settings of a run. They do not change its results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
     /// Worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
-    /// Whether blocks of trials are run whole, however long they take: then no clock is read, and what a thread runs hangs
-    /// on nothing but the number of threads.
+    /// Whether threads run only whole blocks of trials. Then no clock is read, and the division of the trials among the
+    /// threads depends only on the number of threads.
     pub whole_blocks: bool,
 }
 
-/// Lack of threads: the operating system gave none.
+/// The operating system could not start the threads.
 #[derive(Debug, Error)]
 #[error("cannot start {} worker threads: {source}", threads.map_or("the default number of".to_owned(), |n| n.to_string()))]
 pub struct NoThreads {
@@ -26,48 +49,30 @@ pub struct NoThreads {
     source: rayon::ThreadPoolBuildError,
 }
 
-/// Reason why a study could not be run; `E` is the error of setting up a cell.
+/// Reason why a sweep stopped before its end; `E` is the error of setting up a cell.
 #[derive(Debug, Error)]
-pub enum SweepError<E = Infallible> {
-    /// Lack of threads.
+pub enum SweepError<E> {
+    /// The operating system could not start the threads.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// Error of the first cell that could not be set up; what the run had found is dropped.
+    /// Error of the first cell that could not be set up.
     #[error("{0}")]
     SetUp(E),
-    /// Somebody cancelled the run; what it had found is dropped.
+    /// The caller cancelled the run.
     #[error("the run was cancelled")]
     Cancelled,
-    /// The trials of all cells cannot be counted in 64 bits.
-    #[error("{cells} cells have more than {} trials together", u64::MAX)]
-    TooManyTrials {
-        /// Number of cells.
-        cells: usize,
-    },
 }
 
-impl<E> SweepError<E> {
-    /// Error of a run whose cells fail in another way: `map` turns the error of setting up a cell.
-    pub fn map_set_up<F>(self, map: impl FnOnce(E) -> F) -> SweepError<F> {
-        match self {
-            Self::NoThreads(error) => SweepError::NoThreads(error),
-            Self::SetUp(error) => SweepError::SetUp(map(error)),
-            Self::Cancelled => SweepError::Cancelled,
-            Self::TooManyTrials { cells } => SweepError::TooManyTrials { cells },
-        }
-    }
-}
-
-/// The threads of a run, for one after another.
+/// Worker threads for any number of runs, one after another.
 #[derive(Debug)]
 pub struct Runner {
-    /// None where there are no threads: the calling one does the work.
+    /// `None` on a platform without threads: there the calling thread does the work.
     pool: Option<rayon::ThreadPool>,
     whole_blocks: bool,
 }
 
 impl Runner {
-    /// Starts the threads. On platforms that have none, such as WebAssembly, the calling thread does the work.
+    /// Starts the threads. On a platform without threads, such as WebAssembly, the calling thread does the work.
     ///
     /// # Errors
     /// [`NoThreads`].
@@ -79,31 +84,41 @@ impl Runner {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.map_or(0, NonZeroUsize::get))
             .build();
-        match pool {
-            Ok(pool) => Ok(Self {
-                pool: Some(pool),
-                whole_blocks,
-            }),
-            Err(source) if has_no_threads(&source) => Ok(Self {
-                pool: None,
-                whole_blocks,
-            }),
-            Err(source) => Err(NoThreads { threads, source }),
-        }
+        let pool = match pool {
+            Ok(pool) => Some(pool),
+            Err(source) if has_no_threads(&source) => None,
+            Err(source) => return Err(NoThreads { threads, source }),
+        };
+        Ok(Self { pool, whole_blocks })
     }
 
-    /// Number of threads that work.
+    /// Runs all trials of all cells on these threads, as [`run`] does.
+    ///
+    /// # Panics
+    /// If a trial or `progress` panics.
+    pub fn run(&self, cells: &[Cell], progress: &(dyn Fn(u64) + Sync)) -> Vec<CellStatistics> {
+        let mut all = Vec::with_capacity(cells.len());
+        let mut take = |_, output| {
+            if let SweepOutput::Result(statistics) = output {
+                all.push(statistics);
+            }
+            ControlFlow::Continue(())
+        };
+        let never = AtomicBool::new(false);
+        // Without a cancellation, and with cells that are set up, there is no error.
+        let _ = self.stream(&Cells(cells), &never, progress, &mut take);
+        all
+    }
+
+    /// Number of worker threads.
     pub fn threads(&self) -> NonZeroUsize {
-        let threads = self
-            .pool
-            .as_ref()
-            .map(rayon::ThreadPool::current_num_threads);
-        threads
-            .and_then(NonZeroUsize::new)
-            .unwrap_or(NonZeroUsize::MIN)
+        let pool = self.pool.as_ref();
+        let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
+        NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Checks each of so many things on these threads; tells the error of the first that is wrong.
+    /// Calls `check` with each number below `count` on these threads. Returns the error of the smallest number that has
+    /// one.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -116,7 +131,7 @@ impl Runner {
     /// ```
     ///
     /// # Errors
-    /// Error of the first.
+    /// The error of the smallest number that has one.
     pub fn check<E: Send>(
         &self,
         count: usize,
@@ -127,7 +142,7 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Does something for each number below `count` on these threads; gives what came of it, in the order of the numbers.
+    /// Calls `of` with each number below `count` on these threads. Returns the results in the order of the numbers.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -141,12 +156,12 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether time may be measured: where there are no threads, there need not be a clock.
+    /// Whether time may be measured. A platform without threads may have no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }
 
-    /// Does the same work on every thread.
+    /// Calls `work` once on every thread.
     pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
         match &self.pool {
             Some(pool) => {
@@ -156,7 +171,7 @@ impl Runner {
         }
     }
 
-    /// Does work on these threads.
+    /// Calls `work` on one of these threads, so that its parallel iterators use all of them.
     pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) => pool.install(work),
@@ -165,7 +180,38 @@ impl Runner {
     }
 }
 
-/// Whether the platform never has threads, rather than none to spare.
+/// Cells that are set up, as a sweep.
+struct Cells<'a>(&'a [Cell<'a>]);
+
+impl<'a> Sweep for Cells<'a> {
+    type Trial = &'a dyn Trial;
+    type Result = CellStatistics;
+    type Error = Infallible;
+
+    fn tasks(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    fn task(&self, number: u64) -> Task {
+        let cell = number as usize;
+        let trials = self.0[cell].trials;
+        Task {
+            cell,
+            trials,
+            may_stop: false,
+        }
+    }
+
+    fn set_up(&self, cell: usize) -> Result<&'a dyn Trial, Infallible> {
+        Ok(self.0[cell].trial)
+    }
+
+    fn finish(&self, _: usize, _: &&'a dyn Trial, statistics: CellStatistics) -> CellStatistics {
+        statistics
+    }
+}
+
+/// Whether the platform has no threads at all. Otherwise it has no thread to spare.
 fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     let cause = error
         .source()

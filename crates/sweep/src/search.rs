@@ -1,96 +1,125 @@
-//! Search for the values of a field at which a target is met, through noise, and how sure the answer is.
+//! Search for the values of a field at which a target is met, from scores with noise.
 //!
-//! Every score below is of trials that draw the same random numbers at every value. What fresh trials must verify is
-//! verified as surely as is asked for, all looks and attempts together: a fifth of the probability to be wrong is for the looks of the search
-//! (shared evenly by at most 400), the rest for the ends of the runs, where each attempt has half the probability of the one
-//! before. So it holds whatever the curve is like; only between values that were looked at it may do what nobody saw.
+//! Every score is of trials that draw the same random numbers at every value. Fresh trials verify the answer. Together,
+//! all steps of a search err at most with the probability [`Search::wrong`]: one fifth of it is divided evenly among at
+//! most 400 looks at values, the rest among the ends of the runs, where each attempt gets half the probability of the one
+//! before. This holds for any curve. Only between the tested values, the curve may cross the limit unnoticed.
 
-mod curve;
-mod effort;
 mod explore;
+mod limits;
 mod points;
-mod rules;
 mod span;
 mod verify;
 
 use std::time::Duration;
 
 use crate::plan::Clock;
-use effort::Effort;
-use rules::Rules;
+use limits::{Effort, Rules};
 
-pub use curve::{Ask, Curves, Scores};
-pub use explore::{Among, Ended};
+pub use explore::{EndReason, SearchRange};
 pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Search for values that meet a target.
+/// Scores of the conditions of a target in one cell: the number of standard deviations by which each is met, negative if
+/// it is missed. The first is of the statistic, the second of the share of trials that fail.
+pub type Scores = [f64; 2];
+
+/// Request for the scores of a cell at a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScoreRequest {
+    /// Value of the varied field; for listed values, the index in the list.
+    pub value: f64,
+    /// Index of the cell among those that must all meet the target.
+    pub cell: usize,
+    /// Least number of trials.
+    pub trials: u64,
+    /// Whether the trials must be other ones than those of the search so far.
+    pub fresh: bool,
+}
+
+/// Scores of some cells over the values of a field.
+///
+/// Trials of one number must draw the same random numbers at every value, so that values compare trial by trial.
+pub trait Curves {
+    /// Reason why a score is missing.
+    type Error;
+
+    /// Number of cells that must all meet the target; at least 1.
+    fn cells(&self) -> usize;
+
+    /// Scores for some requests, in their order.
+    ///
+    /// # Errors
+    /// Reason why a request has no score.
+    fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Self::Error>;
+}
+
+/// Settings of a search for values that meet a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Values among which is searched.
-    pub among: Among,
-    /// Largest gap that is to stay between values that meet the target and values that miss it, as [`Span::gap`] has it.
+    /// Values among which the search looks.
+    pub among: SearchRange,
+    /// Largest gap that may stay between values that meet the target and values that miss it, by [`Span::gap`].
     pub gap: f64,
-    /// Most trials of a cell at one value.
+    /// Largest number of trials of a cell at one value.
     pub most_trials: u64,
-    /// Time after which nothing more is explored; the scan and the verification are always done.
+    /// Time after which the search explores no more values; the scan and the verification are always done.
     pub budget: Option<Duration>,
-    /// Probability that anything which the search claims is wrong; above 0 and below 1. Of 0, of less and of NaN nothing is
-    /// claimed; more than 1 is 1.
+    /// Probability that anything in the answer is wrong, above 0 and below 1. With 0, less or NaN the answer is empty; more
+    /// than 1 counts as 1.
     pub wrong: f64,
 }
 
-/// Values that meet a target, and those that miss it.
+/// Values that meet a target, and values that miss it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Searched {
-    /// Values that were looked at, ascending.
-    pub looked: Vec<Looked>,
-    /// Neighbouring values on one side, ascending; what is between runs is undecided.
+pub struct SearchResult {
+    /// Values that were tested, ascending.
+    pub tested: Vec<TestedValue>,
+    /// Ranges of neighbouring values on one side, ascending; values between the ranges are undecided.
     pub runs: Vec<Run>,
-    /// Number of ends of runs that fresh trials did not verify where the search had found them: they were moved, or the run
-    /// was given up.
+    /// Number of ends of runs that fresh trials did not verify at first: each was moved, or its run was given up.
     pub narrowed: usize,
-    /// Reason why it ended.
-    pub ended: Ended,
+    /// Reason why the search ended.
+    pub ended: EndReason,
 }
 
-/// Value that was looked at.
+/// Value that a search has tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Looked {
+pub struct TestedValue {
     /// The value.
     pub value: f64,
-    /// Side on which the search found it; `None`: open.
+    /// Side of the target on which it lies; `None` if that is undecided.
     pub side: Option<Side>,
-    /// Cell that meets the target least surely, or misses it most surely.
+    /// Cell with the smallest score.
     pub worst: usize,
-    /// Most trials of a cell.
+    /// Largest number of trials of a cell.
     pub trials: u64,
 }
 
 /// Searches for the values at which all cells of a curve meet their target.
 ///
-/// Without a budget the result hangs on nothing but the scores.
+/// Without a budget the result depends only on the scores.
 ///
 /// ```
 /// use std::convert::Infallible;
 /// use std::time::Duration;
-/// use palpate_sweep::{Among, Ask, Curves, Ended, Scores, Search, Side, Span, search};
+/// use palpate_sweep::{SearchRange, ScoreRequest, Curves, EndReason, Scores, Search, Side, Span, search};
 ///
-/// /// Meets its target below 1, and scores more with more trials.
+/// /// Meets its target below 1. The scores grow with the number of trials.
 /// struct BelowOne;
 /// impl Curves for BelowOne {
 ///     type Error = Infallible;
 ///     fn cells(&self) -> usize { 1 }
-///     fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
-///         let score = |ask: &Ask| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
-///         Ok(asked.iter().map(score).collect())
+///     fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+///         let score = |ask: &ScoreRequest| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
+///         Ok(requests.iter().map(score).collect())
 ///     }
 /// }
-/// let among = Among::Span(Span::new(0.1, 10.0, false));
+/// let among = SearchRange::Span(Span::new(0.1, 10.0, false));
 /// let search_it = Search { among, gap: 0.05, most_trials: 1 << 24, budget: None, wrong: 0.05 };
 /// let found = search(&mut BelowOne, &search_it, &|| Duration::ZERO)?;
-/// assert!(found.looked.len() > 16 && found.ended == Ended::Known);
+/// assert!(found.tested.len() > 16 && found.ended == EndReason::Known);
 /// let [meets, misses] = found.runs[..] else { panic!("one crossing") };
 /// assert_eq!((meets.from, meets.side, misses.to, misses.side), (0.1, Side::Meets, 10.0, Side::Misses));
 /// assert!(meets.to < 1.0 && misses.from > 1.0 && misses.from / meets.to < 1.05);
@@ -98,24 +127,24 @@ pub struct Looked {
 /// ```
 ///
 /// # Errors
-/// That of the curve.
+/// The error of the curve.
 pub fn search<C: Curves + ?Sized>(
     curves: &mut C,
     search: &Search,
     clock: &Clock<'_>,
-) -> Result<Searched, C::Error> {
+) -> Result<SearchResult, C::Error> {
     let rules = Rules::new(search.gap, search.most_trials, search.wrong, curves.cells());
     let mut effort = Effort::new(clock, search.budget);
     let (points, ended) = explore::explore(curves, search.among, &rules, &mut effort)?;
     let (runs, narrowed) = verify::verify(curves, &points, search.among, &rules, &mut effort)?;
-    let looked = points.points.iter().map(|point| Looked {
+    let tested = points.points.iter().map(|point| TestedValue {
         value: point.value,
         side: point.side(&rules),
         worst: point.worst().0,
         trials: point.trials(),
     });
-    Ok(Searched {
-        looked: looked.collect(),
+    Ok(SearchResult {
+        tested: tested.collect(),
         runs,
         narrowed,
         ended,

@@ -1,11 +1,11 @@
-//! Squared errors by trial, from which follows how exact an rms error is.
+//! Squared errors by trial, and the standard error of an rms error.
 
-use crate::scale::{exponent, is_ordinary, largest, power_of_two, sum};
+use crate::moments::{exponent, is_ordinary, largest, power_of_two, sum};
 
 /// Means and scatter of the number of observations of a trial and of the sum of their squared errors.
 ///
-/// The observations of one trial are not independent, so that a mean of squares is as exact as its trials differ, however
-/// many observations each has. Squares are in units of a power of two where their squares would overflow or vanish.
+/// The observations of one trial are not independent, so the standard error of a mean square follows from the scatter
+/// between trials. If squares of the squares would overflow or vanish, they are in units of a power of two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TrialSquares {
     /// Trials that made an observation.
@@ -104,8 +104,7 @@ impl TrialSquares {
         self.square_count *= squared;
     }
 
-    /// Standard deviation of the root of the mean square, to first order (that of a ratio of two means); `None` of fewer
-    /// than two trials.
+    /// Standard error of the rms error, to first order, as of a ratio of two means; `None` for fewer than two trials.
     pub(crate) fn std_of_rms(&self) -> Option<f64> {
         let freedom = self.trials.checked_sub(1).filter(|&freedom| freedom > 0)?;
         let mean_square = self.square / self.count;
@@ -124,7 +123,7 @@ impl TrialSquares {
 mod tests {
     use super::*;
     use crate::column::UNREPORTED;
-    use crate::pass::Observed;
+    use crate::simd_sums::Observed;
     use crate::sums::Sums;
     use approx::assert_relative_eq;
     use std::ops::Range;
@@ -187,7 +186,7 @@ mod tests {
         let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
-        // Of trials that differ in nothing but how much they observe, the mean square is exact.
+        // If trials differ only in the number of their observations, the mean square is exact.
         let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }

@@ -1,20 +1,19 @@
-//! A sweep whose results are handed over in the order of its tasks, while it runs.
+//! Sweeps whose results are passed on in the order of their tasks while later tasks still run.
 
 use std::collections::BTreeMap;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::partial::{Note, Partial, Slice};
+use crate::cell::{BLOCK, StoppingRule, Task, Trial};
+use crate::partial_statistics::{Partial, Slice, TrialReader};
 use crate::queue::{Experiment, Job, Piece, Queue};
-use crate::record::{Record, TrialObservations};
 use crate::runner::{Runner, SweepError};
 use crate::summary::CellStatistics;
-use crate::task::{Stop, Task};
-use crate::trial::{BLOCK, Trial};
+use crate::trial_record::{Record, TrialObservations};
 
-/// Sweep: tasks, the experiments of their cells, and what is made of each.
+/// Tasks, the experiments of their cells, and the result of each task.
 pub trait Sweep: Sync {
     /// Experiment of a cell.
     type Trial: Trial + Send;
@@ -29,27 +28,27 @@ pub trait Sweep: Sync {
     /// Task of this number.
     fn task(&self, number: u64) -> Task;
 
-    /// Sets up the experiment of a cell: on any thread when its first trial is due. It must not wait for the threads of
-    /// the run.
+    /// Sets up the experiment of a cell. It is called on any thread before the first trial of the cell, and must not wait
+    /// for the threads of the run.
     ///
     /// # Errors
     /// Reason why the cell cannot be run; it ends the run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Rule by which a cell of a task that may stop has had enough trials; without one it runs all of them.
-    fn stop(&self, trial: &Self::Trial) -> Option<Stop> {
+    /// Rule that may end the cell of a task with `may_stop`; without a rule all its trials are run.
+    fn stopping_rule(&self, trial: &Self::Trial) -> Option<StoppingRule> {
         let _ = trial;
         None
     }
 
-    /// Whether single trials are noted.
-    fn is_noted(&self) -> bool {
+    /// Whether the sweep writes a row for each trial.
+    fn has_trial_rows(&self) -> bool {
         false
     }
 
-    /// Appends a note on trial `number` to `text`: on its observations, or on the kind of its failure. Called on any
+    /// Appends the row of trial `number` to `text`, from its observations or the kind of its failure. It is called on any
     /// thread, in the order of the trials of a task.
-    fn note(
+    fn add_trial_row(
         &self,
         trial: &Self::Trial,
         number: u64,
@@ -63,12 +62,12 @@ pub trait Sweep: Sync {
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
-/// Piece of a sweep's outcome, handed over as it comes.
+/// Piece of a sweep's output.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Taken<R> {
-    /// Notes on some trials of a task, those that follow the notes before.
-    Note(String),
-    /// Result of a task, after all notes on its trials.
+pub enum SweepOutput<R> {
+    /// Rows of the next trials of a task.
+    TrialRows(String),
+    /// Result of a task, after all rows of its trials.
     Result(R),
 }
 
@@ -85,7 +84,7 @@ impl Runner {
     /// use std::ops::ControlFlow;
     /// use std::sync::atomic::AtomicBool;
     /// use palpate_sweep::{
-    ///     CellStatistics, Observation, Record, RunOptions, Runner, Sweep, Taken, Task, Trial,
+    ///     CellStatistics, Observation, Record, RunOptions, Runner, Sweep, SweepOutput, Task, Trial,
     /// };
     ///
     /// /// Estimates its truth without an error.
@@ -115,7 +114,7 @@ impl Runner {
     /// let mut means = Vec::new();
     /// let runner = Runner::new(&RunOptions::default())?;
     /// runner.stream(&Means, &AtomicBool::new(false), &|_finished| (), &mut |_task, taken| {
-    ///     if let Taken::Result(mean) = taken {
+    ///     if let SweepOutput::Result(mean) = taken {
     ///         means.push(mean);
     ///     }
     ///     ControlFlow::Continue(())
@@ -126,16 +125,16 @@ impl Runner {
     ///
     /// # Errors
     /// [`SweepError::SetUp`] of the first cell that cannot be set up, after the results before it;
-    /// [`SweepError::Cancelled`], also where `take` broke.
+    /// [`SweepError::Cancelled`], also if `take` breaks.
     ///
     /// # Panics
-    /// Where a trial, `progress` or `take` does.
+    /// If a trial, `progress` or `take` panics.
     pub fn stream<S: Sweep>(
         &self,
         sweep: &S,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
-        take: &mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
+        take: &mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<S::Error>> {
         let queue = Queue::new(sweep.tasks(), |number| sweep.task(number));
         let crew = Crew {
@@ -174,17 +173,17 @@ struct Crew<'a, S: Sweep, F> {
     line: Mutex<Line<'a, S>>,
 }
 
-/// Results on their way to whoever takes them.
+/// Results that have not been passed to `take` yet.
 struct Line<'a, S: Sweep> {
     /// Results of jobs that wait for an earlier one.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
-    /// Number of the job whose results are due.
+    /// Number of the job whose results come next.
     head: u64,
     open: Option<Open>,
-    /// Number of the tasks whose results have been taken.
+    /// Number of the tasks whose results have been passed on.
     tasks: u64,
     failed: Option<S::Error>,
-    take: &'a mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
+    take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
 }
 
 /// Task whose first trials have been run.
@@ -203,10 +202,10 @@ struct Ran<S: Sweep> {
     task: Task,
     /// Number of the trial after the last of them.
     end: u64,
-    /// Experiment, unless the task is done: then nothing is asked of it any more.
+    /// Experiment; `None` if the task is complete and does not need it any more.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
-    /// Notes on them.
+    /// Their rows.
     text: String,
 }
 
@@ -218,7 +217,7 @@ enum Sum<R> {
     Failed,
 }
 
-/// Ends the run of all threads where one panics.
+/// Ends the run of all threads if one of them panics.
 struct Fuse<'a, T, E, F: Fn(u64) -> Task>(&'a Queue<T, E, F>);
 
 impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
@@ -230,7 +229,7 @@ impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
 }
 
 impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
-    /// Works until nothing is left to do.
+    /// Runs jobs until none is left.
     fn work(&self) {
         let _fuse = Fuse(self.queue);
         let mut record = Record::default();
@@ -239,11 +238,11 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         {
             let number = job.number;
             match self.run(job, &mut record) {
-                Some(ran) => self.hand_over(number, ran),
+                Some(ran) => self.pass_on(number, ran),
                 None => break,
             }
         }
-        // Others may wait for what this thread has dropped.
+        // Other threads may wait for results of this thread, which it drops.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -253,7 +252,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Runs the trials of a job; `None` where the run was cancelled meanwhile.
+    /// Runs the trials of a job; `None` if the run was cancelled meanwhile.
     fn run(&self, job: Job<S::Trial, S::Error>, record: &mut Record) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
@@ -271,33 +270,24 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 }
                 Err(_) => Sum::Failed,
             };
-            // A trial may have cancelled the run, or another thread: its numbers are not all there.
+            // If the run was cancelled meanwhile, some trials of the piece are missing.
             if self.is_cancelled() {
                 return None;
             }
             trials += ran;
             (self.progress)(piece.trials.end - piece.trials.start);
-            let Piece {
-                number,
-                task,
-                trials: Range { end, .. },
-                experiment,
-            } = piece;
-            let experiment = match sums {
-                Sum::Whole(_) => None,
-                _ => Some(experiment),
-            };
+            let is_complete = matches!(sums, Sum::Whole(_));
             all.push(Ran {
-                number,
-                task,
-                end,
-                experiment,
+                number: piece.number,
+                task: piece.task,
+                end: piece.trials.end,
+                experiment: (!is_complete).then_some(piece.experiment),
                 sums,
                 text,
             });
         }
         if self.has_clock {
-            self.queue.timed(trials, time);
+            self.queue.set_time(trials, time);
         }
         Some(all)
     }
@@ -313,8 +303,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and appends notes on them to `text` if the sweep has notes. If a rule ends the
-    /// trials early, `ran` becomes their number.
+    /// Runs the trials of a piece, and appends their rows to `text` if the sweep writes rows. If a rule ends the trials
+    /// early, `ran` becomes their number.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -324,28 +314,33 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         text: &mut String,
     ) -> Sum<S::Result> {
         let Piece { task, trials, .. } = piece;
-        let mut add_note = |number: u64, observed: Result<&TrialObservations<'_>, &'static str>| {
-            self.sweep.note(trial, number, observed, text);
+        let mut add_row = |number: u64, observed: Result<&TrialObservations<'_>, &'static str>| {
+            self.sweep.add_trial_row(trial, number, observed, text);
         };
-        let mut note = self.sweep.is_noted().then_some(&mut add_note);
-        // The first trial tells all where nothing is random.
+        let mut reader = self.sweep.has_trial_rows().then_some(&mut add_row);
+        // An experiment that is not random has one trial.
         let most = if trial.is_random() { u64::MAX } else { 1 };
         let is_whole = piece.is_whole();
         let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials;
         let is_slice = !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end);
         if !is_whole && (task.may_stop || is_slice) {
             let trials = trials.start..trials.end.min(most).max(trials.start);
-            let note = note.map(|note| note as &mut Note<'_>);
-            return Sum::Slice(Slice::run(trial, trials, record, self.cancelled, note));
+            let reader = reader.map(|reader| reader as &mut TrialReader<'_>);
+            return Sum::Slice(Slice::run(trial, trials, record, self.cancelled, reader));
         }
-        let rule = task.may_stop.then(|| self.sweep.stop(trial)).flatten();
+        let rule = task
+            .may_stop
+            .then(|| self.sweep.stopping_rule(trial))
+            .flatten();
         let mut blocks = Partial::new(trial.quantities());
         let mut start = trials.start;
         loop {
             let end = trials.end.min(start + BLOCK);
             if start == 0 || start < end.min(most) {
-                let note = note.as_mut().map(|note| &mut **note as &mut Note<'_>);
-                blocks.run_block(trial, start..end.min(most), record, self.cancelled, note);
+                let reader = reader
+                    .as_mut()
+                    .map(|reader| &mut **reader as &mut TrialReader<'_>);
+                blocks.run_block(trial, start..end.min(most), record, self.cancelled, reader);
             }
             start = end;
             if is_whole {
@@ -363,8 +358,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Puts the results of a job into the line, and hands over those that are due.
-    fn hand_over(&self, number: u64, ran: Vec<Ran<S>>) {
+    /// Adds the results of a job to the line, and passes on those whose turn it is.
+    fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);
         line.waiting.insert(number, ran);
@@ -385,55 +380,50 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             self.queue.stop();
         }
         if line.head > before {
-            self.queue.taken(line.head);
+            self.queue.set_passed_on(line.head);
         }
     }
 }
 
 impl<S: Sweep> Line<'_, S> {
-    /// Adds trials that follow those before.
+    /// Adds the trials that come next.
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        // Trials after those that were enough.
+        // Trials beyond the end of a task that a rule ended.
         if ran.number < self.tasks {
             return ControlFlow::Continue(());
         }
-        let Ran {
-            number,
-            task,
-            end,
-            experiment,
-            sums,
-            text,
-        } = ran;
-        if !text.is_empty() && (self.take)(number, Taken::Note(text)).is_break() {
+        let Ran { number, task, .. } = ran;
+        let rows = ran.text;
+        if !rows.is_empty() && (self.take)(number, SweepOutput::TrialRows(rows)).is_break() {
             return ControlFlow::Break(());
         }
-        let experiment = experiment.as_ref().and_then(|experiment| experiment.get());
+        let experiment = ran.experiment.as_ref();
+        let experiment = experiment.and_then(|experiment| experiment.get());
         if let Some(Err(error)) = experiment {
             let error = error.lock();
             self.failed = error.unwrap_or_else(PoisonError::into_inner).take();
             return ControlFlow::Break(());
         }
         let trial = experiment.and_then(|experiment| experiment.as_ref().ok());
-        let result = match sums {
+        let result = match ran.sums {
             Sum::Whole(result) => result,
             Sum::Failed => return ControlFlow::Break(()),
-            Sum::Blocks(_) | Sum::Slice(_) => {
+            sums => {
                 let Some(trial) = trial else {
                     return ControlFlow::Break(());
                 };
                 let mut open = self.open.take().unwrap_or_default();
-                let mut is_end = end == task.trials || task.may_stop && !trial.is_random();
+                let mut is_end = ran.end == task.trials || task.may_stop && !trial.is_random();
                 match sums {
                     Sum::Blocks(blocks) => open.cell.merge(blocks),
                     Sum::Slice(slice) => {
                         open.block.append(slice);
-                        if is_end || end.is_multiple_of(BLOCK) {
+                        if is_end || ran.end.is_multiple_of(BLOCK) {
                             std::mem::take(&mut open.block).end(&mut open.cell);
-                            let rule = task.may_stop.then(|| sweep.stop(trial)).flatten();
+                            let rule = task.may_stop.then(|| sweep.stopping_rule(trial)).flatten();
                             is_end |= rule.is_some_and(|rule| rule.is_met(&open.cell));
                         }
                     }
@@ -447,6 +437,6 @@ impl<S: Sweep> Line<'_, S> {
             }
         };
         self.tasks += 1;
-        (self.take)(number, Taken::Result(result))
+        (self.take)(number, SweepOutput::Result(result))
     }
 }

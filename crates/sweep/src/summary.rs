@@ -1,6 +1,5 @@
-//! The statistics of a cell.
+//! Statistics and failures of a cell.
 
-use crate::failures::Failure;
 use crate::histogram::Histogram;
 use crate::sums::Sums;
 
@@ -27,7 +26,7 @@ pub struct CellStatistics {
     pub trials: u64,
     /// Failures, one entry per kind, ordered by kind.
     pub failures: Vec<Failure>,
-    /// Statistics of each quantity, in the order in which the trial counts them.
+    /// Statistics of each quantity, in the order of the trial's quantities.
     pub quantities: Vec<Summary>,
 }
 
@@ -40,11 +39,11 @@ impl CellStatistics {
 
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
-/// An error is estimate − truth. Everything is in the quantity's unit or a plain ratio, and finite; a statistic is
-/// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean
-/// squares and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations
-/// within 1e-12 of themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least
-/// double.
+/// An error is estimate − truth. Every number is finite, and in the quantity's unit or a ratio. A statistic is `None` if
+/// it is undefined (always so without observations) or beyond the range of `f64`. The rounding error of means, roots of
+/// mean squares and standard deviations is at most 1e-13 of the mean magnitude of the numbers that they summarise, that
+/// of standard deviations also at most 1e-12 of themselves, for numbers of any size. Below 1e-308 they are multiples of
+/// the smallest double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
@@ -67,7 +66,7 @@ impl CellStatistics {
 pub struct Summary {
     /// Number of observations.
     pub observations: u64,
-    /// The true value; `None` where it varies.
+    /// The true value; `None` if it varies.
     pub truth: Option<f64>,
     /// Mean estimate.
     pub mean: Option<f64>,
@@ -77,31 +76,32 @@ pub struct Summary {
     pub bias: Option<f64>,
     /// Root of the mean squared error.
     pub rms_error: Option<f64>,
-    /// Standard deviation of `rms_error` from one set of as many trials to the next: to first order from how the squared
-    /// errors scatter from trial to trial, of which a trial's own count together. `None` of fewer than two trials.
+    /// Standard error of `rms_error`, to first order from the scatter of the squared errors between trials. The
+    /// observations of one trial count as one. `None` for fewer than two trials.
     pub rms_error_std: Option<f64>,
     /// Mean magnitude of the error.
     pub mean_abs_error: Option<f64>,
-    /// `rms_error` over the magnitude of the truth; `None` where the truth is 0 or varies.
+    /// `rms_error` over the magnitude of the true value; `None` if the true value is 0 or varies.
     pub relative_rms_error: Option<f64>,
-    /// `mean_abs_error` over the magnitude of the truth; `None` where the truth is 0 or varies.
+    /// `mean_abs_error` over the magnitude of the true value; `None` if the true value is 0 or varies.
     pub relative_mean_abs_error: Option<f64>,
-    /// 5 % quantile of the estimates, its distance to the truth right to 0.4 %; `None` where the truth varies.
+    /// 5 % quantile of the estimates, whose distance to the true value is accurate to 0.4 %; `None` if the true value
+    /// varies.
     ///
-    /// Quantiles are linear between neighbouring order statistics, the usual definition (type 7).
+    /// Quantiles are interpolated linearly between order statistics, the usual definition (type 7).
     pub q05: Option<f64>,
     /// Median of the estimates, with the accuracy of `q05`.
     pub q50: Option<f64>,
     /// 95 % quantile of the estimates, with the accuracy of `q05`.
     pub q95: Option<f64>,
-    /// Mean of the reported standard deviations; `None` where none was reported.
+    /// Mean of the reported standard deviations; `None` if none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the 50 % intervals that hold the truth. An interval is estimate ± 0.67 std unless the trial gives its
-    /// own verdict (`interval_holds`). `None` where no trial reported either.
+    /// Share of the 50 % intervals that hold the true value. An interval is estimate ± 0.67 std, unless the trial reports
+    /// its own coverage (`interval_holds`). `None` if no trial reported either.
     pub coverage50: Option<f64>,
-    /// Share of the 80 % intervals that hold the truth, estimate ± 1.28 std; else as `coverage50`.
+    /// Share of the 80 % intervals that hold the true value, estimate ± 1.28 std; otherwise as `coverage50`.
     pub coverage80: Option<f64>,
-    /// Share of the 95 % intervals that hold the truth, estimate ± 1.96 std; else as `coverage50`.
+    /// Share of the 95 % intervals that hold the true value, estimate ± 1.96 std; otherwise as `coverage50`.
     pub coverage95: Option<f64>,
 }
 
@@ -141,4 +141,81 @@ impl Summary {
 
 fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
+}
+
+/// Kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
+pub const NOT_FINITE: &str = "not-finite";
+/// Kind of a trial that recorded a standard deviation below zero.
+pub const NEGATIVE_STD: &str = "negative-std";
+/// Kind of a trial that recorded a quantity outside `0..Trial::quantities()`.
+pub const UNKNOWN_QUANTITY: &str = "unknown-quantity";
+
+/// All failures of one kind in a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// Stable kebab-case name of the kind.
+    pub kind: &'static str,
+    /// Number of trials that failed with this kind.
+    pub count: u64,
+    /// Smallest number of a trial that failed with this kind.
+    pub first_trial: u64,
+}
+
+/// Failures by kind, in no particular order until [`Failures::sorted`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Failures(Vec<Failure>);
+
+impl Failures {
+    pub(crate) fn add(&mut self, failure: Failure) {
+        match self.0.iter_mut().find(|known| known.kind == failure.kind) {
+            Some(known) => {
+                known.count += failure.count;
+                known.first_trial = known.first_trial.min(failure.first_trial);
+            }
+            None => self.0.push(failure),
+        }
+    }
+
+    pub(crate) fn merge(&mut self, other: Failures) {
+        other.0.into_iter().for_each(|failure| self.add(failure));
+    }
+
+    /// Failures ordered by kind.
+    pub(crate) fn sorted(mut self) -> Vec<Failure> {
+        self.0.sort_by_key(|failure| failure.kind);
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failure(kind: &'static str, count: u64, first_trial: u64) -> Failure {
+        Failure {
+            kind,
+            count,
+            first_trial,
+        }
+    }
+
+    #[test]
+    fn merging_adds_counts_and_keeps_the_first_trial_of_either_side() {
+        let side = |failures: &[Failure]| {
+            let mut side = Failures::default();
+            failures.iter().for_each(|&failure| side.add(failure));
+            side
+        };
+        let left = side(&[failure("rank", 2, 7), failure("lost", 1, 9)]);
+        let right = side(&[failure("rank", 3, 4)]);
+        let expected = vec![failure("lost", 1, 9), failure("rank", 5, 4)];
+
+        let mut forward = left.clone();
+        forward.merge(right.clone());
+        assert_eq!(forward.sorted(), expected);
+
+        let mut backward = right;
+        backward.merge(left);
+        assert_eq!(backward.sorted(), expected);
+    }
 }

@@ -1,7 +1,7 @@
-//! Sums of one quantity over a run of trials.
+//! Sums of one quantity over consecutive trials.
 
 use crate::moments::Moments;
-use crate::pass::{Observed, Totals, is_covered};
+use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
 /// Sums over the observations of one quantity. They determine all its statistics except the quantiles, and are merged
@@ -22,9 +22,9 @@ pub(crate) struct Sums {
     /// Number of observations with a standard deviation, and the mean of these standard deviations.
     reported: u64,
     std: f64,
-    /// Observations that have intervals.
-    judged: u64,
-    /// Observations whose intervals of 50, 80 and 95 % hold the truth.
+    /// Number of observations that have intervals.
+    intervals: u64,
+    /// Numbers of observations whose intervals of 50, 80 and 95 % hold the true value.
     covered: [u64; 3],
 }
 
@@ -58,7 +58,7 @@ impl Sums {
             by_trial: [estimates, moments.of_magnitudes(magnitude)],
             reported: totals.reported,
             std,
-            judged: totals.reported,
+            intervals: totals.reported,
             covered: totals.covered,
         }
     }
@@ -73,9 +73,9 @@ impl Sums {
         }
     }
 
-    /// Counts the coverage that a trial states in `holds`, instead of the coverage that follows from `std`.
-    pub(crate) fn judge(&mut self, error: f64, std: f64, holds: [bool; 3]) {
-        self.judged += u64::from(std < 0.0);
+    /// Counts the coverage `holds` that a trial reports, instead of the coverage that follows from `std`.
+    pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
+        self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
         for (covered, (holds, would)) in self.covered.iter_mut().zip(verdicts) {
             *covered += u64::from(holds);
@@ -83,7 +83,7 @@ impl Sums {
         }
     }
 
-    /// Adds sums over the trials that follow.
+    /// Adds the sums of the trials that come next.
     pub(crate) fn merge(&mut self, other: &Self) {
         let (count, more) = (self.errors.count(), other.errors.count());
         if more == 0 {
@@ -108,7 +108,7 @@ impl Sums {
         }
         self.std = toward(self.std, other.std, [self.reported, other.reported]);
         self.reported += other.reported;
-        self.judged += other.judged;
+        self.intervals += other.intervals;
         for (own, more) in self.covered.iter_mut().zip(other.covered) {
             *own += more;
         }
@@ -132,7 +132,8 @@ impl Sums {
 
     /// Shares of the intervals of 50, 80 and 95 % that hold the true value; `None` without intervals.
     pub(crate) fn coverages(&self) -> [Option<f64>; 3] {
-        let share = |covered: u64| (self.judged > 0).then(|| covered as f64 / self.judged as f64);
+        let share =
+            |covered: u64| (self.intervals > 0).then(|| covered as f64 / self.intervals as f64);
         self.covered.map(share)
     }
 

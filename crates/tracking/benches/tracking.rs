@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use palpate_testkit::frames;
+use palpate_testkit as frames;
 use palpate_tracking::{Finder, FinderSettings, Mask, match_markers};
 
 fn tracking(criterion: &mut Criterion) {

@@ -1,4 +1,4 @@
-//! How the sight of a marker follows its displacement.
+//! Calibration: from changes of markers' images to displacements.
 
 mod error;
 mod lateral;
@@ -12,7 +12,7 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 
 use crate::Change;
 
-/// Turns changes of sight into displacements.
+/// Converts changes of markers to displacements.
 ///
 /// ```
 /// use palpate_tracking::{Calibration, Change, NormalCalibration, NormalFrom, NormalPoint};
@@ -39,12 +39,12 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A calibration from its parts: of normal displacements, of tangential ones, or of both. `markers` is how many the
-    /// sensor shows at rest, where that is known.
+    /// A calibration of normal displacements, of tangential displacements, or of both. `markers` is the number of markers that
+    /// the sensor shows at rest, if it is known.
     ///
     /// # Errors
-    /// [`CalibrationError::TooFewPoints`] without either part, [`CalibrationError::OutOfRange`] for a number that is not
-    /// finite or a slope of 0.
+    /// [`CalibrationError::TooFewPoints`] without both parts, [`CalibrationError::OutOfRange`] for a number that is not finite
+    /// or a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
         lateral: Option<LateralCalibration>,
@@ -74,13 +74,13 @@ impl Calibration {
         self.lateral.as_ref()
     }
 
-    /// How many markers the sensor shows at rest, where that is known.
+    /// Number of markers that the sensor shows at rest, if it is known.
     pub const fn markers(&self) -> Option<usize> {
         self.markers
     }
 
-    /// Refuses a sensor that shows another number of markers at rest: by more than a tenth, for some may be hidden; by
-    /// any where the markers' own slopes count, which go by number.
+    /// Checks the number of markers that a sensor shows at rest. It may differ by a tenth, because some markers may be hidden. It
+    /// may not differ if the markers' own slopes are used, because these belong to marker indices.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`].
@@ -96,13 +96,13 @@ impl Calibration {
         Ok(())
     }
 
-    /// The inward displacement of a marker, length; `None` where it is not calibrated, or the change is not finite.
+    /// The inward displacement of a marker, length; `None` without a calibration, or if the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
-    /// The displacement along the skin, length, of a marker that was displaced inward by `normal`, from its shift along
-    /// the axes of its place (px, f times the angle); `None` as of [`Calibration::normal`].
+    /// The displacement along the skin, length, of a marker with the inward displacement `normal`, from its shift along the axes
+    /// at its place (px, f times the angle); `None` as in [`Calibration::normal`].
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

@@ -1,16 +1,17 @@
-//! The camera as far as tracking knows it: from pixels to directions.
+//! The camera: from pixels to directions.
+
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use crate::odd_terms::OddTerms;
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye, r = f θ, in the centre of a spherical sensor, looking at its apex; with odd terms,
+/// An equidistant fisheye camera, r = f θ, in the centre of a spherical sensor, directed at its apex. With odd terms it is
 /// r = f (θ + k3 θ³ + k5 θ⁵).
 ///
-/// Places are directions from the centre, given as their logarithm map from the apex in radians: √(x² + y²) is the
-/// angle from the apex, (x, y) the way there. The picture's columns count along x, its rows against y. Displacements of
-/// a place count along the axes of the apex, carried to the place along the meridian.
+/// A place is a direction from the centre, as its logarithm map from the apex in radians: √(x² + y²) is the angle from
+/// the apex, and (x, y) points there. Columns of the image increase along x, rows against y. Displacements of a place are
+/// along the axes at the apex, parallel-transported to the place along the meridian.
 ///
 /// ```
 /// use palpate_tracking::Equidistant;
@@ -34,41 +35,36 @@ pub struct Equidistant {
 }
 
 impl Equidistant {
-    /// A camera that sees the apex at `centre_px`, with an `f` of `px_per_rad`.
+    /// A camera that shows the apex at `centre_px`, with f = `px_per_rad`.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless the centre lies within ±1e12 px and `px_per_rad` between 1e-6 and 1e12.
     pub fn new(centre_px: [f64; 2], px_per_rad: f64) -> Result<Self, CalibrationError> {
-        let bad = |what, value, needed| {
-            Err(CalibrationError::OutOfRange {
-                what,
-                value,
-                needed,
-            })
-        };
-        match centre_px
+        let mut bad = centre_px
             .iter()
-            .find(|one| one.abs() > 1e12 || one.is_nan())
-        {
-            Some(&one) => bad(
-                "a coordinate of the picture's centre",
-                one,
-                "between -1e12 and 1e12",
-            ),
-            None if (1e-6..=1e12).contains(&px_per_rad) => Ok(Self {
-                centre_px,
-                px_per_rad,
-                terms: None,
-            }),
-            None => bad(
+            .filter(|one| one.abs() > 1e12 || one.is_nan());
+        let (what, value, needed) = match bad.next() {
+            Some(&one) => {
+                let what = "a coordinate of the picture's centre";
+                (what, one, "between -1e12 and 1e12")
+            }
+            None if (1e-6..=1e12).contains(&px_per_rad) => {
+                return Ok(Self {
+                    centre_px,
+                    px_per_rad,
+                    terms: None,
+                });
+            }
+            None => (
                 "the camera's px per rad",
                 px_per_rad,
                 "between 1e-6 and 1e12",
             ),
-        }
+        };
+        Err(CalibrationError::out_of_range(what, value, needed))
     }
 
-    /// This camera with odd terms, r = f (θ + k3 θ³ + k5 θ⁵). Points that lie beyond the angles up to which r grows are no
+    /// This camera with odd terms, r = f (θ + k3 θ³ + k5 θ⁵). Points beyond the angle up to which r increases are not valid
     /// places.
     ///
     /// # Errors
@@ -77,11 +73,8 @@ impl Equidistant {
         for (what, value) in [("the lens's k3", k3), ("the lens's k5", k5)] {
             let is_good = value.abs() <= 100.0;
             if !is_good {
-                return Err(CalibrationError::OutOfRange {
-                    what,
-                    value,
-                    needed: "between -100 and 100",
-                });
+                let needed = "between -100 and 100";
+                return Err(CalibrationError::out_of_range(what, value, needed));
             }
         }
         let terms = Some([k3, k5]).filter(|terms| *terms != [0.0; 2]);
@@ -91,17 +84,17 @@ impl Equidistant {
         })
     }
 
-    /// Place in the picture at which the apex is seen, px.
+    /// Image point of the apex, px.
     pub const fn centre_px(&self) -> [f64; 2] {
         self.centre_px
     }
 
-    /// Scale f of r = f θ, px per radian; with odd terms that of the picture's middle.
+    /// Scale f of r = f θ, px per radian; with odd terms, the scale in the middle of the image.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
 
-    /// The place that a point of the picture shows, rad; that of the apex where no double holds it.
+    /// The place that an image point shows, rad; that of the apex if the point is not a valid place.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -121,10 +114,10 @@ impl Equidistant {
         }
     }
 
-    /// How far a place moved along the sphere, rad along the axes at rest.
+    /// Great-circle displacement of a place, rad along the axes at rest; 0 if a point is not a valid place.
     ///
-    /// This is the great-circle displacement. Pixels over f are it only along the radius of the picture: across, the
-    /// picture is stretched by θ/sin θ. A point that is no place does not move.
+    /// Pixels over f are this displacement only along the radius of the image. Across the radius, the image is stretched by
+    /// θ/sin θ.
     pub fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
         match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
             (Some(rest), Some(pressed)) => great_circle(rest, pressed),
@@ -132,8 +125,8 @@ impl Equidistant {
         }
     }
 
-    /// How the sight of a marker that was found again changed, as seen without the picture's stretching: the shift is f
-    /// times that of [`Equidistant::shift`], and the growth half that of the logarithm of the solid angle.
+    /// Change of a tracked marker, without the stretching of the image. The shift is f times [`Equidistant::shift`]. The
+    /// growth is half the change of the logarithm of the solid angle.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -153,20 +146,18 @@ impl Equidistant {
         };
         Some(change).filter(Change::is_finite)
     }
-}
 
-impl Equidistant {
-    /// Factor by which the picture enlarges areas this far from its middle, against those in its middle.
+    /// Factor by which the image enlarges areas at this angle from its middle, relative to its middle.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Factor by which an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle that at
-/// a right angle.
+/// Factor θ/sin θ by which an equidistant image enlarges areas at this angle from its middle. Beyond a right angle it stays
+/// constant.
 fn stretching(angle: f64) -> f64 {
-    let angle = angle.min(std::f64::consts::FRAC_PI_2);
+    let angle = angle.min(FRAC_PI_2);
     if angle < 1e-8 {
         1.0
     } else {
@@ -174,7 +165,7 @@ fn stretching(angle: f64) -> f64 {
     }
 }
 
-/// The direction of a place, and the apex's axes carried there.
+/// The direction of a place, and the apex's axes transported to it.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {
@@ -196,7 +187,7 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);
-    // From the chord, which keeps its digits where it is short.
+    // The chord is exact even if it is short.
     let chord = end - start;
     let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
     let across = libm::hypot(x, y);
@@ -205,6 +196,86 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
         [angle * (x / across), angle * (y / across)]
     } else {
         [angle, 0.0]
+    }
+}
+
+/// Smallest slope dr/dθ of a lens, relative to that on its axis. If it is smaller, angles cannot be determined.
+const MIN_SLOPE: f64 = 0.01;
+/// Largest number of Newton steps. A step that would leave the bracket is replaced by a bisection.
+const MAX_STEPS: usize = 64;
+
+/// Odd terms of a fisheye: r = f (θ + k3 θ³ + k5 θ⁵).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OddTerms {
+    k3: f64,
+    k5: f64,
+    /// Largest angle, at most half a turn, up to which r increases.
+    max_angle: f64,
+}
+
+impl OddTerms {
+    /// Terms of any finite size.
+    fn new(k3: f64, k5: f64) -> Self {
+        let terms = Self {
+            k3,
+            k5,
+            max_angle: PI,
+        };
+        Self {
+            max_angle: terms.first_root(),
+            ..terms
+        }
+    }
+
+    /// Angle at which the slope reaches its minimum: from the smaller positive root of 5 k5 u² + 3 k3 u + 1, where u = θ².
+    fn first_root(self) -> f64 {
+        let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
+        let inside = linear * linear - 4.0 * square * constant;
+        if inside < 0.0 {
+            return PI;
+        }
+        let sum = -0.5 * (linear + inside.sqrt().copysign(linear));
+        let roots = [sum / square, constant / sum];
+        let positive = roots.into_iter().filter(|root| *root > 0.0);
+        positive.fold(PI * PI, f64::min).sqrt().min(PI)
+    }
+
+    /// r / (f θ) and r′ / f at an angle.
+    fn stretches(self, angle: f64) -> [f64; 2] {
+        let square = angle.min(self.max_angle).powi(2);
+        let term =
+            |third: f64, fifth: f64| 1.0 + square * (third * self.k3 + square * (fifth * self.k5));
+        [term(1.0, 1.0), term(3.0, 5.0)]
+    }
+
+    /// The angle at the distance r / f from the middle of the image; `None` beyond the largest valid distance.
+    fn angle(self, scaled: f64) -> Option<f64> {
+        let (mut low, mut high) = (0.0, self.max_angle);
+        let distance = |angle: f64| angle * self.stretches(angle)[0];
+        let is_valid = scaled <= distance(high);
+        if !is_valid {
+            return None;
+        }
+        let mut angle = scaled.min(high);
+        for _ in 0..MAX_STEPS {
+            let error = distance(angle) - scaled;
+            if error > 0.0 {
+                high = angle;
+            } else {
+                low = angle;
+            }
+            let newton = angle - error / self.stretches(angle)[1];
+            let next = if (low..=high).contains(&newton) {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - angle).abs() <= f64::EPSILON * next {
+                return Some(next);
+            }
+            angle = next;
+        }
+        Some(angle)
     }
 }
 
@@ -254,10 +325,10 @@ mod tests {
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
                 // The picture's area over that of the sphere, by a difference along the radius.
                 let more = 1e-6;
-                let seen = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
+                let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {
-                    let slope = (seen(angle + more) - seen(angle - more)) / (2.0 * more);
-                    let area = slope * seen(angle) / libm::sin(angle);
+                    let slope = (distance(angle + more) - distance(angle - more)) / (2.0 * more);
+                    let area = slope * distance(angle) / libm::sin(angle);
                     assert_relative_eq!(camera.stretching(angle), area, max_relative = 1e-9);
                 }
             }

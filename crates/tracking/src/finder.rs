@@ -1,75 +1,73 @@
-//! Finds the markers of a frame.
+//! Search for the markers of a frame.
 
 use image::RgbImage;
 
-use crate::binned::LARGEST_BIN;
-use crate::coarse::Coarse;
-use crate::errors::{self, MarkerErrors};
+use crate::binning::LARGEST_BIN;
+use crate::ground_mask::GroundMask;
+use crate::image_circle::Rim;
 use crate::lighting::Lighting;
+use crate::marker_features::{HueWindow, MarkerErrors, errors, marker};
 use crate::measure::Scene;
-use crate::rim::Rim;
 use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
-use crate::sight::{self, HueWindow};
 use crate::{Ground, Marker, Mask, TrackingError};
 
-/// How to read frames. The default finds out everything from the frame.
+/// Settings of the search. The default values estimate everything from the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FinderSettings {
-    /// The image circle. `None`: where the colour of the frame's corners ends, if that is a circle, even a roughly cut out
-    /// one; else the whole frame.
+    /// The image circle. `None` uses the rim where the colour of the frame's corners ends, if it is at least roughly a circle,
+    /// otherwise the whole frame.
     pub mask: Option<Mask>,
-    /// Background of the markers. `None`: bright if the darkest of green and blue lie further from their median than
-    /// the brightest colours from theirs.
+    /// Background of the markers. `None` compares the darkest green and blue with the brightest colours: the ground is bright
+    /// if the darkest are farther from their median.
     pub ground: Option<Ground>,
-    /// Which hues markers have.
+    /// Hues of the markers.
     pub hues: HueWindow,
-    /// A marker's diameter, px; of one made of two discs that stand apart, the length of both. It sets the size of the
-    /// top-hat, 2.2 diameters a side, and how much coarser than the frame the search may be. `None`: up to an eighth of
-    /// the circle's diameter, and at least a fiftieth of it.
+    /// A marker's diameter, px; for a marker of two separate discs, the length of both. It determines the size of the
+    /// top-hat, 2.2 diameters a side, and the resolution of the search. `None` finds markers from a fiftieth to an eighth
+    /// of the circle's diameter.
     pub marker_diameter_px: Option<f64>,
 }
 
 /// The markers of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle; if none was given or found, one that holds the whole frame.
+    /// The image circle; if it was neither set nor found, a circle around the whole frame.
     pub mask: Mask,
     /// Background of the markers.
     pub ground: Ground,
-    /// The markers that are seen whole, from the middle of the circle outward.
+    /// The complete markers, from the middle of the circle outward.
     pub markers: Vec<Marker>,
-    /// Errors of each of these, from the noise of the frame's pixels.
+    /// Errors of each of these markers, from the noise of the frame's pixels.
     pub errors: Vec<MarkerErrors>,
-    /// Markers that are cut off by the circle or by the frame's border, in the same order; what is left of them is
-    /// measured.
+    /// Markers that the circle or the frame cuts off, in the same order. Only their visible part is measured.
     pub cut: Vec<Marker>,
 }
 
 impl Found {
-    /// Errors of a marker, if it is one that is seen whole.
+    /// Errors of a marker, if it is one of the complete markers.
     pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
         let place = self.markers.iter().position(|one| one == marker)?;
         self.errors.get(place).copied()
     }
 }
 
-/// The least side of a frame, px.
-const LEAST_SIDE: u32 = 16;
-/// The largest side of a frame, px.
-const LARGEST_SIDE: u32 = 32_768;
-/// The least diameter of a marker, px.
-const LEAST_DIAMETER_PX: f64 = 3.0;
-/// Squares across the image circle that suffice to find markers.
-const FINE: f64 = 256.0;
-/// Squares across a marker that suffice to find it.
-const FINE_MARKER: f64 = 6.0;
-/// The least radius of an image circle that is looked for, in markers' diameters.
-const LEAST_CIRCLE: f64 = 1.5;
-/// Shapes that are looked at.
-const MOST_SHAPES: usize = 16_384;
+/// Smallest side of a frame, px.
+const MIN_SIDE: u32 = 16;
+/// Largest side of a frame, px.
+const MAX_SIDE: u32 = 32_768;
+/// Smallest diameter of a marker, px.
+const MIN_DIAMETER_PX: f64 = 3.0;
+/// Number of squares across the image circle that is enough to find markers.
+const SQUARES_PER_CIRCLE: f64 = 256.0;
+/// Number of squares across a marker that is enough to find it.
+const SQUARES_PER_MARKER: f64 = 6.0;
+/// Smallest radius of an image circle, in diameters of a marker.
+const MIN_CIRCLE: f64 = 1.5;
+/// Largest number of shapes.
+const MAX_SHAPES: usize = 16_384;
 
-/// Finds markers in one frame after another; frames of the same size reuse its memory.
+/// Finds the markers of frames. It reuses its memory for frames of the same size.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
@@ -82,14 +80,14 @@ const MOST_SHAPES: usize = 16_384;
 /// });
 /// let found = Finder::default().find(&frame)?;
 /// assert_eq!((found.ground, found.markers.len()), (Ground::Bright, 9));
-/// // They are told from the middle of the frame outward.
+/// // They are sorted from the middle of the frame outward.
 /// assert!(found.markers[0].centroid_px.iter().all(|place| (*place - 120.0).abs() < 0.01));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
     settings: FinderSettings,
-    coarse: Coarse,
+    mask: GroundMask,
 }
 
 impl Finder {
@@ -99,11 +97,11 @@ impl Finder {
     /// [`TrackingError::Diameter`] for a diameter that is not a finite length of at least 3 px.
     pub fn new(settings: FinderSettings) -> Result<Self, TrackingError> {
         if let Some(diameter_px) = settings.marker_diameter_px
-            && !(LEAST_DIAMETER_PX..=f64::from(LARGEST_SIDE)).contains(&diameter_px)
+            && !(MIN_DIAMETER_PX..=f64::from(MAX_SIDE)).contains(&diameter_px)
         {
             return Err(TrackingError::Diameter {
                 diameter_px,
-                least: LEAST_DIAMETER_PX,
+                least: MIN_DIAMETER_PX,
             });
         }
         Ok(Self {
@@ -122,97 +120,86 @@ impl Finder {
     /// # Errors
     /// - [`TrackingError::EmptyImage`], [`TrackingError::TooSmall`], [`TrackingError::TooLarge`] for frames that are not
     ///   from 16 to 32,768 px wide and high,
-    /// - [`TrackingError::MaskOutside`] for a circle that is none or has its centre outside the frame,
-    /// - [`TrackingError::NoMarkers`] if nothing is as a marker,
-    /// - [`TrackingError::TooMany`] if more than 16,384 shapes might be.
+    /// - [`TrackingError::MaskOutside`] for a circle without a positive radius or with its centre outside the frame,
+    /// - [`TrackingError::NoMarkers`] if no shape is a marker,
+    /// - [`TrackingError::TooMany`] if there are more than 16,384 shapes.
     pub fn find(&mut self, frame: &RgbImage) -> Result<Found, TrackingError> {
         let (width, height) = frame.dimensions();
         check(width, height)?;
-        let given = self
-            .settings
-            .mask
-            .map(|mask| mask.check(width, height))
-            .transpose()?;
-        let circle = given.map_or(f64::from(width.min(height)), |mask| 2.0 * mask.radius_px);
-        self.coarse
-            .binned
+        let given = self.settings.mask;
+        let given = given.map(|mask| mask.check(width, height)).transpose()?;
+        let circle = given.map_or(f64::INFINITY, |mask| 2.0 * mask.radius_px);
+        self.mask
+            .frame
             .read(frame, self.bin(circle.min(f64::from(width.min(height)))));
-        let least = self
-            .settings
-            .marker_diameter_px
-            .map_or(0.0, |diameter| LEAST_CIRCLE * diameter);
-        let rim = if given.is_none() {
-            Rim::find(&self.coarse.binned)
-        } else {
-            None
+        let diameter = self.settings.marker_diameter_px.unwrap_or(0.0);
+        let rim = match given {
+            Some(_) => None,
+            None => Rim::find(&self.mask.frame),
         };
-        let seen = rim
-            .as_ref()
-            .and_then(|rim| Some((Mask::of(rim, &self.coarse.binned, least)?, rim)));
+        let rim = rim.and_then(|rim| {
+            let circle = Mask::fit(&rim, &self.mask.frame, MIN_CIRCLE * diameter)?;
+            Some((circle, rim))
+        });
         let mask = given
-            .or(seen.map(|(mask, _)| mask))
+            .or(rim.as_ref().map(|(circle, _)| *circle))
             .unwrap_or_else(|| Mask::whole(width, height));
-        self.coarse.set_inside(&mask, seen.map(|(_, rim)| rim));
-        let ground = self
-            .settings
-            .ground
-            .unwrap_or_else(|| self.coarse.told_ground());
-        self.coarse
+        self.mask
+            .set_inside(&mask, rim.as_ref().map(|(_, rim)| rim));
+        let ground = self.settings.ground;
+        let ground = ground.unwrap_or_else(|| self.mask.estimate_ground());
+        self.mask
             .set_top_hat(ground, &mask, self.half(&mask, frame));
-        let Some(classes) = self.coarse.classes() else {
+        let Some(classes) = self.mask.classes() else {
             return Err(TrackingError::NoMarkers { shapes: 0 });
         };
         let shapes = self.shapes(classes.limit)?;
         let count = shapes.len();
         let selection = selection::select(
             shapes,
-            &self.coarse.top_hat,
+            &self.mask.top_hat,
             classes.limit,
-            self.coarse.binned.width,
-            &self.coarse.inside,
+            self.mask.frame.width,
+            &self.mask.inside,
         );
-        let found = self.look(frame, mask, ground, classes.limit, &selection);
+        let found = self.measure(frame, mask, ground, classes.limit, &selection);
         if found.markers.is_empty() && found.cut.is_empty() {
             return Err(TrackingError::NoMarkers { shapes: count });
         }
         Ok(found)
     }
 
-    /// Pixels to a side of the squares in which markers are looked for.
+    /// Side of the squares of the search, px.
     fn bin(&self, circle_px: f64) -> usize {
         let bin = match self.settings.marker_diameter_px {
-            Some(diameter_px) => diameter_px / FINE_MARKER,
-            None => circle_px / FINE,
+            Some(diameter_px) => diameter_px / SQUARES_PER_MARKER,
+            None => circle_px / SQUARES_PER_CIRCLE,
         };
         (bin as usize).clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))
     }
 
-    /// Half the side of the top-hat's square, in squares of the coarse frame.
+    /// Half the side of the top-hat's structuring element, in squares.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let side = self
             .settings
             .marker_diameter_px
             .map_or(circle / 8.0, |diameter| 2.2 * diameter);
-        let half = (0.5 * side / self.coarse.binned.bin as f64).ceil() as usize;
-        half.clamp(2, self.coarse.binned.width.max(self.coarse.binned.height))
+        let half = (0.5 * side / self.mask.frame.bin as f64).ceil() as usize;
+        half.clamp(2, self.mask.frame.width.max(self.mask.frame.height))
     }
 
     fn shapes(&self, limit: u8) -> Result<Vec<Shape>, TrackingError> {
-        shapes(
-            &self.coarse.top_hat,
-            self.coarse.binned.width,
-            limit,
-            MOST_SHAPES,
+        shapes(&self.mask.top_hat, self.mask.frame.width, limit, MAX_SHAPES).ok_or(
+            TrackingError::TooMany {
+                shapes: MAX_SHAPES + 1,
+                most: MAX_SHAPES,
+            },
         )
-        .ok_or(TrackingError::TooMany {
-            shapes: MOST_SHAPES + 1,
-            most: MOST_SHAPES,
-        })
     }
 
-    /// Measures the selected shapes and keeps those that look like markers.
-    fn look(
+    /// Measures the selected shapes and keeps the markers among them.
+    fn measure(
         &mut self,
         frame: &RgbImage,
         mask: Mask,
@@ -220,27 +207,27 @@ impl Finder {
         limit: u8,
         selection: &Selection,
     ) -> Found {
-        self.coarse.set_is_ground(limit, selection);
-        let lighting = Lighting::fit(&self.coarse.binned, &self.coarse.is_ground, &mask);
-        let rows = self.coarse.rows(frame.height() as usize);
+        self.mask.set_is_ground(limit, selection);
+        let lighting = Lighting::fit(&self.mask.frame, &self.mask.is_ground, &mask);
+        let rows = self.mask.rows(frame.height() as usize);
         let scene = Scene {
             frame,
             ground,
             rows: &rows,
             lighting: &lighting,
-            bin: self.coarse.binned.bin,
-            diameter_px: selection.diameter * self.coarse.binned.bin as f64,
+            bin: self.mask.frame.bin,
+            diameter_px: selection.diameter * self.mask.frame.bin as f64,
         };
         let shapes: Vec<Shape> = selection.shapes().cloned().collect();
         let hues = self.settings.hues;
-        let pixels = self.coarse.binned.pixels();
+        let pixels = self.mask.frame.pixels();
         let markers: Vec<Option<(Marker, MarkerErrors)>> = scene
             .measure(&shapes)
             .iter()
             .zip(&shapes)
             .map(|(sums, shape)| {
-                let marker = sight::marker(sums, ground, hues, shape.area() * pixels)?;
-                Some((marker, errors::errors(sums, ground, &marker)))
+                let marker = marker(sums, ground, hues, shape.area() * pixels)?;
+                Some((marker, errors(sums, ground, &marker)))
             })
             .collect();
         let (whole, cut) = markers.split_at(selection.whole.len());
@@ -267,17 +254,17 @@ impl Finder {
 fn check(width: u32, height: u32) -> Result<(), TrackingError> {
     if width == 0 || height == 0 {
         Err(TrackingError::EmptyImage { width, height })
-    } else if width.min(height) < LEAST_SIDE {
+    } else if width.min(height) < MIN_SIDE {
         Err(TrackingError::TooSmall {
             width,
             height,
-            least: LEAST_SIDE,
+            least: MIN_SIDE,
         })
-    } else if width.max(height) > LARGEST_SIDE {
+    } else if width.max(height) > MAX_SIDE {
         Err(TrackingError::TooLarge {
             width,
             height,
-            most: LARGEST_SIDE,
+            most: MAX_SIDE,
         })
     } else {
         Ok(())

@@ -1,10 +1,9 @@
-//! The image circle: where a frame shows the sensor.
+//! The image circle: the part of a frame that shows the sensor, and the rim of that part.
 
 use crate::TrackingError;
-use crate::binned::Binned;
-use crate::rim::Rim;
+use crate::binning::BinnedFrame;
 
-/// The image circle of a camera. Pixels with their middle in it show the sensor.
+/// The image circle of a camera. Pixels whose middle is in it show the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mask {
     /// Column and row of its centre, px; the middle of the first pixel is (0, 0).
@@ -13,21 +12,21 @@ pub struct Mask {
     pub radius_px: f64,
 }
 
-/// Share of a rim's points that must lie on one circle for it to be the image circle.
-const ON_CIRCLE: f64 = 0.5;
-/// Share of the circle, as far as it lies in the frame, along which its rim must be seen.
-const ALL_AROUND: f64 = 0.8;
-/// Squares along the circle within which a point of the rim must lie.
+/// Smallest share of a rim's points that must be on one circle.
+const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
+/// Smallest share of the circle's part within the frame along which the rim must be visible.
+const MIN_VISIBLE: f64 = 0.8;
+/// Length of the steps along the circle, in squares. A step is visible if it has a point of the rim.
 const STEP: f64 = 4.0;
-/// How far from a circle its points may lie: squares, and shares of its radius.
-const NEAR: [f64; 2] = [1.5, 0.01];
-/// Circles through three points that are tried.
+/// Largest distance of a point from its circle: in squares, plus a share of the radius.
+const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
+/// Number of tried circles through three points.
 const TRIES: usize = 64;
-/// Points that are tried at most.
-const POINTS: usize = 256;
+/// Largest number of points used.
+const MAX_POINTS: usize = 256;
 
 impl Mask {
-    /// The circle that holds a whole frame.
+    /// The circle around a whole frame.
     pub(crate) fn whole(width: u32, height: u32) -> Self {
         let [x, y] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
         Self {
@@ -36,7 +35,7 @@ impl Mask {
         }
     }
 
-    /// Fails unless the centre lies in a frame of this size and the radius is positive and finite.
+    /// Fails unless the centre is in a frame of this size and the radius is positive and finite.
     pub(crate) fn check(self, width: u32, height: u32) -> Result<Self, TrackingError> {
         let [x, y] = self.centre_px;
         let within = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
@@ -51,8 +50,8 @@ impl Mask {
         }
     }
 
-    /// The columns, first and one past the last, of the pixels of row `row` in the circle made smaller by `less` px, in a
-    /// frame of `width` columns.
+    /// First column, and one past the last, of the pixels of a row that are in the circle reduced by `less` px, in a frame of
+    /// `width` columns.
     pub(crate) fn columns(&self, row: f64, less: f64, width: usize) -> (usize, usize) {
         let radius = self.radius_px - less;
         let across = radius * radius - (row - self.centre_px[1]).powi(2);
@@ -78,8 +77,7 @@ impl Mask {
         }
     }
 
-    /// Marks, for each pixel of a frame of `size` columns and rows, whether it lies in the circle made smaller by
-    /// `less` px.
+    /// Marks the pixels, of a frame of `size` columns and rows, that are in the circle reduced by `less` px.
     pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
         inside.clear();
         inside.resize(size[0] * size[1], false);
@@ -89,9 +87,9 @@ impl Mask {
         }
     }
 
-    /// The circle of at least `least_px` radius that a rim lies on, if it does and is seen nearly all around: the edges
-    /// of a ring of markers have gaps between them.
-    pub(crate) fn of(rim: &Rim, binned: &Binned, least_px: f64) -> Option<Self> {
+    /// The circle of at least `least_px` radius on which the rim lies, if the rim is visible nearly all around. A ring of
+    /// markers has gaps and is no rim.
+    pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame, least_px: f64) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
         let [x, y] = circle.centre;
@@ -102,7 +100,7 @@ impl Mask {
             && circle.radius > 0.2 * width.min(height)
             && circle.radius * bin > least_px
             && circle.radius < 0.75 * width.max(height)
-            && circle.seen(&points, [width, height]) > ALL_AROUND;
+            && circle.visible_share(&points, [width, height]) > MIN_VISIBLE;
         fits.then(|| Self {
             centre_px: circle.centre.map(|at| at * bin + (bin - 1.0) / 2.0),
             radius_px: circle.radius * bin,
@@ -117,76 +115,71 @@ struct Circle {
 }
 
 impl Circle {
-    /// The circle that most points lie on, if at least half do; then fitted to those by least squares.
+    /// The circle on which most points lie, if these are at least half of all, fitted to them by least squares.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
         let points: Vec<[f64; 2]> = points
             .iter()
             .copied()
-            .step_by(points.len().div_ceil(POINTS).max(1))
+            .step_by(points.len().div_ceil(MAX_POINTS).max(1))
             .collect();
         let count = points.len();
         if count < 16 {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Points far from one another along the list, stepped through evenly: the same ones in every run.
+        // Three points far from each other along the list. Even steps make every run the same.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];
                 let turn = (attempt as f64 * 0.618_033_988_749_895).fract();
                 let wide = 0.2 + 0.15 * (attempt as f64 * 0.754_877_666_246_693).fract();
-                Self::through([at(turn), at(turn + wide), at(turn + 2.0 * wide)])
+                Self::fit(&[at(turn), at(turn + wide), at(turn + 2.0 * wide)])
             })
             .map(|circle| (near(&circle), circle))
             .max_by_key(|(near, _)| *near)?;
         let mut circle = best;
         for _ in 0..3 {
-            let held: Vec<[f64; 2]> = points
-                .iter()
-                .copied()
-                .filter(|point| circle.holds(point))
-                .collect();
-            circle = Self::fitted(&held)?;
+            let near = points.iter().copied().filter(|point| circle.holds(point));
+            circle = Self::fit(&near.collect::<Vec<_>>())?;
         }
-        (near(&circle) as f64 >= ON_CIRCLE * count as f64).then_some(circle)
+        (near(&circle) as f64 >= MIN_POINTS_ON_CIRCLE * count as f64).then_some(circle)
     }
 
     fn holds(&self, point: &[f64; 2]) -> bool {
         let [x, y] = [0, 1].map(|axis| point[axis] - self.centre[axis]);
-        ((x * x + y * y).sqrt() - self.radius).abs() < NEAR[0] + NEAR[1] * self.radius
+        ((x * x + y * y).sqrt() - self.radius).abs()
+            < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle within a frame of this size along which points lie on it.
-    fn seen(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
+    /// Share of the circle within a frame of this size along which there are points on it.
+    fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
-        let mut seen = vec![false; steps as usize];
+        let mut visible = vec![false; steps as usize];
         for point in points.iter().filter(|point| self.holds(point)) {
             let turn = libm::atan2(point[1] - self.centre[1], point[0] - self.centre[0]) / TAU;
-            let step = (turn.rem_euclid(1.0) * steps) as usize % seen.len();
-            seen[step] = true;
+            let step = (turn.rem_euclid(1.0) * steps) as usize % visible.len();
+            visible[step] = true;
         }
         let (mut within, mut count) = (0.0, 0.0);
-        for (step, &seen) in seen.iter().enumerate() {
+        for (step, &visible) in visible.iter().enumerate() {
             let (sine, cosine) = libm::sincos(TAU * (step as f64 + 0.5) / steps);
             let at = [
                 self.centre[0] + self.radius * cosine,
                 self.centre[1] + self.radius * sine,
             ];
-            if (0..2).all(|axis| at[axis] > NEAR[0] && at[axis] < size[axis] - 1.0 - NEAR[0]) {
+            if (0..2).all(|axis| {
+                at[axis] > MAX_DISTANCE[0] && at[axis] < size[axis] - 1.0 - MAX_DISTANCE[0]
+            }) {
                 within += 1.0;
-                count += f64::from(u8::from(seen));
+                count += f64::from(u8::from(visible));
             }
         }
         if within > 0.0 { count / within } else { 0.0 }
     }
 
-    fn through(points: [[f64; 2]; 3]) -> Option<Self> {
-        Self::fitted(&points)
-    }
-
     /// Least squares of `x² + y² = 2 a x + 2 b y + c`: the algebraic fit, exact through three points.
-    fn fitted(points: &[[f64; 2]]) -> Option<Self> {
+    fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
         let (mut xx, mut xy, mut yy, mut xs, mut ys, mut squares) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -211,4 +204,131 @@ impl Circle {
             radius,
         })
     }
+}
+
+/// The rim: first and last square, in each row and each column, that does not have the colour of the frame's corners.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rim {
+    rows: Vec<Option<[usize; 2]>>,
+    columns: Vec<Option<[usize; 2]>>,
+}
+
+/// Largest difference of colour between the corners, of 255.
+const MAX_CORNER_DIFFERENCE: f64 = 16.0;
+/// Smallest difference that counts as another colour, of 255.
+const MIN_DIFFERENCE: f64 = 8.0;
+
+impl Rim {
+    /// Finds the rim if at least three of the frame's four corners have the same colour.
+    pub(crate) fn find(binned: &BinnedFrame) -> Option<Self> {
+        let (colour, tolerance) = corner_colour(binned)?;
+        let (width, height) = (binned.width, binned.height);
+        let differs = |x: usize, y: usize| {
+            away(&colour, &binned.sums[y * width + x].map(f64::from)) > tolerance
+        };
+        let ends = |count: usize, differs: &dyn Fn(usize) -> bool| {
+            let first = (0..count).find(|&at| differs(at))?;
+            let last = (first..count).rfind(|&at| differs(at))?;
+            Some([first, last])
+        };
+        Some(Self {
+            rows: (0..height)
+                .map(|y| ends(width, &|x| differs(x, y)))
+                .collect(),
+            columns: (0..width)
+                .map(|x| ends(height, &|y| differs(x, y)))
+                .collect(),
+        })
+    }
+
+    /// Whether a square is beyond the rim along its row or its column.
+    pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
+        let beyond = |ends: &Option<[usize; 2]>, at: usize| {
+            ends.is_none_or(|[first, last]| at < first || at > last)
+        };
+        beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
+    }
+
+    /// Points of the rim, in squares. At the border of the frame the rim is cut off and has no points.
+    pub(crate) fn points(&self) -> Vec<[f64; 2]> {
+        let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
+            let [left, right] = ends.as_ref()?;
+            Some([
+                [*left as f64 - 0.5, y as f64],
+                [*right as f64 + 0.5, y as f64],
+            ])
+        });
+        let down = self.columns.iter().enumerate().filter_map(|(x, ends)| {
+            let [top, bottom] = ends.as_ref()?;
+            Some([
+                [x as f64, *top as f64 - 0.5],
+                [x as f64, *bottom as f64 + 0.5],
+            ])
+        });
+        let (right, bottom) = (
+            self.columns.len() as f64 - 1.0,
+            self.rows.len() as f64 - 1.0,
+        );
+        across
+            .chain(down)
+            .flatten()
+            .filter(|[x, y]| *x > 0.0 && *y > 0.0 && *x < right && *y < bottom)
+            .collect()
+    }
+}
+
+/// The corners' colour, in sums over squares, and the largest difference of their squares from it.
+fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
+    let (width, height) = (binned.width, binned.height);
+    let side = (width.min(height) / 40).max(2);
+    let places = [
+        (0, 0),
+        (width - side, 0),
+        (0, height - side),
+        (width - side, height - side),
+    ];
+    let corners = places.map(|(x, y)| -> Vec<[f64; 3]> {
+        (y..y + side)
+            .flat_map(|row| &binned.sums[row * width + x..][..side])
+            .map(|colour| colour.map(f64::from))
+            .collect()
+    });
+    let means = corners.each_ref().map(|corner| mean(corner));
+    let grey = binned.pixels() as f64;
+    let alike = |colour: &[f64; 3]| {
+        means
+            .each_ref()
+            .map(|other| away(colour, other) < MAX_CORNER_DIFFERENCE * grey)
+    };
+    let count = |alike: &[bool; 4]| alike.iter().filter(|&&alike| alike).count();
+    let (alike, colour) = means
+        .iter()
+        .map(|colour| (alike(colour), *colour))
+        .max_by_key(|(alike, _)| count(alike))?;
+    if count(&alike) < 3 {
+        return None;
+    }
+    let mut strays: Vec<f64> = corners
+        .iter()
+        .zip(alike)
+        .filter(|(_, alike)| *alike)
+        .flat_map(|(corner, _)| corner)
+        .map(|value| away(&colour, value))
+        .collect();
+    strays.sort_by(f64::total_cmp);
+    let most = strays[strays.len() * 98 / 100];
+    Some((colour, (1.25 * most).max(MIN_DIFFERENCE * grey)))
+}
+
+fn mean(values: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2]
+        .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
+}
+
+/// The largest difference of the three colours.
+fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }

@@ -1,29 +1,22 @@
-//! Frames of a camera that watches colour markers, to the markers' displacements. Knows nothing of how frames come about.
+//! From camera frames of colour markers to the displacements of the markers. It does not depend on how frames are made.
 
-mod binned;
+mod binning;
 mod calibration;
 mod camera;
-mod coarse;
 mod difference;
 mod error;
-mod errors;
 mod field;
 mod finder;
-mod ground;
+mod ground_mask;
 mod image_circle;
 mod lighting;
 mod marker;
+mod marker_features;
 mod matching;
 mod measure;
-mod odd_terms;
 mod opening;
-mod rim;
 mod selection;
 mod shapes;
-mod sight;
-mod split;
-mod threshold;
-mod window;
 
 pub use calibration::{
     Calibration, CalibrationError, LateralCalibration, LateralPoint, Line, MarkerGain,
@@ -32,14 +25,13 @@ pub use calibration::{
 pub use camera::Equidistant;
 pub use difference::{SizesDiffer, difference};
 pub use error::TrackingError;
-pub use errors::MarkerErrors;
 pub use field::{Displaced, Field, FieldError, Outward};
 pub use finder::{Finder, FinderSettings, Found};
-pub use ground::Ground;
+pub use ground_mask::Ground;
 pub use image_circle::Mask;
 pub use marker::{Change, Marker, Status, Track};
+pub use marker_features::{HueWindow, MarkerErrors};
 pub use matching::match_markers;
-pub use sight::HueWindow;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,11 +1,11 @@
-//! The ground's light over a frame: a polynomial of degree four in either colour, fitted where no marker is.
+//! The ground's light over a frame: a polynomial of degree four for each colour, fitted between the markers.
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::binned::Binned;
+use crate::binning::BinnedFrame;
 use crate::image_circle::Mask;
 
-/// Powers of x and y up to the fourth degree together.
+/// Powers of x and y up to a total degree of four.
 const POWERS: [(i32, i32); 15] = [
     (0, 0),
     (1, 0),
@@ -23,32 +23,32 @@ const POWERS: [(i32, i32); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Side of the squares over which the ground is averaged before it is fitted.
+/// Side of the patches over which the ground is averaged before the fit, in squares.
 const PATCH: usize = 8;
-/// Weight that holds the polynomial back where there is no ground, as a share of the patches.
-const HOLD: f64 = 1e-7;
-/// Standard deviations a patch may stray from the light.
-const STRAY: f64 = 3.0;
+/// Weight of the regularisation, relative to that of the patches. It limits the polynomial where there is no ground.
+const REGULARISATION: f64 = 1e-7;
+/// Largest deviation of a patch from the fitted light, in standard deviations.
+const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
 
-/// The ground's colours, in 0 to 255, as a function of the place in the frame.
+/// The ground's colours, 0 to 255, as a function of the place in the frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Lighting {
     centre: [f64; 2],
     radius: f64,
     /// Coefficients of the polynomial of each colour (red, green, blue), in the order of [`POWERS`].
     terms: [Terms; 3],
-    /// Standard deviation of a pixel's colour, 0 to 255, from one pixel to the next.
+    /// Standard deviation of the noise of a pixel's colour, of 255.
     pub(crate) noise: f64,
 }
 
-/// Value, slopes and second derivatives of a colour of the ground about a place.
+/// Value, slopes and second derivatives of a colour of the ground at a place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives by xx, xy and yy, the first and last halved.
+    /// Second derivatives xx, xy and yy; the first and the last are halved.
     bend: [f64; 3],
 }
 
@@ -71,8 +71,8 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the squares of a frame for which `ground` is true.
-    pub(crate) fn fit(binned: &Binned, ground: &[bool], mask: &Mask) -> Self {
+    /// Fits the light to the squares for which `ground` is true.
+    pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
             radius: mask
@@ -84,23 +84,22 @@ impl Lighting {
         let patches = lighting.patches(binned, ground);
         let everywhere = vec![true; patches.len()];
         lighting.solve(&patches, &everywhere);
-        let strays: Vec<f64> = patches.iter().map(|patch| lighting.stray(patch)).collect();
-        let mut sorted = strays.clone();
+        let deviations = patches.iter().map(|patch| lighting.deviation(patch));
+        let deviations: Vec<f64> = deviations.collect();
+        let mut sorted = deviations.clone();
         sorted.sort_by(f64::total_cmp);
         let typical = sorted
             .get(sorted.len() / 2)
             .copied()
             .unwrap_or(0.0)
             .max(1e-3);
-        let kept: Vec<bool> = strays
-            .iter()
-            .map(|&stray| stray <= STRAY * 1.5 * typical)
-            .collect();
-        lighting.solve(&patches, &kept);
+        let limit = MAX_DEVIATION * 1.5 * typical;
+        let used: Vec<bool> = deviations.iter().map(|&one| one <= limit).collect();
+        lighting.solve(&patches, &used);
         lighting
     }
 
-    /// The ground about a place of the frame.
+    /// The ground at a place of the frame.
     pub(crate) fn about(&self, place: [f64; 2], colour: usize) -> Local {
         let [x, y] = [0, 1].map(|axis| (place[axis] - self.centre[axis]) / self.radius);
         let power = |base: f64, power: i32| match power {
@@ -146,7 +145,7 @@ impl Lighting {
         ])
     }
 
-    fn patches(&self, binned: &Binned, ground: &[bool]) -> Vec<Patch> {
+    fn patches(&self, binned: &BinnedFrame, ground: &[bool]) -> Vec<Patch> {
         let across = binned.width.div_ceil(PATCH);
         let mut sums = vec![[0u32; 6]; across];
         let mut patches = Vec::with_capacity(across * binned.height.div_ceil(PATCH));
@@ -154,7 +153,7 @@ impl Lighting {
             .sums
             .chunks_exact(binned.width)
             .zip(ground.chunks_exact(binned.width));
-        // Every other row tells enough.
+        // Every second row is enough.
         for (y, (colours, ground)) in rows.enumerate().skip(1).step_by(2) {
             let stripes = colours
                 .chunks(PATCH)
@@ -194,11 +193,11 @@ impl Lighting {
         patches
     }
 
-    fn solve(&mut self, patches: &[Patch], kept: &[bool]) {
+    fn solve(&mut self, patches: &[Patch], used: &[bool]) {
         let mut normal = SMatrix::<f64, 15, 15>::zeros();
         let mut right = [Terms::zeros(); 3];
         let mut count = 0.0;
-        for (patch, _) in patches.iter().zip(kept).filter(|(_, kept)| **kept) {
+        for (patch, _) in patches.iter().zip(used).filter(|(_, used)| **used) {
             count += patch.count;
             normal.syger(patch.count, &patch.terms, &patch.terms, 1.0);
             for (right, &colour) in right.iter_mut().zip(&patch.colour) {
@@ -206,8 +205,8 @@ impl Lighting {
             }
         }
         for at in 0..15 {
-            let hold = if at == 0 { 0.0 } else { HOLD };
-            normal[(at, at)] += hold * count;
+            let weight = if at == 0 { 0.0 } else { REGULARISATION };
+            normal[(at, at)] += weight * count;
         }
         normal.fill_upper_triangle_with_lower_triangle();
         if let Some(factor) = normal.cholesky() {
@@ -221,8 +220,8 @@ impl Lighting {
         }
     }
 
-    /// How far a patch lies from the light, in standard deviations of its mean if it were all ground.
-    fn stray(&self, patch: &Patch) -> f64 {
+    /// Deviation of a patch from the fitted light, in standard deviations of its mean.
+    fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))
             .iter()
@@ -231,29 +230,23 @@ impl Lighting {
     }
 }
 
-/// The standard deviation of a pixel from the differences of ground squares side by side: their median size, which for
-/// three independent normal colours is 1.5382 √2 of one's standard deviation.
-fn noise(binned: &Binned, ground: &[bool]) -> f64 {
+/// The standard deviation of a pixel's noise, from the median difference of neighbouring ground squares. For three independent
+/// normal colours, this median is 1.5382 √2 standard deviations of one colour.
+fn noise(binned: &BinnedFrame, ground: &[bool]) -> f64 {
     let mut differences: Vec<i32> = Vec::new();
     let rows = binned
         .sums
         .chunks_exact(binned.width)
         .zip(ground.chunks_exact(binned.width));
     for (colours, ground) in rows.step_by(4) {
-        for (pair, _) in colours
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .zip(ground.as_chunks::<2>().0)
-            .step_by(2)
-            .filter(|(_, ground)| ground[0] && ground[1])
-        {
-            differences.push(
-                (0..3)
-                    .map(|at| (i32::from(pair[0][at]) - i32::from(pair[1][at])).pow(2))
-                    .sum(),
-            );
-        }
+        let pairs = colours.as_chunks::<2>().0.iter();
+        let pairs = pairs.zip(ground.as_chunks::<2>().0).step_by(2);
+        differences.extend(pairs.filter(|(_, ground)| **ground == [true; 2]).map(
+            |([one, other], _)| {
+                let difference = |at: usize| i32::from(one[at]) - i32::from(other[at]);
+                (0..3).map(|at| difference(at).pow(2)).sum::<i32>()
+            },
+        ));
     }
     if differences.is_empty() {
         return 0.0;

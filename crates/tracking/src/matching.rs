@@ -1,38 +1,38 @@
-//! Markers of a rest frame found again in a pressed one.
+//! Matching of the markers in a rest frame with those in a pressed frame.
 //!
-//! Neighbours move alike. Markers that are each other's nearest within half the distance to the next one are matched
-//! first; those that moved otherwise than their neighbours are let go; then each marker is looked for where its matched
-//! neighbours say that it went, and again, until nothing changes.
+//! Neighbours move alike. First, markers are matched that are mutually nearest, within half the distance to the next marker.
+//! Then matches are removed that moved differently from their neighbours, and each marker is searched where its matched
+//! neighbours predict it. This is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// How far, in distances to the next marker, a first match may lie.
+/// Largest distance of a first match, in distances to the next marker.
 const FIRST_GATE: f64 = 0.5;
-/// How far from where its neighbours say that it went a marker may lie, in the same distances.
+/// Largest distance of a marker from its predicted place, in distances to the next marker.
 const GATE: f64 = 0.3;
-/// Number of neighbours that say where a marker went.
-const WITNESSES: usize = 6;
-/// Largest number of rounds in which all is looked through again.
-const ROUNDS: usize = 8;
-/// How far the size of a merged marker may lie from the sum of two, as a share of it.
+/// Number of neighbours that predict a marker's place.
+const PREDICTORS: usize = 6;
+/// Largest number of iterations.
+const MAX_ITERATIONS: usize = 8;
+/// Largest relative difference between the size of a merged marker and the sum of the two sizes.
 const SIZE_GATE: f64 = 0.3;
-/// How far off two markers that merge, or the pieces of one that splits, may be, in distances to the next marker.
+/// Largest distance of two merging markers, or of the pieces of a split marker, in distances to the next marker.
 const REACH: f64 = 1.5;
 
-/// Matches the markers of a rest frame with those of a pressed one: one track for each marker at rest, in their order,
-/// then one for each that is new, in the pressed ones' order.
+/// Matches the markers of a rest frame with those of a pressed frame. Returns one track for each marker at rest, in their
+/// order, then one track for each new marker, in the order of the pressed markers.
 ///
-/// Markers are told apart that move less than about a third of the distance to the next one, or further if all around
-/// them move alike. A merged one is the pressed marker of both tracks that it belongs to; the pieces of a split one are
-/// put together in its track: their common centroid, sizes added up. Markers that are not finite match nothing. The time
-/// grows with the product of the two numbers.
+/// Markers are matched if they move less than about a third of the distance to the next one, or further if all markers around
+/// them move alike. A merged marker is the pressed marker of both of its tracks. The pieces of a split marker are combined
+/// in its track: common centroid and total size. Markers that are not finite match nothing. The time grows with the
+/// product of the two numbers of markers.
 ///
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};
 ///
 /// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, size_px2: 300.0, pixels: 300 };
 /// let rest = [20.0, 60.0, 100.0].map(marker);
-/// // Two move by 3 px; the third is not seen again.
+/// // Two move by 3 px; the third is lost.
 /// let pressed = [23.0, 63.0].map(marker);
 /// let tracks = match_markers(&rest, &pressed);
 /// let fates: Vec<Status> = tracks.iter().map(|track| track.status).collect();
@@ -41,10 +41,10 @@ const REACH: f64 = 1.5;
 /// ```
 pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
     let mut matching = Matching::new(rest, pressed);
-    matching.first();
-    for _ in 0..ROUNDS {
+    matching.match_nearest();
+    for _ in 0..MAX_ITERATIONS {
         let before = matching.pairs.clone();
-        matching.look_again();
+        matching.match_predicted();
         if matching.pairs == before {
             break;
         }
@@ -55,9 +55,9 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance from each marker at rest to the next one, px.
+    /// Distance from each marker at rest to its nearest neighbour, px.
     spacing: Vec<f64>,
-    /// Nearest other markers of each marker at rest, the nearest first.
+    /// Neighbours of each marker at rest, nearest first.
     around: Vec<Vec<usize>>,
     /// Pressed marker of each marker at rest.
     pairs: Vec<Option<usize>>,
@@ -67,17 +67,18 @@ impl<'a> Matching<'a> {
     fn new(rest: &'a [Marker], pressed: &'a [Marker]) -> Self {
         let around: Vec<Vec<usize>> = rest
             .iter()
-            .map(|marker| nearest(rest, marker, 2 * WITNESSES))
+            .map(|marker| nearest(rest, marker, 2 * PREDICTORS))
             .collect();
         let mut spacing: Vec<f64> = rest
             .iter()
             .zip(&around)
             .map(|(marker, around)| {
-                let next = around.iter().map(|&other| distance(marker, &rest[other]));
+                let away = |&other: &usize| distance(marker.centroid_px, rest[other].centroid_px);
+                let next = around.iter().map(away);
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker without a neighbour takes the distance at which markers of its size might stand.
+        // A marker without neighbours uses a typical spacing of markers of its size.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }
@@ -90,15 +91,15 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Matches those that are each other's nearest.
-    fn first(&mut self) {
+    /// Matches markers that are mutually nearest.
+    fn match_nearest(&mut self) {
         let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches markers at rest, expected at `places`, with pressed ones within `gate` spacings.
+    /// Matches markers at rest, expected at `places`, with pressed markers within `gate` spacings.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
-        let away = |at: usize, other: usize| apart(places[at], self.pressed[other].centroid_px);
+        let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
             (0..count)
                 .filter(|&at| away(at).is_finite())
@@ -117,46 +118,42 @@ impl<'a> Matching<'a> {
         self.pairs = pairs;
     }
 
-    /// Lets go of those that moved otherwise than their neighbours and matches all anew where they are expected.
-    fn look_again(&mut self) {
-        let strange: Vec<usize> = (0..self.rest.len())
-            .filter(|&at| {
-                let moved = self.moved(at);
-                moved.is_some_and(|moved| {
-                    self.expected_move(at)
-                        .is_some_and(|expected| apart(moved, expected) > GATE * self.spacing[at])
-                })
-            })
-            .collect();
-        for at in strange {
+    /// Removes matches that moved differently from their neighbours, and matches all markers at their predicted places.
+    fn match_predicted(&mut self) {
+        let is_outlier = |at: usize| {
+            let moves = self.displacement(at).zip(self.expected_move(at));
+            moves.is_some_and(|(one, expected)| distance(one, expected) > GATE * self.spacing[at])
+        };
+        let outliers: Vec<usize> = (0..self.rest.len()).filter(|&at| is_outlier(at)).collect();
+        for at in outliers {
             self.pairs[at] = None;
         }
         let places: Vec<[f64; 2]> = (0..self.rest.len()).map(|at| self.place(at)).collect();
         self.pair(&places, GATE);
     }
 
-    fn moved(&self, at: usize) -> Option<[f64; 2]> {
+    fn displacement(&self, at: usize) -> Option<[f64; 2]> {
         let pressed = self.pressed[self.pairs[at]?].centroid_px;
         let rest = self.rest[at].centroid_px;
         Some([0, 1].map(|axis| pressed[axis] - rest[axis]))
     }
 
-    /// How far the neighbours say that a marker moved: the middle one of their moves along each axis.
+    /// Displacement that the neighbours predict: the median of their displacements along each axis.
     fn expected_move(&self, at: usize) -> Option<[f64; 2]> {
         let moves: Vec<[f64; 2]> = self.around[at]
             .iter()
-            .filter_map(|&other| self.moved(other))
-            .take(WITNESSES)
+            .filter_map(|&other| self.displacement(other))
+            .take(PREDICTORS)
             .collect();
         (!moves.is_empty())
-            .then(|| [0, 1].map(|axis| middle(moves.iter().map(|moved| moved[axis]).collect())))
+            .then(|| [0, 1].map(|axis| median(moves.iter().map(|moved| moved[axis]).collect())))
     }
 
-    /// Place at which a marker is expected in the pressed frame.
+    /// Predicted place of a marker in the pressed frame.
     fn place(&self, at: usize) -> [f64; 2] {
         let moved = self
             .expected_move(at)
-            .or_else(|| self.moved(at))
+            .or_else(|| self.displacement(at))
             .unwrap_or_default();
         let rest = self.rest[at].centroid_px;
         [0, 1].map(|axis| rest[axis] + moved[axis])
@@ -191,7 +188,7 @@ impl<'a> Matching<'a> {
         tracks
     }
 
-    /// Lost markers that are in one pressed marker together with another.
+    /// Finds lost markers that form one pressed marker together with another.
     fn merge(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             if tracks[at].status != Status::Lost {
@@ -222,19 +219,19 @@ impl<'a> Matching<'a> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())
             .filter(|&other| !used[other])
-            .map(|other| (other, apart(middle, self.pressed[other].centroid_px)))
+            .map(|other| (other, distance(middle, self.pressed[other].centroid_px)))
             .filter(|(_, away)| *away < REACH * self.spacing[parts[0]])
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(other, _)| other)
     }
 
-    /// Markers of which two pressed ones are pieces.
+    /// Finds markers whose pieces are two pressed markers.
     fn split(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             let reach = REACH * self.spacing[at];
             let mut near: Vec<usize> = (0..self.pressed.len())
                 .filter(|&other| {
-                    !used[other] && apart(places[at], self.pressed[other].centroid_px) < reach
+                    !used[other] && distance(places[at], self.pressed[other].centroid_px) < reach
                 })
                 .collect();
             near.extend(self.pairs[at].filter(|_| tracks[at].status == Status::Tracked));
@@ -261,13 +258,13 @@ impl<'a> Matching<'a> {
                 for piece in pieces {
                     used[piece] = true;
                 }
-                tracks[at].pressed = Some(together(pieces.map(|piece| self.pressed[piece])));
+                tracks[at].pressed = Some(combine(pieces.map(|piece| self.pressed[piece])));
                 tracks[at].status = Status::Split;
             }
         }
     }
 
-    /// Whether a marker is as large as two places' together, and where they would be together.
+    /// Whether a marker has the total size and the common centroid of two parts.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]
@@ -275,12 +272,12 @@ impl<'a> Matching<'a> {
         let larger = parts[0].1.max(parts[1].1);
         (whole.size_px2 - size).abs() < SIZE_GATE * size
             && (whole.size_px2 - size).abs() < (whole.size_px2 - larger).abs()
-            && apart(centre, whole.centroid_px) < GATE * spacing
+            && distance(centre, whole.centroid_px) < GATE * spacing
     }
 }
 
-/// Two pieces as one marker.
-fn together(pieces: [Marker; 2]) -> Marker {
+/// Combines two pieces to one marker.
+fn combine(pieces: [Marker; 2]) -> Marker {
     let [a, b] = pieces;
     let size_px2 = a.size_px2 + b.size_px2;
     let turn = b.hue_turns - a.hue_turns;
@@ -299,13 +296,13 @@ fn pairs_of(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..items.len()).flat_map(move |a| (a + 1..items.len()).map(move |b| [items[a], items[b]]))
 }
 
-/// The `count` markers nearest to one, without it.
+/// The `count` nearest other markers.
 fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
     let mut others: Vec<(usize, f64)> = markers
         .iter()
         .enumerate()
         .filter(|(_, other)| !std::ptr::eq(*other, marker))
-        .map(|(at, other)| (at, distance(marker, other)))
+        .map(|(at, other)| (at, distance(marker.centroid_px, other.centroid_px)))
         .filter(|(_, away)| away.is_finite())
         .collect();
     if others.len() > count {
@@ -316,7 +313,7 @@ fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
     others.into_iter().map(|(at, _)| at).collect()
 }
 
-fn middle(mut values: Vec<f64>) -> f64 {
+fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
     if values.len() % 2 == 1 {
@@ -326,11 +323,7 @@ fn middle(mut values: Vec<f64>) -> f64 {
     }
 }
 
-fn distance(a: &Marker, b: &Marker) -> f64 {
-    apart(a.centroid_px, b.centroid_px)
-}
-
-fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     let [x, y] = [a[0] - b[0], a[1] - b[1]];
     (x * x + y * y).sqrt()
 }

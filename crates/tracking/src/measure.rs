@@ -1,63 +1,61 @@
-//! Measurement of a marker in light: sums over its window, linear in the pixels, so that blur, noise, partly covered
-//! pixels and uneven light leave them unbiased.
+//! Measurement of a marker: sums over its window. They are linear in the pixels, so blur, noise, partly covered pixels and
+//! uneven light cause no bias.
 
 use image::RgbImage;
 
 use crate::Ground;
 use crate::lighting::{Lighting, Local};
-use crate::shapes::Shape;
-use crate::window::Window;
+use crate::shapes::{Shape, Window};
 
-/// Width of the ring about a window in which the ground is looked at, px.
+/// Width of the ring around a window in which the ground is measured, px.
 const RING_PX: i32 = 4;
-/// Share of the markers' mean signal below which nothing is left of them.
-const SPENT: f64 = 0.004;
-/// Markers the reach is measured on.
-const SAMPLE: usize = 12;
-/// The darkest ground that light is compared with, 0 to 255.
-const DARKEST: f32 = 8.0;
-/// Share of light by which a pixel of the ground may differ from the fitted light.
-const STRANGE: f64 = 0.15;
+/// A marker ends where its signal falls below this share of the markers' mean signal.
+const END_SIGNAL: f64 = 0.004;
+/// Number of markers on which the reach is measured.
+const SAMPLE_SIZE: usize = 12;
+/// Smallest brightness of the ground by which light is divided, of 255.
+const MIN_BRIGHTNESS: f32 = 8.0;
+/// Largest relative difference of a ground pixel from the fitted light.
+const MAX_DIFFERENCE: f64 = 0.15;
 
-/// Sums over a window, of shares of light that a marker takes from a bright ground or adds to a dark one.
+/// Sums over a window of the shares of light that a marker absorbs from a bright ground or adds to a dark one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Number of pixels.
     pub(crate) count: f64,
     /// Sum of the offsets of the pixels from `middle`, px.
     pub(crate) place: [f64; 2],
-    /// Sums of the pixels' shares of red, green and blue: of the ground's light that they take, or of full scale that
-    /// they add.
+    /// Sums of the pixels' shares of red, green and blue: of the absorbed ground light, or of the added full scale.
     pub(crate) light: [f64; 3],
     /// First moment of each colour channel about `middle`, px: the sum of shares times offsets.
     pub(crate) moment: [[f64; 2]; 3],
-    /// Sums of red, green and blue over the pixels that tell the hue: on a bright ground all; on a dark one, where the
-    /// ground adds nothing but noise to the chroma, the shape's own.
+    /// Sums of red, green and blue over the pixels that determine the hue. On a bright ground these are all pixels. On a dark
+    /// ground they are the shape's pixels, because the others only add noise.
     pub(crate) hue_light: [f64; 3],
-    /// Place that offsets are counted from, px.
+    /// Origin of the offsets, px.
     pub(crate) middle: [f64; 2],
-    /// Errors of the pixels that they are sums of.
+    /// Errors of the summed pixels.
     pub(crate) errors: PixelErrors,
 }
 
 /// Errors of the pixels of a window.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelErrors {
-    /// Sums over the window's pixels of 1, x, y, x², xy and y², counted from the sums' `middle`.
+    /// Sums over the window's pixels of 1, x, y, x², xy and y², relative to the sums' `middle`.
     pub(crate) window: [f64; 6],
     /// Variance of each colour of a pixel, squared shares.
     pub(crate) pixel: [f64; 3],
-    /// Variance of what all pixels of the window err by alike, squared shares.
+    /// Variance of the common error of all pixels of the window, squared shares.
     pub(crate) common: [f64; 3],
     /// Radius of a circle of the marker's area, px.
     pub(crate) radius_px: f64,
 }
 
-/// A frame and all that is known of its ground.
+/// A frame with its ground.
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
-    /// First and last column of each row that show the sensor.
+    /// First and last column that show the sensor, for each row.
     pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
@@ -65,7 +63,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) diameter_px: f64,
 }
 
-/// A shape with its place among the others.
+/// A shape with its windows and neighbours.
 struct Patch {
     middle: [f64; 2],
     radius: f64,
@@ -76,7 +74,7 @@ struct Patch {
     local: [Local; 3],
 }
 
-/// Owner of the pixels that lie in a neighbour's window too.
+/// Use of the pixels that are also in a neighbour's window.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
     /// Pixels in two windows belong to the nearer marker.
@@ -85,17 +83,17 @@ enum Contested {
     Nobody,
 }
 
-/// How far the ground about a marker lies from the fitted light, in shares.
+/// Relative difference of the ground around a marker from the fitted light.
 #[derive(Clone, Copy, Default)]
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance that is left of it once it is believed as far as it deserves.
+    /// Variance of the difference after shrinkage.
     left: [f64; 3],
 }
 
 impl Scene<'_> {
-    /// Sums of each shape, the ground about it taken into account.
+    /// Sums of each shape, corrected for the ground around it.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -106,7 +104,7 @@ impl Scene<'_> {
         let mut offsets: Vec<Offset> = (0..patches.len())
             .map(|at| self.offset(&patches, at))
             .collect();
-        trust(&mut offsets);
+        shrink(&mut offsets);
         for (at, (sums, offset)) in sums.iter_mut().zip(&offsets).enumerate() {
             sums.errors = self.errors(&patches[at], offset);
             self.correct(sums, offset);
@@ -136,7 +134,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Grows the windows and finds who is near whom.
+    /// Grows the windows and finds the neighbours.
     fn grow(&self, patches: &mut [Patch], reach: i32) {
         for patch in patches.iter_mut() {
             patch.window = patch.hull.grown(reach, self.rows);
@@ -162,19 +160,18 @@ impl Scene<'_> {
         }
     }
 
-    /// How far beyond its shape a marker is seen, px: where the mean over many markers of what is left of them has fallen
-    /// to nothing.
+    /// How far a marker extends beyond its shape, px: to the distance where the mean signal of many markers ends.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
         let mut rings = vec![[0.0; 2]; (most + 1) as usize];
-        let step = patches.len().div_ceil(SAMPLE).max(1);
+        let step = patches.len().div_ceil(SAMPLE_SIZE).max(1);
         for at in (0..patches.len()).step_by(step) {
             let patch = &patches[at];
             let mut inner: Option<Window> = None;
             for (reach, ring) in (0..).zip(&mut rings) {
                 let outer = patch.hull.grown(reach, self.rows);
-                self.each(
+                self.for_each_pixel(
                     patches,
                     at,
                     &outer,
@@ -200,14 +197,14 @@ impl Scene<'_> {
         let rest = 0.5 * (mean(&rings[last]) + mean(&rings[last - 1]));
         let full = mean(&rings[0]) - rest;
         (1..last)
-            .find(|&reach| mean(&rings[reach + 1]) - rest < SPENT * full)
+            .find(|&reach| mean(&rings[reach + 1]) - rest < END_SIGNAL * full)
             .map_or(most, |reach| reach as i32)
             .max(2)
     }
 
-    /// Calls with the offset from the middle and the shares of light of each pixel of `outer` that is not in `inner` and
-    /// does not go to a neighbour.
-    fn each(
+    /// Calls `pixel` with the offset from the middle and the shares of light, for each pixel of `outer` that is not in `inner`
+    /// and does not belong to a neighbour.
+    fn for_each_pixel(
         &self,
         patches: &[Patch],
         at: usize,
@@ -240,7 +237,7 @@ impl Scene<'_> {
                 for (x, value) in (first..).zip(bytes.as_chunks::<3>().0) {
                     if rivals.iter().any(|&(left, right, rival)| {
                         (left..=right).contains(&x)
-                            && (contested == Contested::Nobody || rival.takes(patch, [x, row]))
+                            && (contested == Contested::Nobody || rival.is_nearer(patch, [x, row]))
                     }) {
                         continue;
                     }
@@ -258,12 +255,12 @@ impl Scene<'_> {
         }
     }
 
-    /// Shares of the ground's red, green and blue light that a pixel takes, or shares of full scale that it adds to it.
+    /// Shares of the ground's red, green and blue light that a pixel absorbs, or shares of full scale that it adds.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {
             Ground::Bright => {
-                [0, 1, 2].map(|at| 1.0 - f32::from(value[at]) / ground[at].max(DARKEST))
+                [0, 1, 2].map(|at| 1.0 - f32::from(value[at]) / ground[at].max(MIN_BRIGHTNESS))
             }
             Ground::Dark => [0, 1, 2].map(|at| (f32::from(value[at]) - ground[at]) * (1.0 / 255.0)),
         }
@@ -271,7 +268,7 @@ impl Scene<'_> {
 
     fn sum(&self, patches: &[Patch], at: usize) -> Sums {
         let mut sums = [0.0f32; 12];
-        self.each(
+        self.for_each_pixel(
             patches,
             at,
             &patches[at].window,
@@ -309,10 +306,10 @@ impl Scene<'_> {
         }
     }
 
-    /// The sums of colours over the shape alone, and its pixels.
+    /// The sums of the colours over the shape alone, and its number of pixels.
     fn core(&self, patches: &[Patch], at: usize) -> ([f64; 3], f64) {
         let mut sums = [0.0f32; 4];
-        self.each(
+        self.for_each_pixel(
             patches,
             at,
             &patches[at].hull,
@@ -328,11 +325,11 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// The ground in the ring about a window, twice: what is strange is left out.
+    /// Difference of the ground in the ring around a window. The second pass rejects pixels that differ too much.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
-        self.each(
+        self.for_each_pixel(
             patches,
             at,
             &patch.surroundings,
@@ -343,25 +340,27 @@ impl Scene<'_> {
             },
         );
         let noise = patch.local.map(|local| match self.ground {
-            Ground::Bright => self.lighting.noise / f64::from(local.row(0.0)[0].max(DARKEST)),
+            Ground::Bright => {
+                self.lighting.noise / f64::from(local.row(0.0)[0].max(MIN_BRIGHTNESS))
+            }
             Ground::Dark => self.lighting.noise / 255.0,
         });
         let (mut share, mut count) = ([0.0; 3], 0.0);
-        for within in [STRANGE, 0.01] {
+        for within in [MAX_DIFFERENCE, 0.01] {
             let mut sums = [0.0; 3];
-            let mut held = 0.0;
+            let mut used = 0.0;
             for light in &ring {
                 let light = light.map(f64::from);
                 if (0..3).all(|at| (light[at] - share[at]).abs() < within + 4.0 * noise[at]) {
-                    held += 1.0;
+                    used += 1.0;
                     for (sum, light) in sums.iter_mut().zip(light) {
                         *sum += light;
                     }
                 }
             }
-            if held > 0.0 {
-                share = sums.map(|sum| sum / held);
-                count = held;
+            if used > 0.0 {
+                share = sums.map(|sum| sum / used);
+                count = used;
             }
         }
         Offset {
@@ -378,13 +377,13 @@ impl Scene<'_> {
     }
 
     fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
-        // Whole levels err by the root of a twelfth where noise does not spread them.
+        // Rounding to whole levels alone has a variance of 1/12.
         let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
         PixelErrors {
             window: patch.window.moments(patch.middle),
             pixel: patch.local.map(|local| {
                 let level = match self.ground {
-                    Ground::Bright => f64::from(local.row(0.0)[0].max(DARKEST)),
+                    Ground::Bright => f64::from(local.row(0.0)[0].max(MIN_BRIGHTNESS)),
                     Ground::Dark => 255.0,
                 };
                 (noise / level).powi(2)
@@ -394,7 +393,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Takes the ground's offset out of the sums.
+    /// Corrects the sums for the difference of the ground.
     fn correct(&self, sums: &mut Sums, offset: &Offset) {
         for (colour, &share) in offset.share.iter().enumerate() {
             let scale = match self.ground {
@@ -411,8 +410,8 @@ impl Scene<'_> {
 }
 
 impl Patch {
-    /// Whether a pixel in both windows is nearer, in radii, to this one than to another.
-    fn takes(&self, other: &Self, [x, y]: [i32; 2]) -> bool {
+    /// Whether a pixel is nearer to this marker than to another, in units of their radii.
+    fn is_nearer(&self, other: &Self, [x, y]: [i32; 2]) -> bool {
         let [mine, theirs] = [self, other].map(|patch| {
             let [dx, dy] = [
                 f64::from(x) - patch.middle[0],
@@ -424,9 +423,9 @@ impl Patch {
     }
 }
 
-/// Believes each offset as far as the offsets of all markers differ by more than noise lets them (empirical Bayes): in an
-/// evenly lit frame the fitted light is far better known than a few pixels tell.
-fn trust(offsets: &mut [Offset]) {
+/// Shrinks each difference by the ratio of true spread to total variance (empirical Bayes). In an evenly lit frame, the fitted
+/// light is much more exact than a few pixels.
+fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);
         for offset in offsets
@@ -443,10 +442,10 @@ fn trust(offsets: &mut [Offset]) {
             0.0
         };
         for offset in offsets.iter_mut() {
-            let belief = spread / (spread + offset.variance[colour]);
-            offset.share[colour] *= belief;
-            if belief > 0.0 {
-                offset.left[colour] = belief * offset.variance[colour];
+            let factor = spread / (spread + offset.variance[colour]);
+            offset.share[colour] *= factor;
+            if factor > 0.0 {
+                offset.left[colour] = factor * offset.variance[colour];
             }
         }
     }

@@ -1,10 +1,10 @@
-//! The morphological opening of a plane of bytes by a square, and with it the top-hat.
+//! The morphological opening of a plane of bytes by a square. The top-hat transform needs it.
 //!
-//! The least of `n` neighbours along a line is had from the least of `n/2`: windows are doubled until the wanted length is
-//! between one and two of them, and two overlapping ones make it up. Rows against rows and bytes against bytes are both
-//! one stream against itself, shifted, so that no plane is turned and every pass runs on whole vectors.
+//! The minimum over `n` neighbours follows from the minima over `n/2` of them. So the window is doubled until two overlapping
+//! windows cover `n`. Passes along columns and along rows both compare a shifted plane with itself, so that no plane is
+//! transposed and every pass uses whole vectors.
 
-/// A plane of bytes and room to work in.
+/// Buffers of the opening.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
     here: Vec<u8>,
@@ -13,8 +13,8 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// The opening of `plane`, rows of `width` bytes, by a square of `2 half + 1` pixels a side. The square's middle stays
-    /// where `middles` is true, and where `inside` is false nothing limits the square; the result there has no meaning.
+    /// The opening of `plane`, with rows of `width` bytes, by a square of `2 half + 1` pixels a side. The middle of the square
+    /// stays where `middles` is true. Pixels with `inside` false do not limit the square; the result there is meaningless.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
@@ -38,7 +38,7 @@ impl Opening {
         &self.here
     }
 
-    /// The extreme over squares, from `here` to `here`.
+    /// Replaces `here` by the extremes over squares.
     fn pass<E: Extreme>(&mut self, width: usize, half: usize) {
         let pitch = width + 2 * half;
         self.padded.clear();
@@ -61,8 +61,8 @@ impl Opening {
     }
 }
 
-/// Replaces every element of `line` by the extreme of itself and of the `window - 1` that follow it `stride` apart; the
-/// last `stride (window - 1)` elements, which lack followers, are dropped.
+/// Replaces every element of `line` by the extreme of itself and the next `window - 1` elements at a distance of `stride`. Drops
+/// the last `stride (window - 1)` elements, which have no such followers.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {
@@ -106,8 +106,8 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The definition: at each place the greatest, over squares with an allowed middle that hold it, of the least
-    /// inside such a square.
+    /// The definition: at each place the maximum, over squares with an allowed middle that contain the place, of the minimum
+    /// inside the square.
     fn by_definition(
         plane: &[u8],
         width: usize,
@@ -123,24 +123,16 @@ mod tests {
                     .map(move |column| row * width + column)
             })
         };
-        let eroded: Vec<u8> = (0..plane.len())
-            .map(|at| {
-                square(at)
-                    .filter(|&at| inside[at])
-                    .map(|at| plane[at])
-                    .min()
-                    .unwrap_or(255)
-            })
-            .collect();
-        (0..plane.len())
-            .map(|at| {
-                square(at)
-                    .filter(|&at| middles[at])
-                    .map(|at| eroded[at])
-                    .max()
-                    .unwrap_or(0)
-            })
-            .collect()
+        let least = |at| {
+            let values = square(at).filter(|&at| inside[at]).map(|at| plane[at]);
+            values.min().unwrap_or(255)
+        };
+        let eroded: Vec<u8> = (0..plane.len()).map(least).collect();
+        let greatest = |at| {
+            let values = square(at).filter(|&at| middles[at]).map(|at| eroded[at]);
+            values.max().unwrap_or(0)
+        };
+        (0..plane.len()).map(greatest).collect()
     }
 
     #[test]

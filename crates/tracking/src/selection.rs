@@ -1,40 +1,41 @@
-//! Which shapes may be markers: of a marker's size and form, whole or cut off by the rim.
+//! Selection of the shapes that may be markers by size and form, and separation of markers that touch.
 
-use crate::shapes::Shape;
-use crate::split::{split, steep};
+use crate::shapes::{Run, Shape, join};
 
 /// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
-    /// Shapes that are seen whole.
+    /// Complete shapes.
     pub(crate) whole: Vec<Shape>,
-    /// Shapes that are cut off by the circle or the frame.
+    /// Shapes that the circle or the frame cuts off.
     pub(crate) cut: Vec<Shape>,
     /// Diameter of a typical marker, in squares.
     pub(crate) diameter: f64,
 }
 
-/// The least area of a shape, squares.
-const LEAST_AREA: usize = 9;
-/// Least and largest area of a whole marker, as multiples of a typical one's.
+/// Smallest area of a shape, squares.
+const MIN_AREA: usize = 9;
+/// Smallest and largest area of a complete marker, in areas of a typical one.
 const AREAS: [f64; 2] = [0.3, 3.0];
-/// The least area of what is left of a cut one, in typical ones.
-const LEAST_CUT: f64 = 0.1;
-/// Larger ones, in typical ones, are cut in pieces where they can be.
-const OVERSIZED: f64 = 1.6;
-/// Largest length of a marker, in breadths.
-const LONGEST: f64 = 3.0;
-/// The least share of its ellipse that a marker fills.
-const LEAST_FILL: f64 = 0.7;
+/// Smallest visible area of a cut-off marker, in areas of a typical one.
+const MIN_CUT_AREA: f64 = 0.1;
+/// Shapes above this area, in areas of a typical marker, are split if possible.
+const SPLIT_AREA: f64 = 1.6;
+/// Largest ratio of a marker's length to its width.
+const MAX_ELONGATION: f64 = 3.0;
+/// Smallest share of its ellipse that a marker fills.
+const MIN_FILL: f64 = 0.7;
+/// Share of a shape's height above which it is not only shade.
+const STEEP: f64 = 0.6;
 
 impl Selection {
-    /// All shapes, the whole ones first.
+    /// All shapes, the complete ones first.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.whole.iter().chain(&self.cut)
     }
 }
 
-/// Chooses among the shapes of `top_hat` above `limit`.
+/// Selects among the shapes of `top_hat` above `limit`.
 pub(crate) fn select(
     shapes: Vec<Shape>,
     top_hat: &[u8],
@@ -42,12 +43,12 @@ pub(crate) fn select(
     width: usize,
     inside: &[bool],
 ) -> Selection {
-    let sized = |shape: &Shape| shape.area() >= LEAST_AREA;
+    let sized = |shape: &Shape| shape.area() >= MIN_AREA;
     let (dim, mut whole): (Vec<Shape>, Vec<Shape>) = shapes
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Towards the rim light often falls steeply: the shade there joins what stands in it.
+    // Near the rim the light often drops steeply. The shade there joins with the markers in it.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))
@@ -58,7 +59,7 @@ pub(crate) fn select(
     };
     let least = (AREAS[0] * typical) as usize;
     let parted = |shape: Shape| {
-        if shape.area() as f64 > OVERSIZED * typical {
+        if shape.area() as f64 > SPLIT_AREA * typical {
             split(shape, top_hat, width, limit, least)
         } else {
             vec![shape]
@@ -70,31 +71,26 @@ pub(crate) fn select(
         .partition(|shape| is_cut(shape, width, inside));
     whole = whole.into_iter().flat_map(parted).chain(freed).collect();
     whole.retain(|shape| {
-        let form = shape.form();
-        (AREAS[0] * typical..AREAS[1] * typical).contains(&(shape.area() as f64))
-            && form.elongation < LONGEST
-            && form.fill > LEAST_FILL
+        let sizes = AREAS[0] * typical..AREAS[1] * typical;
+        sizes.contains(&(shape.area() as f64)) && has_marker_form(shape)
     });
     Selection {
         whole,
         cut: cut
             .into_iter()
             .filter(|shape| {
-                (LEAST_CUT * typical..AREAS[1] * typical).contains(&(shape.area() as f64))
+                (MIN_CUT_AREA * typical..AREAS[1] * typical).contains(&(shape.area() as f64))
             })
             .collect(),
         diameter: (4.0 / std::f64::consts::PI * typical).sqrt(),
     }
 }
 
-/// The area up to which shapes that might be markers hold half of all their pixels: specks do not count for much.
+/// The median area of the shapes that may be markers, weighted by area so that specks have little weight.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()
-        .filter(|shape| {
-            let form = shape.form();
-            form.elongation < LONGEST && form.fill > LEAST_FILL
-        })
+        .filter(|shape| has_marker_form(shape))
         .map(Shape::area)
         .collect();
     areas.sort_unstable();
@@ -109,6 +105,11 @@ fn typical_area(shapes: &[Shape]) -> Option<f64> {
         .map(|area| area as f64)
 }
 
+fn has_marker_form(shape: &Shape) -> bool {
+    let form = shape.form();
+    form.elongation < MAX_ELONGATION && form.fill > MIN_FILL
+}
+
 /// Whether a shape reaches the rim of the circle or the border of the frame.
 fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     let height = inside.len() / width;
@@ -121,4 +122,80 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
                 line[run.first - 1..=run.last + 1].contains(&false)
             })
     })
+}
+
+/// Splits a shape into the pieces of at least `least` pixels into which a higher limit divides it. Pixels between the pieces
+/// go to the nearest piece. Returns the shape itself if no limit divides it.
+fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
+    let greatest = shape.values(plane, width).max().unwrap_or(0);
+    let step = (greatest.saturating_sub(limit) / 16).max(1);
+    let mut higher = limit.saturating_add(step);
+    while higher < greatest {
+        let runs = above(&shape, plane, width, higher);
+        let pieces = join(&runs, usize::MAX).unwrap_or_default();
+        let pieces: Vec<Shape> = pieces
+            .into_iter()
+            .filter(|piece| piece.area() >= least)
+            .collect();
+        if pieces.len() > 1 {
+            return assign_pixels(&shape, &pieces);
+        }
+        higher = higher.saturating_add(step);
+    }
+    vec![shape]
+}
+
+/// The pieces of a shape above a share of its 90 % quantile: the shape without the shade around it.
+fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
+    let mut values: Vec<u8> = shape.values(plane, width).collect();
+    let high = values.len() * 9 / 10;
+    let (_, &mut height, _) = values.select_nth_unstable(high);
+    let limit = (STEEP * f64::from(height)) as u8;
+    join(&above(shape, plane, width, limit), usize::MAX).unwrap_or_default()
+}
+
+fn above(shape: &Shape, plane: &[u8], width: usize, limit: u8) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for run in &shape.runs {
+        for column in run.first..=run.last {
+            if plane[run.row * width + column] > limit {
+                push_pixel(&mut runs, run.row, column);
+            }
+        }
+    }
+    runs
+}
+
+/// Adds the next pixel, in the order of rows and columns.
+fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
+    match runs.last_mut() {
+        Some(last) if last.row == row && last.last + 1 == column => last.last = column,
+        _ => runs.push(Run {
+            row,
+            first: column,
+            last: column,
+        }),
+    }
+}
+
+/// Assigns every pixel of the shape to the piece with the nearest middle, where distances are relative to the piece's radius.
+fn assign_pixels(shape: &Shape, pieces: &[Shape]) -> Vec<Shape> {
+    let middles: Vec<([f64; 2], f64)> = pieces
+        .iter()
+        .map(|piece| (piece.form().middle, piece.area() as f64))
+        .collect();
+    let mut shared = vec![Shape::default(); pieces.len()];
+    for run in &shape.runs {
+        for column in run.first..=run.last {
+            let away = |&([x, y], area): &([f64; 2], f64)| {
+                ((column as f64 - x).powi(2) + (run.row as f64 - y).powi(2)) / area
+            };
+            let nearest = (0..pieces.len())
+                .min_by(|&a, &b| away(&middles[a]).total_cmp(&away(&middles[b])))
+                .unwrap_or(0);
+            push_pixel(&mut shared[nearest].runs, run.row, column);
+        }
+    }
+    shared.retain(|piece| !piece.runs.is_empty());
+    shared
 }

@@ -1,6 +1,6 @@
-//! Connected shapes in a plane: runs of pixels, joined over rows.
+//! Connected shapes in a plane, as runs of pixels in rows, and the windows of pixels around them.
 
-/// Pixels side by side in a row: columns from `first` to `last`, both included.
+/// Neighbouring pixels in a row: the columns from `first` to `last`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     pub(crate) row: usize,
@@ -14,7 +14,7 @@ impl Run {
     }
 }
 
-/// Pixels that hang together, over edges or corners; at least one, by rows and columns.
+/// Pixels that are connected over edges or corners: at least one run, in the order of rows and columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) runs: Vec<Run>,
@@ -24,15 +24,22 @@ pub(crate) struct Shape {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Form {
     pub(crate) middle: [f64; 2],
-    /// Length over breadth of the ellipse with the same second moments.
+    /// Length over width of the ellipse with the same second moments.
     pub(crate) elongation: f64,
-    /// Area over that of the ellipse with the same second moments.
+    /// Area of the shape over that of the ellipse with the same second moments.
     pub(crate) fill: f64,
 }
 
 impl Shape {
     pub(crate) fn area(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
+    }
+
+    /// Values of its pixels in a plane.
+    pub(crate) fn values(&self, plane: &[u8], width: usize) -> impl Iterator<Item = u8> {
+        let runs = self.runs.iter();
+        runs.flat_map(move |run| &plane[run.row * width + run.first..][..run.len()])
+            .copied()
     }
 
     pub(crate) fn first_row(&self) -> usize {
@@ -83,7 +90,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Bytes looked at together where nothing is above the limit.
+/// Number of bytes that are skipped at once if none is above the limit.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -123,7 +130,7 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` only moves forward: runs that end left of this one's reach end left of all later ones' in this row.
+        // `above` only moves forward: a run that ends left of this run also ends left of all later runs in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)
@@ -160,8 +167,107 @@ fn find(parents: &mut [usize], mut at: usize) -> usize {
     at
 }
 
-/// The earlier of two roots becomes the root of both.
+/// Makes the earlier of two roots the root of both.
 fn unite(parents: &mut [usize], a: usize, b: usize) {
     let (a, b) = (find(parents, a), find(parents, b));
     parents[a.max(b)] = a.min(b);
+}
+
+/// A window of pixels: first and last column of each row, starting at row `top`. If the first is larger, the row is empty.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Window {
+    pub(crate) top: i32,
+    pub(crate) rows: Vec<(i32, i32)>,
+}
+
+impl Window {
+    /// The pixels of a shape, whose squares have `bin` pixels a side, with the gaps in its rows filled.
+    pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
+        let (top, bottom) = (shape.first_row(), shape.last_row());
+        let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
+        for run in &shape.runs {
+            let (first, last) = &mut hull[run.row - top];
+            *first = (*first).min((run.first * bin) as i32);
+            *last = (*last).max(((run.last + 1) * bin) as i32 - 1);
+        }
+        Self {
+            top: (top * bin) as i32,
+            rows: hull
+                .into_iter()
+                .flat_map(|row| std::iter::repeat_n(row, bin))
+                .collect(),
+        }
+    }
+
+    /// All pixels within `reach` px of this window that are between the first and last column in `rows`.
+    pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
+        let top = (self.top - reach).max(0);
+        let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);
+        let across: Vec<i32> = (-reach..=reach)
+            .map(|down| f64::from(reach * reach - down * down).sqrt() as i32)
+            .collect();
+        let grown = (top..bottom)
+            .map(|row| {
+                let (mut first, mut last) = (i32::MAX, i32::MIN);
+                for (down, across) in (-reach..).zip(&across) {
+                    let (left, right) = self.row(row + down);
+                    if left <= right {
+                        first = first.min(left - across);
+                        last = last.max(right + across);
+                    }
+                }
+                let (left, right) = rows[row as usize];
+                (first.max(left), last.min(right))
+            })
+            .collect();
+        Self { top, rows: grown }
+    }
+
+    /// Sums over its pixels of 1, x, y, x², xy and y², with the pixel at `middle` at (0, 0).
+    pub(crate) fn moments(&self, middle: [f64; 2]) -> [f64; 6] {
+        let mut sums = [0.0; 6];
+        for (row, &(first, last)) in (self.top..).zip(&self.rows) {
+            if first > last {
+                continue;
+            }
+            let y = f64::from(row) - middle[1];
+            let count = f64::from(last - first + 1);
+            let mean = 0.5 * f64::from(first + last) - middle[0];
+            // Variance of consecutive integers.
+            let squares = count * (mean * mean + (count * count - 1.0) / 12.0);
+            let terms = [1.0, mean, y, squares / count, mean * y, y * y];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += count * term;
+            }
+        }
+        sums
+    }
+
+    /// First and last column of a row.
+    pub(crate) fn row(&self, row: i32) -> (i32, i32) {
+        usize::try_from(row - self.top)
+            .ok()
+            .and_then(|row| self.rows.get(row).copied())
+            .unwrap_or((i32::MAX, i32::MIN))
+    }
+
+    /// Whether the bounding rectangles of two windows overlap.
+    pub(crate) fn near(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|window| {
+            let (first, last) = window
+                .rows
+                .iter()
+                .filter(|(first, last)| first <= last)
+                .fold((i32::MAX, i32::MIN), |bounds, row| {
+                    (bounds.0.min(row.0), bounds.1.max(row.1))
+                });
+            [
+                first,
+                last,
+                window.top,
+                window.top + window.rows.len() as i32 - 1,
+            ]
+        });
+        a[0] <= b[1] && b[0] <= a[1] && a[2] <= b[3] && b[2] <= a[3]
+    }
 }

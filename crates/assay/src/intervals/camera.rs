@@ -1,106 +1,78 @@
-//! Random presses before a camera, and how many of the objects' curvatures are within the intervals that the fit of
-//! pictures states: of bodies that the fit knows, and of others. Every trial has another sensor, within what its
-//! calibration states.
-
-mod case;
-mod score;
-mod summary;
-
-pub use score::Score;
-pub use summary::Summary;
+//! Coverage of the intervals of presses with a camera, by the image fit: of layers that the fit assumes, and of other
+//! bodies. The parameters of the sensor are redrawn in every trial, within the stated accuracy of its calibration.
 
 use anyhow::{Result, bail};
-use palpate_scene::{Parts, PressScene, Scene, Scenes};
+use palpate_scene::{PressScene, Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
 use rayon::prelude::*;
 
-use super::options::Options;
-use case::{Case, Family};
-use score::Judged;
+use super::camera_case::{Case, Family};
+use super::camera_score::{Estimate, score};
+use super::{Options, case_scores};
 
-/// Name of the family of presses by sensors that are as the fit believes.
-pub(super) const SOUND: &str = Family::Sound.name();
+pub use super::camera_score::{Score, Summary};
 
-/// Trials that share the place of the contact.
-const JITTERED: u64 = 5;
+/// Number of trials with the same place of the contact.
+const BLOCK: u64 = 5;
 
-/// The scores of all scenes; `say` is told each as it is known.
+/// Scores of all scenes. `report` gets each as soon as it is computed.
 ///
 /// # Errors
-/// A scene that cannot be asked.
-pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> {
-    let mut scores = Vec::new();
-    for family in Family::ALL {
-        for number in 0..options.scenes {
-            let case = Case::random(family, options.seed, number);
-            let name = case.name();
-            let is_asked = options
-                .only
-                .split_whitespace()
-                .all(|word| name.contains(word));
-            if is_asked {
-                let score = score(&case, options)?;
-                say(&score);
-                scores.push(score);
-            }
-        }
-    }
-    Ok(scores)
+/// If a scene cannot be set up, or `report` fails.
+pub fn scores(options: Options<'_>, report: impl Fn(&Score) -> Result<()>) -> Result<Vec<Score>> {
+    let numbers = || 0..options.scenes;
+    let cases = Family::ALL
+        .into_iter()
+        .flat_map(|family| numbers().map(move |number| Case::random(family, options.seed, number)));
+    case_scores(cases, Case::name, options, report, |case| {
+        Ok([scene_score(case, options)?])
+    })
 }
 
-/// The summaries of the families that have scores.
+/// Summaries of the families with scores.
 pub fn summaries(scores: &[Score]) -> Vec<Summary> {
-    let of_family = |family: Family| -> Option<Summary> {
+    let of_family = |family: Family| {
         let of_family = scores.iter().filter(|score| score.family == family.name());
-        Summary::of(family, &of_family.collect::<Vec<_>>())
+        Summary::new(family, &of_family.collect::<Vec<_>>())
     };
     Family::ALL.into_iter().filter_map(of_family).collect()
 }
 
-fn score(case: &Case, options: Options<'_>) -> Result<Score> {
-    let parts = Parts::default();
+fn scene_score(case: &Case, options: Options<'_>) -> Result<Score> {
+    let parts = SharedModels::default();
     let pixel_bound = press(case, 0, options.seed, &parts)?.pixel_std_bound();
     let trials = case.family.trials(options.trials);
-    let of_block = |block: u64| -> Result<Vec<Judged>> {
+    let estimates_of_block = |block: u64| -> Result<Vec<Estimate>> {
         let scene = press(case, block, options.seed, &parts)?;
-        let numbers = block * JITTERED..trials.min((block + 1) * JITTERED);
-        Ok(numbers.map(|trial| trial_of(&scene, case, trial)).collect())
+        let estimate = |trial| match case.family {
+            Family::Calibrated => scene.calibrated_curvature_score(trial),
+            _ => scene.curvature_score(trial),
+        };
+        let trials = block * BLOCK..trials.min((block + 1) * BLOCK);
+        Ok(trials
+            .map(|trial| estimate(trial).map_err(|error| error.name()))
+            .collect())
     };
-    let blocks = (0..trials.div_ceil(JITTERED)).into_par_iter();
-    let blocks = blocks.map(of_block).collect::<Result<Vec<_>>>()?;
-    let judged: Vec<Judged> = blocks.into_iter().flatten().collect();
-    Ok(score::score(case, &judged, pixel_bound))
-}
-
-fn trial_of(scene: &PressScene, case: &Case, trial: u64) -> Judged {
-    let judged = match case.family {
-        Family::Calibrated => scene.calibrated_curvature(trial),
-        _ => scene.judged_curvature(trial),
-    };
-    judged.map_err(|error| error.name())
+    let blocks = (0..trials.div_ceil(BLOCK)).into_par_iter();
+    let estimates: Vec<Vec<Estimate>> = blocks.map(estimates_of_block).collect::<Result<_>>()?;
+    let estimates: Vec<Estimate> = estimates.into_iter().flatten().collect();
+    Ok(score(case, &estimates, pixel_bound))
 }
 
 /// The press of a case with the contact of a block of trials.
-fn press(case: &Case, block: u64, seed: u64, parts: &Parts) -> Result<PressScene> {
-    let study = parse("camera.toml", &case.text(seed, block))?;
+fn press(case: &Case, block: u64, seed: u64, parts: &SharedModels) -> Result<PressScene> {
+    let study = parse("camera.toml", &case.config(seed, block))?;
     match study.estimable_scene_of(0, &study.cell(0)?, parts)? {
         Scene::Press(press) => Ok(press),
-        _ => bail!("a case is no press"),
+        _ => bail!("a case is not a press"),
     }
 }
 
-/// Random presses as configs, with the name of their family.
+/// Configs of random presses, with the name of their family in the coverage table.
 #[cfg(test)]
-pub(super) fn texts() -> Vec<(String, String)> {
+pub(super) fn configs() -> Vec<(String, String)> {
     let cases = (0..50).map(|number| Case::random(Family::Sound, 7, number));
-    let named = |case: Case| {
-        let known = if case.fits_indentation {
-            "fitted"
-        } else {
-            "known"
-        };
-        let name = format!("pictures of layers, indentation {known}");
-        (name, case.text(7, 1))
-    };
-    cases.map(named).collect()
+    cases
+        .map(|case| (case.coverage_family(), case.config(7, 1)))
+        .collect()
 }

@@ -1,37 +1,81 @@
-//! Random glides over the surfaces of EP2, and whether contacts that contradict the model are doubted, where the intervals of
-//! curvatures hold and where they do not.
-
-mod best_test;
-mod family;
-mod flaw;
-mod score;
-
-pub use score::Score;
+//! Warnings of EP2 on random glides whose contacts contradict the model.
 
 use anyhow::Result;
+use palpate_ep2::{Method, Penalised};
 
-use super::options::Options;
-use family::Family;
+use super::best_test::DisplacementTest;
+use super::coverage::{Score, Sums, Tally, below_5_percent, detectable_where_short};
+use super::glide_contacts::Path;
+use super::glide_flaws::{Family, Flaw, displacement};
+use super::patch::{errors, estimates};
+use super::surface::Surface;
+use super::{Options, case_scores, scenes};
 
-/// The scores of all families; `say` is told each as it is known.
+/// Scores of all families. `report` gets each as soon as it is computed.
 ///
 /// # Errors
-/// A case that cannot be asked.
-pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> {
-    let mut scores = Vec::new();
-    for family in Family::all() {
-        let name = family.name();
-        let is_asked = |word| name.contains(word);
-        if !options.only.split_whitespace().all(is_asked) {
-            continue;
-        }
-        let mut of_scenes = Vec::new();
-        for number in 0..options.scenes {
-            of_scenes.push(score::tally(&family, number, options)?);
-        }
-        let score = Score::of(&family, &of_scenes);
-        say(&score);
-        scores.push(score);
+/// If a surface has no contacts, or `report` fails.
+pub fn scores(options: Options<'_>, report: impl Fn(&Score) -> Result<()>) -> Result<Vec<Score>> {
+    case_scores(Family::all(), Family::name, options, report, |family| {
+        let scenes = scenes(options, |number| tally(family, number, options))?;
+        Ok([score(family, &scenes)])
+    })
+}
+
+/// Trials of the scene with this number.
+fn tally(family: &Family, number: u64, options: Options<'_>) -> Result<Tally> {
+    let Family { case, flaw } = family;
+    let surface = Surface::random(options.seed, number);
+    let path = Path::random(options.seed, number);
+    let places = path.map_places(&surface);
+    let mut tally = Tally {
+        sums: Sums::new(2.0 * options.trials as f64 * places.len() as f64),
+        detectable: f64::NAN,
+        ..Tally::default()
+    };
+    if *flaw == Flaw::Displaced {
+        let test = DisplacementTest::new(case, &path, &surface, options.seed);
+        let (finger, by) = displacement(case, options.seed, number);
+        tally.detectable = test.map_or(f64::NAN, |test| test.power(finger, by));
     }
-    Ok(scores)
+    let method = Penalised {
+        noise: flaw.stated_noise(case.stated_noise()),
+        ..Penalised::default()
+    };
+    for trial in 0..options.trials {
+        let trial = number * options.trials + trial;
+        let mut contacts = case.contacts(&surface, &path, options.seed, trial)?;
+        flaw.add_to(case, &mut contacts, options.seed, number);
+        let estimated = estimates(&method, &contacts, &places)
+            .and_then(|(patch, curvatures)| Ok((curvatures, method.agreement(&patch)?)));
+        let (curvatures, agreement) = match estimated {
+            Ok(estimated) => estimated,
+            Err(error) => {
+                tally.failures.add([error.name()]);
+                continue;
+            }
+        };
+        let warnings = agreement.doubts.iter().map(|doubt| doubt.name());
+        tally.add_estimate(agreement.goodness.map(|fit| fit.p_value), warnings);
+        for (error, std) in errors(&curvatures, &places).flatten() {
+            tally.sums.add(error, std);
+        }
+    }
+    Ok(tally)
+}
+
+/// Score of a family from its scenes.
+fn score(family: &Family, scenes: &[Tally]) -> Score {
+    let all: Vec<&Tally> = scenes.iter().collect();
+    let (score, shares) = Score::new(family.name(), &all);
+    Score {
+        lowest: None,
+        below_5_percent: Some(below_5_percent(scenes)),
+        tellable_where_short: Some(detectable_where_short(&all)),
+        is_within_limits: Some(match family.flaw {
+            Flaw::None => shares.false_alarms_are_rare(),
+            _ => shares.meet_limits(),
+        }),
+        ..score
+    }
 }

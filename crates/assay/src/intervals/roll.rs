@@ -1,54 +1,94 @@
-//! Random rolls, and how many of the objects' normal curvatures are within the intervals that the least squares state; and
-//! whether readings that contradict the model are doubted.
-
-mod case;
-mod flaw;
-mod score;
-
-pub use score::Score;
+//! Coverage of the intervals of EP1 on random rolls, and its warnings if readings contradict the model.
+//!
+//! The intervals are those of the normal distribution if the noise is stated, and of Student's if it is estimated from the
+//! residuals.
 
 use anyhow::Result;
+use palpate_ep1::{LeastSquares, ReadingNoise};
 
-use super::options::Options;
-use case::{Case, Family};
+use super::coverage::{Score, Sums, Tally, below_5_percent, contain_truth};
+use super::roll_case::{Case, Family, Flaw, RADIUS};
+use super::{Options, case_scores, scenes};
 
-/// The scores of all families; `say` is told each as it is known.
+/// Scores of all families. `report` gets each as soon as it is computed.
 ///
 /// # Errors
-/// A case that cannot be asked.
-pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> {
-    let mut scores = Vec::new();
-    for family in Family::all() {
-        let name = family.name();
-        let is_asked = |word| name.contains(word);
-        if !options.only.split_whitespace().all(is_asked) {
-            continue;
+/// If a scene cannot be set up, or `report` fails.
+pub fn scores(options: Options<'_>, report: impl Fn(&Score) -> Result<()>) -> Result<Vec<Score>> {
+    case_scores(Family::all(), Family::name, options, report, |family| {
+        let scenes = scenes(options, |number| {
+            tally(
+                &Case::random(*family, options.seed, number)?,
+                options.trials,
+            )
+        })?;
+        Ok([score(family, &scenes)])
+    })
+}
+
+/// Trials of a scene.
+fn tally(case: &Case, trials: u64) -> Result<Tally> {
+    let mut tally = Tally {
+        sums: Sums::new(2.0 * trials as f64),
+        ..Tally::default()
+    };
+    for trial in 0..trials {
+        let readings = case.readings(trial)?;
+        let (fit, mut estimate) = match LeastSquares::fitted(case.radius, case.stated, &readings) {
+            Ok(fitted) => fitted,
+            Err(error) => {
+                tally.failures.add([error.name()]);
+                continue;
+            }
+        };
+        let agreement = fit.agreement(&estimate, &readings);
+        if agreement.goodness.is_none() {
+            // As `estimate roll` does without a stated noise.
+            let noise = ReadingNoise {
+                shift_std: estimate.residual(&readings).0,
+                ..case.stated
+            };
+            estimate = LeastSquares::of(case.radius, noise, &readings)?;
         }
-        let mut of_scenes = Vec::new();
-        for number in 0..options.scenes {
-            let case = Case::random(family, options.seed, number)?;
-            of_scenes.push(score::tally(&case, options.trials)?);
+        let warnings = agreement.doubts.iter().map(|doubt| doubt.name());
+        tally.add_estimate(agreement.goodness.map(|fit| fit.p_value), warnings);
+        let both = [
+            (estimate.normal_curvature_u, case.truth.k_uu),
+            (estimate.normal_curvature_v, case.truth.k_vv),
+        ];
+        for (measured, truth) in both {
+            let (error, std) = (measured.value - truth, measured.std.unwrap_or(0.0));
+            let hits = contain_truth(error, std, case.half_widths);
+            tally.sums.add_hits(error, std, hits);
         }
-        let score = Score::of(&family, &of_scenes);
-        say(&score);
-        scores.push(score);
     }
-    Ok(scores)
+    Ok(tally)
 }
 
-/// Names of the families whose readings are those of a sensor as a study tells it, of whatever rolls.
-pub(super) fn sound_families() -> Vec<String> {
-    sound().map(|family| family.name()).collect()
+/// Score of a family from its scenes.
+fn score(family: &Family, scenes: &[Tally]) -> Score {
+    let sum = |part: fn(&Tally) -> f64| scenes.iter().map(part).sum::<f64>();
+    let all: Vec<&Tally> = scenes.iter().collect();
+    let (score, shares) = Score::new(family.name(), &all);
+    let width = 2.0 * family.half_widths()[2] * RADIUS * sum(|scene| scene.sums.std)
+        / sum(|scene| scene.sums.estimates);
+    Score {
+        width: Some(width),
+        below_5_percent: Some(below_5_percent(scenes)),
+        is_within_limits: match family.flaw {
+            Flaw::Radius => None,
+            _ if family.is_wrong() => Some(shares.meet_limits()),
+            _ => Some(shares.false_alarms_are_rare()),
+        },
+        ..score
+    }
 }
 
-fn sound() -> impl Iterator<Item = Family> {
-    Family::all().into_iter().filter(Family::is_sound)
-}
-
-/// Rolls at the ends of what the sound families draw, as configs with the family's name; with lengths, angles and noise that
-/// are so many times as large, or as small.
+/// Configs of rolls with the smallest and the largest values of each sound family, with the family's name. Lengths, angles
+/// and noise are divided or multiplied by `factor`.
 #[cfg(test)]
-pub(super) fn texts(times: f64) -> Vec<(String, String)> {
-    let ends = |family: Family| [0, 1].map(|end| (family.name(), family.text(end, times)));
-    sound().flat_map(ends).collect()
+pub(super) fn configs(factor: f64) -> Vec<(String, String)> {
+    let sound = Family::all().into_iter().filter(Family::is_sound);
+    let ends = |family: Family| [0, 1].map(|end| (family.name(), family.config(end, factor)));
+    sound.flat_map(ends).collect()
 }

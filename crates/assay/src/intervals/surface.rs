@@ -3,20 +3,20 @@
 use nalgebra::{Point3, Vector3};
 use palpate_sensing::Channel;
 
-use super::draws::Draws;
+use super::Draws;
 
-/// Every so many surfaces there is a ball.
-const BALLS: u64 = 5;
-/// Largest coefficient of a quadric, per distance between fingers.
-const MOST_BENT: f64 = 0.12;
-/// Smallest and largest radius of a ball, in distances between fingers.
+/// One of this many surfaces is a ball.
+const BALL_EVERY: u64 = 5;
+/// Largest coefficient of a quadric, per finger distance.
+const MAX_COEFFICIENT: f64 = 0.12;
+/// Smallest and largest radius of a ball, in finger distances.
 const RADII: [f64; 2] = [3.0, 20.0];
 /// Smallest and largest wave number.
 const WAVE_NUMBERS: [f64; 2] = [0.4, 1.6];
 /// Smallest and largest second derivative of a wave.
-const WAVES: [f64; 2] = [0.02, 0.25];
+const SECOND_DERIVATIVES: [f64; 2] = [0.02, 0.25];
 
-/// A random surface z(x, y), lengths in distances between fingers.
+/// A random surface z(x, y), lengths in finger distances.
 #[derive(Clone, Debug)]
 pub(super) enum Surface {
     /// z = √(R² − x² − y²) − R.
@@ -43,20 +43,20 @@ pub(super) struct Place {
 }
 
 impl Surface {
-    /// The surface of this number.
+    /// The surface with this number.
     pub(super) fn random(seed: u64, index: u64) -> Self {
         let mut draws = Draws::new(seed, index, Channel::Misalignment);
-        if index % BALLS == BALLS - 1 {
+        if index % BALL_EVERY == BALL_EVERY - 1 {
             return Self::Ball {
                 radius: draws.log_between(RADII),
             };
         }
-        let quadric = std::array::from_fn(|_| draws.between([-MOST_BENT, MOST_BENT]));
+        let quadric = std::array::from_fn(|_| draws.between([-MAX_COEFFICIENT, MAX_COEFFICIENT]));
         let waves = std::array::from_fn(|_| {
             let number = draws.between(WAVE_NUMBERS);
             let direction = draws.between([0.0, std::f64::consts::TAU]);
             Wave {
-                amplitude: draws.between(WAVES) / (number * number),
+                amplitude: draws.between(SECOND_DERIVATIVES) / (number * number),
                 number: [number * libm::cos(direction), number * libm::sin(direction)],
                 phase: draws.between([0.0, std::f64::consts::TAU]),
             }
@@ -81,12 +81,12 @@ impl Surface {
                     curvatures: [1.0 / (radius * radius), 1.0 / radius],
                 }
             }
-            Self::Waves { quadric, waves } => waved(x, y, quadric, waves),
+            Self::Waves { quadric, waves } => point_on_waves(x, y, quadric, waves),
         }
     }
 }
 
-fn waved(x: f64, y: f64, [a, b, c]: &[f64; 3], waves: &[Wave]) -> Place {
+fn point_on_waves(x: f64, y: f64, [a, b, c]: &[f64; 3], waves: &[Wave]) -> Place {
     let mut z = a * x * x + b * x * y + c * y * y;
     let (mut p, mut q) = (2.0 * a * x + b * y, b * x + 2.0 * c * y);
     let (mut r, mut s, mut t) = (2.0 * a, *b, 2.0 * c);

@@ -1,17 +1,17 @@
-//! Ladders: rungs that answer the same question about a scene, each at its own cost and error.
+//! Ladders: rungs that answer the same question about a scene, with different costs and errors.
 
 use anyhow::Result;
 
-use crate::measured::Evaluation;
+use crate::timing::Evaluation;
 
 /// Difficulty of a scene for the rungs of a ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ease {
-    /// A scene for which the cheapest rungs were made.
+    /// A scene for which the cheapest rungs are accurate.
     Easy,
     /// A scene like those of most users.
     Typical,
-    /// A scene at which some rungs fail.
+    /// A scene on which some rungs fail.
     Hard,
 }
 
@@ -26,21 +26,21 @@ impl Ease {
     }
 }
 
-/// The rungs of one choice that users have, on three scenes.
+/// The rungs of one choice of the user, on three scenes.
 pub(super) struct Ladder {
-    /// Lower-case words joined by hyphens.
+    /// Name in the tables: lower-case words with hyphens.
     pub(super) name: &'static str,
-    /// The question, in a line.
+    /// The question, in one line.
     pub(super) title: &'static str,
-    /// Words for the quantity that errs and for the scale that its error is relative to.
+    /// Definition of the error: the quantity and the scale.
     pub(super) error: &'static str,
-    /// Words for one evaluation, whose cost is measured.
+    /// The evaluation whose cost is measured, in words.
     pub(super) evaluation: &'static str,
     /// Three scenes: easy, typical and hard.
     pub(super) scenes: Vec<SceneRungs>,
 }
 
-/// A scene, and the rungs that can do it.
+/// A scene and its rungs.
 pub(super) struct SceneRungs {
     /// Difficulty of the scene.
     pub(super) ease: Ease,
@@ -52,34 +52,33 @@ pub(super) struct SceneRungs {
 
 /// Error of a rung.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Erring {
+pub(super) struct RungError {
     pub(super) error: f64,
-    /// Standard deviation of the error over sets of trials; `None` where no trials are drawn.
+    /// Standard deviation of the error over sets of trials; `None` without trials.
     pub(super) std: Option<f64>,
 }
 
-impl From<f64> for Erring {
+impl From<f64> for RungError {
     fn from(error: f64) -> Self {
         Self { error, std: None }
     }
 }
 
-/// One way to answer.
+/// One answer to the question of a ladder.
 pub(super) struct Rung {
     /// Name of the rung, with its setting.
     pub(super) name: String,
-    /// Setting that is a number, where there is one: steps, a tolerance, a pitch.
+    /// Setting of the rung if it is a number: steps, a tolerance, a pitch.
     pub(super) setting: Option<f64>,
-    /// Computation of the relative error against the truth. It runs once, and not in the process that counts
-    /// instructions.
-    pub(super) error: Box<dyn FnOnce() -> Result<Erring>>,
-    /// Work whose cost is measured. Whatever it needs beforehand is made at its first run.
+    /// Computes the error. It runs once, and not in the process that counts instructions.
+    pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
+    /// Work whose cost is measured. The first run sets up everything that it needs.
     pub(super) evaluation: Evaluation,
 }
 
 impl Rung {
-    /// A rung without a number that is set.
-    pub(super) fn new<T, E: Into<Erring>>(
+    /// A rung without a setting.
+    pub(super) fn new<T, E: Into<RungError>>(
         name: impl Into<String>,
         error: impl FnOnce() -> Result<E> + 'static,
         evaluate: impl FnMut() -> T + 'static,
@@ -93,17 +92,17 @@ impl Rung {
         }
     }
 
-    /// Adds the setting of the rung.
+    /// Adds the setting.
     #[must_use]
     pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
         self.setting = setting.into();
         self
     }
 
-    /// Sets the number of evaluations that each run makes.
+    /// Sets the number of evaluations per run.
     #[must_use]
-    pub(super) fn in_a_row(mut self, evaluations: u32) -> Self {
-        self.evaluation = self.evaluation.in_a_row(evaluations);
+    pub(super) fn evaluations_per_run(mut self, evaluations: u32) -> Self {
+        self.evaluation = self.evaluation.evaluations_per_run(evaluations);
         self
     }
 }

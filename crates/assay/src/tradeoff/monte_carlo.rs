@@ -1,12 +1,12 @@
-//! Rungs of a Monte-Carlo study: how many trials.
+//! Ladder of a Monte-Carlo study: the number of trials.
 
 use anyhow::{Context, Result};
 use palpate_scene::Scene;
 
-use super::ladder::{Erring, Ladder};
-use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes, root_mean};
+use super::ladder::{Ladder, RungError};
+use super::scene_trials::{Choice, Measure, Template, at_least_rounding, outcomes, root_mean};
 
-/// Index of the quantity whose rms error is judged: the first that a scene estimates.
+/// Index of the quantity whose rms error counts: the first that a scene estimates.
 const QUANTITY: usize = 0;
 
 const SCENES: [(&str, &str); 3] = [
@@ -44,7 +44,7 @@ evaluate = { grid = 1, half_width = 1.0, gaussian_threshold = 0.005, mean_thresh
     ),
 ];
 
-/// Numbers of trials that each scene is worth.
+/// Numbers of trials of each scene.
 const TRIALS: [&[u32]; 3] = [
     &[10, 100, 1000, 10_000, 100_000],
     &[10, 30, 100],
@@ -53,14 +53,16 @@ const TRIALS: [&[u32]; 3] = [
 
 pub(super) fn ladder() -> Ladder {
     let stage = |(scene, trials): (Template, &[u32])| {
-        let mut stage = scene.stage(&[], asked(1));
+        let mut stage = scene.stage(&[], measure(1));
         for &trials in trials {
             let choice = Choice::new(format!("{trials} trials"), "").set(f64::from(trials));
-            let one = scene.stage(&[choice], asked(trials));
-            // One evaluation is all of the trials.
-            stage
-                .rungs
-                .extend(one.rungs.into_iter().map(|rung| rung.in_a_row(1)));
+            let one = scene.stage(&[choice], measure(trials));
+            // One evaluation consists of all trials.
+            stage.rungs.extend(
+                one.rungs
+                    .into_iter()
+                    .map(|rung| rung.evaluations_per_run(1)),
+            );
         }
         stage
     };
@@ -77,8 +79,8 @@ pub(super) fn ladder() -> Ladder {
     }
 }
 
-fn asked(trials: u32) -> Asked {
-    Asked {
+fn measure(trials: u32) -> Measure {
+    Measure {
         error: standard_error,
         trials: u64::from(trials),
         timed: trials,
@@ -86,7 +88,7 @@ fn asked(trials: u32) -> Asked {
 }
 
 /// Standard error of the rms error, relative to it.
-fn standard_error(scene: &Scene, trials: u64) -> Result<Erring> {
+fn standard_error(scene: &Scene, trials: u64) -> Result<RungError> {
     let squares: Vec<f64> = outcomes(scene, trials)?
         .into_iter()
         .flatten()
@@ -95,5 +97,5 @@ fn standard_error(scene: &Scene, trials: u64) -> Result<Erring> {
         .collect();
     let rms = root_mean(&squares)?;
     let std = rms.std.context("a single trial has no scatter")?;
-    at_least_rounding(std / rms.error).map(Erring::from)
+    at_least_rounding(std / rms.error).map(RungError::from)
 }

@@ -1,4 +1,4 @@
-//! Rungs of the forward law of a press.
+//! Ladder of presses: models of the soft body.
 
 use std::cell::OnceCell;
 
@@ -6,19 +6,18 @@ use anyhow::{Context, Result};
 use palpate_press::{Body, BondedLayer, Skin};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
-use super::trials::at_least_rounding;
-use crate::pressed::{self, Pressed, largest_error};
+use super::scene_trials::at_least_rounding;
+use crate::paraboloid_reference::{self, ParaboloidPress, largest_error};
 
 /// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
 const POISSON: f64 = 0.5;
-/// Number of distances from the contact at which displacements are computed; as many as a sensor has markers.
+/// Number of distances from the contact at which displacements are computed: that of a sensor's markers.
 const PLACES: usize = 77;
 /// Largest of these distances, mm.
 const REACH: f64 = 20.0;
 
-/// Multiplier on the number of quadrature nodes for contacts solved directly instead of interpolated, with the words
-/// that name it.
+/// Factors on the number of quadrature nodes of contacts that are solved instead of interpolated, with their names.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),
@@ -153,11 +152,11 @@ impl Press {
 
     /// True displacements, by quadrature.
     fn truth(&self) -> Result<Profile> {
-        let layer = pressed::Body::Layer {
+        let layer = paraboloid_reference::Body::Layer {
             thickness: self.thickness,
         };
-        let pressed = Pressed::new(layer, self.relative_curvature(), self.indentation)?;
-        pressed.displacements(self.depth, &places().collect::<Vec<f64>>())
+        let press = ParaboloidPress::new(layer, self.relative_curvature(), self.indentation)?;
+        press.displacements(self.depth, &places().collect::<Vec<f64>>())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Cost that each stage adds to a scene: a scene pays only for the stages it names.
+//! Cost of each stage of a scene: a scene costs only what its stages need.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,27 +8,27 @@ use palpate_statistics::work::Tally;
 #[cfg(feature = "count")]
 use palpate_statistics::work::counted;
 
-use super::table::{count, nanoseconds};
-use super::trials::evaluated;
+use super::ladder_tables::{count, nanoseconds};
+use super::scene_trials::evaluated;
 #[cfg(feature = "count")]
-use super::trials::{run, scene_of};
-use crate::columns::{self, Column};
-use crate::measured::Evaluation;
+use super::scene_trials::{run, scene_of};
+use crate::csv_table::{self, Column};
+use crate::timing::Evaluation;
 
-/// Trials in a row whose mean cost is stated.
+/// Number of trials for the mean cost.
 const TRIALS: u32 = 4;
 
 /// A base scene and its stages.
-struct Staged {
+struct StagedScene {
     kind: &'static str,
-    /// TOML of `[scene]` that all stages have in common, a key per line.
+    /// Common TOML of `[scene]`, one key per line.
     base: &'static str,
-    /// Names of the stages, and the keys that each adds or replaces.
+    /// Names of the stages, with the keys that each adds or replaces.
     stages: &'static [(&'static str, &'static str)],
 }
 
-const STAGED: [Staged; 3] = [
-    Staged {
+const STAGED_SCENES: [StagedScene; 3] = [
+    StagedScene {
         kind: "roll",
         base: r#"
 probe = { kind = "sphere", radius = 10.0 }
@@ -59,7 +59,7 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
             ),
         ],
     },
-    Staged {
+    StagedScene {
         kind: "glide",
         // The estimator is the quadric, because its cost does not depend on the readings.
         base: r#"
@@ -86,7 +86,7 @@ estimator = { kind = "quadric" }
             ("pads", r#"sensor = { kind = "pads", pitch = 0.05 }"#),
         ],
     },
-    Staged {
+    StagedScene {
         kind: "press",
         base: r#"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
@@ -140,7 +140,7 @@ pub(super) struct Stage {
 pub(super) fn stages() -> Vec<Stage> {
     let key = |line: &str| line.split(" = ").next().map(str::to_owned);
     let mut all = Vec::new();
-    for &Staged { kind, base, stages } in &STAGED {
+    for &StagedScene { kind, base, stages } in &STAGED_SCENES {
         let mut lines: Vec<&str> = base.lines().collect();
         for &(name, changes) in stages {
             for change in changes.lines() {
@@ -155,9 +155,9 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 impl Stage {
-    /// Its trials.
+    /// Trials of the stage.
     pub(super) fn evaluation(&self) -> Evaluation {
-        Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).in_a_row(TRIALS)
+        Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }
 
     /// Columns that name the stage.
@@ -166,7 +166,7 @@ impl Stage {
         vec![("scene", kind), ("stage", name)]
     }
 
-    /// Work that one trial does, after a first trial has made everything that is made only once.
+    /// Work of one trial, after a first trial has set up everything that is set up only once.
     #[cfg(feature = "count")]
     fn tally(&self) -> Result<Tally> {
         let scene = scene_of(&self.text)?;
@@ -177,8 +177,8 @@ impl Stage {
 
 /// Name of a column, and the function that returns its count from a trial's tally.
 type Counter = (&'static str, fn(&Tally) -> u64);
-/// Columns of the work that a trial does.
-const TALLIED: [Counter; 6] = [
+/// Columns of the work counts.
+const WORK_COLUMNS: [Counter; 6] = [
     ("random_draws", |tally| tally.draws),
     ("integrator_derivatives", |tally| tally.derivatives),
     ("contact_searches", |tally| tally.searches),
@@ -187,20 +187,20 @@ const TALLIED: [Counter; 6] = [
     ("rendered_frames", |tally| tally.frames),
 ];
 
-/// Writes what a trial of each stage does, in their order.
+/// Writes the work of a trial of each stage, in their order.
 #[cfg(feature = "count")]
-pub(super) fn write_tallies(path: &Path) -> Result<()> {
+pub(super) fn write_work_counts(path: &Path) -> Result<()> {
     let row = |stage: &Stage| -> Result<Vec<Column>> {
         let tally = stage.tally()?;
-        let counts = TALLIED.map(|(name, count)| (name, count(&tally).to_string()));
+        let counts = WORK_COLUMNS.map(|(name, count)| (name, count(&tally).to_string()));
         Ok([stage.names(), counts.into()].concat())
     };
     let rows: Vec<Vec<Column>> = stages().iter().map(row).collect::<Result<_>>()?;
-    columns::write(path, rows)
+    csv_table::write(path, rows)
 }
 
-/// Reads the rows that [`write_tallies`] has written.
-pub(super) fn read_tallies(path: &Path) -> Result<Vec<csv::StringRecord>> {
+/// Reads the rows of [`write_work_counts`].
+pub(super) fn read_work_counts(path: &Path) -> Result<Vec<csv::StringRecord>> {
     let rows = csv::Reader::from_path(path).and_then(|reader| reader.into_records().collect());
     rows.with_context(|| format!("cannot read {}", path.display()))
 }
@@ -209,23 +209,19 @@ pub(super) fn read_tallies(path: &Path) -> Result<Vec<csv::StringRecord>> {
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,
-    tallies: &[csv::StringRecord],
+    work_counts: &[csv::StringRecord],
     patience: Duration,
     folder: &Path,
 ) -> Result<()> {
     let row = |(at, stage): (usize, &Stage)| -> Result<Vec<Column>> {
         let names = stage.names();
-        let is_named = |tallied: &&csv::StringRecord| {
-            names
-                .iter()
-                .map(|(_, name)| name)
-                .eq(tallied.iter().take(2))
-        };
-        let tallied = tallies.iter().find(is_named);
-        let tallied =
-            tallied.with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
-        let counts = tallied.iter().skip(2).map(str::to_owned);
-        let counts = TALLIED.iter().map(|(name, _)| *name).zip(counts);
+        let is_named =
+            |row: &&csv::StringRecord| names.iter().map(|(_, name)| name).eq(row.iter().take(2));
+        let row = work_counts.iter().find(is_named);
+        let row =
+            row.with_context(|| format!("{}: no work counts of {}", stage.kind, stage.name))?;
+        let counts = row.iter().skip(2).map(str::to_owned);
+        let counts = WORK_COLUMNS.iter().map(|(name, _)| *name).zip(counts);
         let cost = nanoseconds(&stage.evaluation().time(patience));
         let instructions = count(instructions.map(|counts| counts[at]));
         Ok(names
@@ -237,7 +233,7 @@ pub(super) fn write(
             .collect())
     };
     let rows: Vec<Vec<Column>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
-    columns::write(&folder.join("stages.csv"), rows)
+    csv_table::write(&folder.join("stages.csv"), rows)
 }
 
 #[cfg(feature = "count")]
@@ -254,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_does_only_what_its_stages_ask_for() {
+    fn a_scene_does_only_the_work_of_its_stages() {
         assert_eq!(tally("roll", "ideal, in closed form"), Tally::default());
         assert_eq!(tally("press", "direct"), Tally::default());
         assert_eq!(tally("glide", "ideal, a pointed finger"), Tally::default());

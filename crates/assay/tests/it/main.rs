@@ -1,6 +1,6 @@
-//! Promises of the harnesses, as tests.
+//! Checks of `auto` and of the work of scenes.
 #![allow(clippy::unwrap_used)]
 
-mod promise;
+mod auto_check;
 #[cfg(feature = "count")]
-mod required;
+mod required_work;

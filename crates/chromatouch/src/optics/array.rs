@@ -1,4 +1,4 @@
-//! The markers of a sensor as they were made, and what a press does to them.
+//! The markers of a sensor, and the directions and angular sizes of their discs after a press.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,14 +8,14 @@ use palpate_sensing::{Channel, Stream};
 use super::OpticsError;
 use super::pose::Pose;
 use super::sines::sinc_and_cosine;
-use crate::spacing::too_close;
+use crate::layout::too_close;
 use crate::{Discs, MOST_MARKERS};
 
 /// Lengths that can be multiplied a few times without leaving the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// Narrowest disc, as a share of the distance from the centre that it is seen over.
-const NARROWEST: f64 = 1e-9;
+/// Smallest ratio of a disc's radius to its distance from the centre.
+const MIN_HALF_WIDTH: f64 = 1e-9;
 
 /// Depths of the two discs of each marker under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct DiscMotion {
     /// Displacement along the skin: the disc's arc around the centre, length, in the axes of the apex carried along
     /// the meridian to the marker's place.
     pub tangential: [f64; 2],
-    /// Share by which the disc is wider than at rest, as one that the skin strains; it stays a circle.
+    /// Relative increase of the disc's diameter by the strain of the skin; the disc remains a circle.
     pub stretch: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct MarkerMotion {
     pub yellow: DiscMotion,
 }
 
-/// The markers of a sensor as they were made: two flat discs each, perpendicular to the radius through their centres.
+/// The markers of a sensor: two flat discs each, perpendicular to the radius through their centres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerArray {
     radius: f64,
@@ -67,7 +67,7 @@ pub(super) struct Layer {
     half_width: f64,
 }
 
-/// Place of a marker at rest as seen from the sensor's centre: its direction, and the axes of its tangents.
+/// Position of a marker at rest: its direction from the sensor's centre, and its tangent axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stand {
     pub(super) direction: Vector3<f64>,
@@ -78,7 +78,7 @@ pub(super) struct Stand {
     pub(super) misalignment: [f64; 2],
 }
 
-/// A disc as seen from the centre: all directions within an angle of its middle.
+/// Image of a disc on the unit sphere around the centre: all directions within an angle of its middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     /// Unit vector to the middle.
@@ -89,7 +89,7 @@ pub(super) struct Sight {
     pub(super) cosine: f64,
 }
 
-/// A marker as seen from the centre.
+/// Images of a marker's discs on the unit sphere.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MarkerSight {
     pub(super) magenta: Sight,
@@ -135,7 +135,7 @@ impl MarkerArray {
         let layer = |name, setting, diameter, depth| {
             let distance = sensor_radius - depth;
             let half_width = 0.5 * diameter / distance;
-            let good = (NARROWEST..=1.0).contains(&half_width);
+            let good = (MIN_HALF_WIDTH..=1.0).contains(&half_width);
             let expected = "between 1e-9 and 1 times twice the disc's distance from the centre";
             OpticsError::unless(good, setting, diameter, expected).map(|_| Layer {
                 name,
@@ -164,9 +164,9 @@ impl MarkerArray {
         })
     }
 
-    /// Misaligns the markers, as their manufacture does: displaces the yellow disc of each along the skin against the
-    /// magenta one, which keeps its place, by a vector that is uniform over a disc whose radius is `most` times the
-    /// yellow diameter. An earlier misalignment is replaced.
+    /// The markers with random misalignments from manufacture: the yellow disc of each is displaced along the skin against the
+    /// magenta one by a vector that is uniform over a circle whose radius is `most` times the yellow diameter. An earlier
+    /// misalignment is replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -193,14 +193,14 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Misalignment of each marker: how far its yellow disc lies from the magenta one along the skin, as an angle at the
-    /// sensor's centre, rad, along the apex's axes carried to the marker.
+    /// Misalignment of each marker: displacement of its yellow disc from the magenta one along the skin, as an angle at the
+    /// sensor's centre, rad, along the axes of the apex transported to the marker.
     pub fn misalignments(&self) -> Vec<[f64; 2]> {
         self.stands.iter().map(|stand| stand.misalignment).collect()
     }
 
-    /// The markers with these misalignments, rad, as [`MarkerArray::misalignments`] has them, for the first of them; the
-    /// others keep theirs.
+    /// The markers with these misalignments, rad, see [`MarkerArray::misalignments`]. If there are fewer than markers, the
+    /// remaining markers keep theirs.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.
@@ -215,7 +215,8 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// The markers with discs that lie deeper by these lengths and are wider by these shares, magenta and yellow.
+    /// The markers with other depths, changed by these lengths, and other diameters, changed by these relative amounts, of the
+    /// magenta and the yellow discs.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] as [`MarkerArray::new`].
@@ -234,7 +235,7 @@ impl MarkerArray {
                 });
             }
             let half_width = layer.half_width * layer.distance / distance * (1.0 + wider);
-            let good = (NARROWEST..=1.0).contains(&half_width);
+            let good = (MIN_HALF_WIDTH..=1.0).contains(&half_width);
             let expected = "between 1e-9 and 1 times the disc's distance from the centre";
             OpticsError::unless(good, "half_width", half_width, expected)?;
             layer.distance = distance;
@@ -243,7 +244,7 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// How many markers there are.
+    /// Number of markers.
     pub fn len(&self) -> usize {
         self.places.len()
     }
@@ -278,7 +279,7 @@ impl MarkerArray {
         self.magenta.distance.min(self.yellow.distance)
     }
 
-    /// How the discs of one marker are seen after a motion by a camera that stands so.
+    /// Images of the discs of one marker after a motion, for a camera with this pose.
     pub(super) fn sight(
         &self,
         marker: usize,
@@ -308,7 +309,7 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of the layer, this far from its marker's place, rad. The error is the motion that cannot be.
+    /// Image of a disc of the layer, with this offset from its marker's place, rad. The error is an impossible motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
@@ -334,11 +335,9 @@ impl Layer {
             cosine: distance / slant,
         })
     }
-}
 
-impl Layer {
-    /// Radius of a disc after a motion, over the disc's distance from the centre at rest. The error is how far the edge of one
-    /// that cannot be would move.
+    /// Radius of a disc after a motion, relative to the disc's distance from the centre at rest. The error is the motion of the
+    /// edge of an impossible disc.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         let is_disc = motion.stretch.abs() < 1.0;
@@ -349,8 +348,8 @@ impl Layer {
         }
     }
 
-    /// A disc that is seen so from the sensor's centre, seen from a camera elsewhere: the circular cap of the same solid
-    /// angle, to first order in it. The error is the motion that cannot be: one that takes the disc behind the camera.
+    /// Image of a disc for a camera outside the centre, from its image at the centre: the circular cap of the same solid angle,
+    /// to first order in it. The error is an impossible motion, which moves the disc behind the camera.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
@@ -398,7 +397,7 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Whether no two discs of a layer cover each other as seen from the centre.
+/// Rejects discs of a layer that overlap as seen from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
     // Two caps of an angle touch where their middles' chord is twice the angle's sine.

@@ -1,25 +1,24 @@
-//! Colours of the sensor's parts, and how much each region of a marker counts in what is seen of it.
+//! Colours of the sensor's parts, and the contribution of each region of a marker to its features.
 
 use super::OpticsError;
 
 /// Colours in linear light: red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colours {
-    /// Light of the lit white layer, shares of full scale.
+    /// Light of the lit white layer, relative to full scale.
     pub white: [f64; 3],
-    /// Share of it that a magenta disc lets through.
+    /// Transmittance of a magenta disc.
     pub magenta: [f64; 3],
-    /// Share that a yellow disc lets through.
+    /// Transmittance of a yellow disc.
     pub yellow: [f64; 3],
-    /// Share that a seam lets through.
+    /// Transmittance of a seam.
     pub seam: [f64; 3],
-    /// Light around the image circle, shares of full scale.
+    /// Light around the image circle, relative to full scale.
     pub outside: [f64; 3],
 }
 
 impl Default for Colours {
-    /// Colours as in the frame that the 2020 paper's camera took: pink, yellow, orange-red where they overlap, a white
-    /// surround.
+    /// Colours of the frame in the 2020 paper: pink, yellow, orange-red where the discs overlap, and white surroundings.
     fn default() -> Self {
         Self {
             white: [0.96, 0.96, 0.96],
@@ -34,13 +33,13 @@ impl Default for Colours {
 /// Contribution of a pixel in one region of a marker to the marker's size and hue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
-    /// Shares of the white layer's green and blue light that are taken, summed.
-    pub(super) taken: f64,
+    /// Absorbed share of the white layer's green light plus that of its blue light.
+    pub(super) absorbed: f64,
     /// Chroma: red − (green + blue)/2 and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
 }
 
-/// Contrasts of the three regions of a marker: covered by the magenta disc alone, by the yellow one alone, by both.
+/// Contrasts of the three regions of a marker: covered by the magenta disc only, by the yellow disc only, by both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,
@@ -71,7 +70,7 @@ impl Colours {
             let [red, green, blue]: [f64; 3] =
                 std::array::from_fn(|channel| self.white[channel] * through[channel]);
             Contrast {
-                taken: 2.0 - through[1] - through[2],
+                absorbed: 2.0 - through[1] - through[2],
                 chroma: [
                     red - 0.5 * (green + blue),
                     0.5 * 3.0_f64.sqrt() * (green - blue),

@@ -1,68 +1,133 @@
-//! Departure of a sensor from what is known of it.
+//! Departures of a sensor from its nominal parameters.
 
-/// Departure of a sensor from what is known of it; none by default.
+use super::{Camera, Colours, OddTerms, Optics, OpticsError};
+
+/// Differences of a sensor's parameters from their nominal values; 0 by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Departure {
-    /// Length by which the magenta and the yellow discs lie deeper.
+    /// Additional depth of the magenta and of the yellow discs, length.
     pub depths: [f64; 2],
-    /// Share by which the magenta and the yellow discs are wider.
+    /// Relative difference of the diameters of the magenta and of the yellow discs.
     pub diameters: [f64; 2],
     /// Shift of the image's centre, px: columns to the right, rows down.
     pub centre_px: [f64; 2],
-    /// Share by which there are more pixels per radian.
+    /// Relative difference of the pixels per radian.
     pub px_per_rad: f64,
-    /// Shift of the camera, length: along the apex's axes, and toward the apex.
+    /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Turn of the camera, rad: about the same axes.
+    /// Rotation of the camera about the same axes, rad.
     pub turn_rad: [f64; 3],
-    /// Shares of red, green and blue light that magenta discs let through beyond those that are known.
+    /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],
-    /// Shares that yellow discs let through beyond those that are known.
+    /// Difference of the transmittances of yellow discs.
     pub yellow: [f64; 3],
-    /// How much larger the odd terms of a fisheye are, k3 and k5 of [`OddTerms`](super::OddTerms).
+    /// Difference of the odd terms k3 and k5 of a fisheye, see [`OddTerms`].
     pub odd_terms: [f64; 2],
 }
 
 impl Departure {
-    /// How many numbers it has.
+    /// Number of parameters.
     pub const NUMBERS: usize = 21;
 
-    /// Departure of these numbers, in the order of the fields.
-    pub const fn of(
-        [
-            a,
-            b,
-            c,
-            d,
-            e,
-            f,
-            g,
-            h,
-            i,
-            j,
-            k,
-            l,
-            m,
-            n,
-            o,
-            p,
-            q,
-            r,
-            s,
-            t,
-            u,
-        ]: [f64; Self::NUMBERS],
-    ) -> Self {
+    /// Departure with these numbers, in the order of the fields.
+    pub const fn of(n: [f64; Self::NUMBERS]) -> Self {
         Self {
-            depths: [a, b],
-            diameters: [c, d],
-            centre_px: [e, f],
-            px_per_rad: g,
-            place: [h, i, j],
-            turn_rad: [k, l, m],
-            magenta: [n, o, p],
-            yellow: [q, r, s],
-            odd_terms: [t, u],
+            depths: [n[0], n[1]],
+            diameters: [n[2], n[3]],
+            centre_px: [n[4], n[5]],
+            px_per_rad: n[6],
+            place: [n[7], n[8], n[9]],
+            turn_rad: [n[10], n[11], n[12]],
+            magenta: [n[13], n[14], n[15]],
+            yellow: [n[16], n[17], n[18]],
+            odd_terms: [n[19], n[20]],
         }
+    }
+}
+
+impl Camera {
+    /// This camera with these numbers added to the odd terms of its lens.
+    fn departed(self, [k3, k5]: [f64; 2]) -> Result<Self, OpticsError> {
+        if [k3, k5] == [0.0; 2] {
+            return Ok(self);
+        }
+        let known = self.lens.odd_terms().unwrap_or_default();
+        self.with_odd_terms(OddTerms {
+            k3: known.k3 + k3,
+            k5: known.k5 + k5,
+        })
+    }
+}
+
+impl Optics {
+    /// The optics of a sensor with this departure. Transmittances may lie a little outside the range from 0 to 1, because a
+    /// fit needs features that are smooth at these limits; [`Optics::possible`] limits a departure to physical sensors.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
+    /// parameters, or if a transmittance is below -1 or above 2.
+    pub fn departed(&self, departure: &Departure) -> Result<Self, OpticsError> {
+        let Departure {
+            depths,
+            diameters,
+            centre_px,
+            px_per_rad,
+            place,
+            turn_rad,
+            magenta,
+            yellow,
+            odd_terms,
+        } = *departure;
+        let middle = 0.5 * (f64::from(self.camera.size_px()) - 1.0);
+        let centre = self.camera.centre_px();
+        let offset = [0, 1].map(|axis| centre[axis] - middle + centre_px[axis]);
+        let focal = self.camera.px_per_rad() * (1.0 + px_per_rad);
+        let share = |colour: [f64; 3], more: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|channel| colour[channel] + more[channel])
+        };
+        let colours = Colours {
+            magenta: share(self.colours.magenta, magenta),
+            yellow: share(self.colours.yellow, yellow),
+            ..self.colours
+        };
+        for (setting, colour) in [("magenta", colours.magenta), ("yellow", colours.yellow)] {
+            for share in colour {
+                let good = (-1.0..=2.0).contains(&share);
+                OpticsError::unless(good, setting, share, "shares from -1 to 2")?;
+            }
+        }
+        let optics = Self {
+            array: self.array.clone().remade(depths, diameters)?,
+            camera: self.camera.departed(odd_terms)?.adjusted(offset, focal)?,
+            colours,
+            blemishes: self.blemishes,
+            contrasts: colours.contrasts(),
+            pose: None,
+        };
+        optics.seen_from(self.pose().moved(place, turn_rad))
+    }
+
+    /// The nearest departure whose transmittances lie between 0 and 1.
+    pub fn possible(&self, departure: Departure) -> Departure {
+        let within = |colour: [f64; 3], more: [f64; 3]| {
+            std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])
+        };
+        Departure {
+            magenta: within(self.colours.magenta, departure.magenta),
+            yellow: within(self.colours.yellow, departure.yellow),
+            ..departure
+        }
+    }
+
+    /// The optics of this sensor with other misalignments of its markers, see
+    /// [`MarkerArray::with_misalignments`](super::MarkerArray::with_misalignments).
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `misalignment`.
+    pub fn misaligned(&self, misalignments: &[[f64; 2]]) -> Result<Self, OpticsError> {
+        Ok(Self {
+            array: self.array.clone().with_misalignments(misalignments)?,
+            ..self.clone()
+        })
     }
 }

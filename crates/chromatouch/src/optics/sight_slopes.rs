@@ -1,4 +1,4 @@
-//! Slopes of how a disc is seen by its motion and by the sensor, in closed form.
+//! Slopes of a disc's direction and angular size by its motion and by the sensor, in closed form.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -16,16 +16,16 @@ pub(super) const PLACE: usize = 5;
 pub(super) const TURN: usize = 8;
 pub(super) const COLUMNS: usize = 11;
 
-/// Slopes of a disc as a camera sees it.
+/// Slopes of a disc's image on the unit sphere around the camera.
 pub(super) struct SightSlopes {
-    /// Unit vectors across the direction to its middle.
+    /// Unit vectors perpendicular to the direction of its middle.
     across: [Vector3<f64>; 2],
-    /// Slopes of steps along these vectors, and of the logarithm of its tangent.
+    /// Slopes of the direction along these vectors, and of the logarithm of the tangent of its angular radius.
     pub(super) by: SMatrix<f64, 3, COLUMNS>,
 }
 
 impl SightSlopes {
-    /// A marker of which one disc, magenta (0) or yellow (1), is seen a step away in one of the three numbers.
+    /// The marker with one disc, magenta (0) or yellow (1), changed by a step of one of the three numbers.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,
@@ -51,7 +51,7 @@ impl SightSlopes {
 }
 
 impl MarkerArray {
-    /// Slopes of how both discs of a marker are seen by a camera that stands so, whose rotation has these slopes by its turn.
+    /// Slopes of both discs of a marker for a camera with this pose; `turns` are the derivatives of its rotation.
     pub(super) fn sight_slopes(
         &self,
         marker: usize,
@@ -62,6 +62,7 @@ impl MarkerArray {
     ) -> [SightSlopes; 2] {
         let stand = self.stand(marker);
         let [magenta, yellow] = self.layers();
+        let offset = stand.misalignment;
         [
             magenta.slopes(
                 stand,
@@ -71,14 +72,7 @@ impl MarkerArray {
                 pose,
                 turns,
             ),
-            yellow.slopes(
-                stand,
-                &sight.yellow,
-                &motion.yellow,
-                stand.misalignment,
-                pose,
-                turns,
-            ),
+            yellow.slopes(stand, &sight.yellow, &motion.yellow, offset, pose, turns),
         ]
     }
 }

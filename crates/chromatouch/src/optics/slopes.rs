@@ -1,73 +1,75 @@
-//! Slopes of the markers' pictures by what their sensor departs by, and by how their discs move.
+//! Derivatives of the markers' features by the departure of the sensor and by the motions of the discs.
 //!
-//! How a disc is seen, three numbers, follows in closed form from its motion and from the sensor; how a picture follows from
-//! the six numbers of both discs is told by differences.
+//! The direction and the angular radius of a disc (three numbers) have derivatives in closed form by its motion and by the
+//! sensor. The derivatives of the features by the six numbers of both discs are differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
 
 use super::array::MarkerSight;
 use super::colours::Contrasts;
-use super::projected::Glimpse;
+use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Step of directions, rad, and of the logarithm of a disc's width.
+/// Step of directions, rad, and of the logarithm of the width of a disc.
 const STEP: f64 = 1e-7;
-/// Step of shares of light.
+/// Step of transmittances.
 const SHARE: f64 = 1e-6;
 /// Step of the odd terms of a lens.
 const ODD: f64 = 1e-6;
 
-/// First of the numbers of a [`Departure`] that are shares of light, and first of those that are odd terms.
+/// Index of the first transmittance and of the first odd term among the numbers of a [`Departure`].
 const COLOURS: usize = 13;
 const ODD_TERMS: usize = 19;
 
-/// A marker's picture with its slopes. Rows: both coordinates of the centroid, px; hue, turns; natural logarithm of the size.
+/// The features of a marker with their slopes. Rows: both coordinates of the centroid, px; hue, turns; natural logarithm of
+/// the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerSlopes {
-    /// The marker as it is seen.
+    /// The features.
     pub seen: SeenMarker,
-    /// Slopes by the numbers of the [`Departure`], a column for each; 0 for those that are not asked for.
+    /// Slopes by the numbers of the [`Departure`], one column each; 0 for numbers that were not requested.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
-    /// Slopes by the misalignment of the discs, per rad, as
-    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments) has it.
+    /// Slopes by the misalignment of the discs, per rad, see
+    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments).
     pub by_misalignment: Matrix4x2<f64>,
     /// Slopes by the motions of the magenta and of the yellow disc, per length: inward, and along both axes of the skin.
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
-/// Parts that the slopes of all markers share.
+/// Values that the slopes of all markers share.
 struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// Contrasts of colours that are a little more, for each share of light that is asked for.
+    /// Contrasts with each requested transmittance increased by one step.
     colours: Vec<(usize, Contrasts)>,
-    asked: &'a [usize],
+    requested: &'a [usize],
 }
 
 impl Optics {
-    /// Pictures of the markers of a sensor that departs so from this one, as [`Optics::projected`] has them, with their slopes
-    /// by the numbers of the departure that are asked for. `None` for markers that are not seen.
+    /// Features of the markers of a sensor with this departure, as of [`Optics::project`], with their slopes by the requested
+    /// numbers of the departure. `None` for markers that are not visible.
     ///
-    /// Slopes are right to about 5e-5 of the largest, but where the edges of two discs touch, at which pictures bend.
+    /// The error of the slopes is about 5e-5 of the largest one, except where the edges of two discs touch: the features have
+    /// a kink there.
     ///
     /// # Errors
-    /// Errors of [`Optics::departed`] and of [`Optics::projected`]; [`OpticsError::BadSetting`] for `asked` unless each is less
-    /// than [`Departure::NUMBERS`].
+    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `asked` unless each requested
+    /// number is less than [`Departure::NUMBERS`].
     pub fn slopes(
         &self,
         departure: &Departure,
         motions: &[Option<MarkerMotion>],
-        asked: &[usize],
+        requested: &[usize],
     ) -> Result<Vec<Option<MarkerSlopes>>, OpticsError> {
-        for &number in asked {
+        for &number in requested {
             let good = number < Departure::NUMBERS;
             OpticsError::unless(good, "asked", number as f64, "the number of a departure")?;
         }
         let optics = self.departed(departure)?;
         let is_colour = |number: &&usize| (COLOURS..ODD_TERMS).contains(*number);
-        let colours = asked.iter().filter(is_colour).map(|&number| {
+        let colours = requested.iter().filter(is_colour).map(|&number| {
             let mut colours = optics.colours;
             let [magenta, yellow] = [&mut colours.magenta, &mut colours.yellow];
             let share = number - COLOURS;
@@ -79,7 +81,7 @@ impl Optics {
             departure,
             turns: optics.pose().per_turn(),
             colours: colours.collect(),
-            asked,
+            requested,
             optics: &optics,
         };
         palpate_statistics::work::projected(motions.len() as u64);
@@ -88,10 +90,10 @@ impl Optics {
             let seen = sight?.zip(motion.as_ref());
             slopes.push(seen.and_then(|(sight, motion)| shared.marker(marker, &sight, motion)));
         }
-        for &number in asked.iter().filter(|number| **number >= ODD_TERMS) {
+        for &number in requested.iter().filter(|number| **number >= ODD_TERMS) {
             let mut beside = *departure;
             beside.odd_terms[number - ODD_TERMS] += ODD;
-            let beside = self.departed(&beside)?.projected(motions)?;
+            let beside = self.departed(&beside)?.project(motions)?;
             for (slopes, beside) in slopes.iter_mut().zip(&beside) {
                 if let (Some(slopes), Some(beside)) = (slopes, beside) {
                     let column = difference(beside, &slopes.seen) / ODD;
@@ -116,15 +118,15 @@ impl Shared<'_> {
             contrasts,
             ..
         } = self.optics;
-        let glimpse = Glimpse::new(camera, sight)?;
-        let seen = glimpse.features(camera, contrasts)?;
+        let projection = MarkerProjection::new(camera, sight)?;
+        let seen = projection.features(camera, contrasts)?;
         let pose = self.optics.pose();
         let by_sights = array.sight_slopes(marker, sight, motion, &pose, &self.turns);
         let by_discs = [0, 1].map(|disc| {
             let mut by_disc = Matrix4x3::zeros();
             for number in 0..3 {
                 let beside = by_sights[disc].beside(sight, disc, number, STEP);
-                let beside = glimpse.beside(camera, &beside, disc);
+                let beside = projection.beside(camera, &beside, disc);
                 if let Some(beside) = beside.features(camera, contrasts) {
                     by_disc.set_column(number, &(difference(&beside, &seen) / STEP));
                 }
@@ -140,7 +142,7 @@ impl Shared<'_> {
         };
         self.by_departure(&mut slopes, [&magenta, &yellow]);
         for (number, contrasts) in &self.colours {
-            if let Some(beside) = glimpse.features(camera, contrasts) {
+            if let Some(beside) = projection.features(camera, contrasts) {
                 let column = difference(&beside, &seen) / SHARE;
                 slopes.by_departure.set_column(*number, &column);
             }
@@ -148,14 +150,14 @@ impl Shared<'_> {
         Some(slopes)
     }
 
-    /// Slopes by what moves, widens or shifts pictures.
+    /// Slopes by depths, diameters, and the parameters of the camera.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();
         let seen = slopes.seen.centroid_px;
         let both = |column: usize| magenta.column(column) + yellow.column(column);
         let wider = |disc: usize| by[disc].column(WIDER) / (1.0 + self.departure.diameters[disc]);
-        for &number in self.asked {
+        for &number in self.requested {
             let column = match number {
                 0 => magenta.column(DEEPER).into(),
                 1 => yellow.column(DEEPER).into(),
@@ -163,7 +165,7 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // All lengths in the image are proportional to it.
+                    // All lengths in the image are proportional to the pixels per radian.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }
@@ -176,7 +178,7 @@ impl Shared<'_> {
     }
 }
 
-/// One picture less another, to first order.
+/// Difference of the features of two markers, to first order.
 fn difference(one: &SeenMarker, other: &SeenMarker) -> Vector4<f64> {
     let turn = one.hue_turns - other.hue_turns;
     Vector4::new(

@@ -4,7 +4,7 @@ use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-use super::gores::{FEWEST_GORES, MOST_GORES};
+use super::{FEWEST_GORES, MOST_GORES};
 use crate::LayoutError;
 
 /// Why there is no such flat pattern.

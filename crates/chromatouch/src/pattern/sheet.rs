@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{FlatPlace, Pattern, PatternError};
-use crate::spacing::too_close;
+use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
 /// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.

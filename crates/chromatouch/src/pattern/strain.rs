@@ -26,8 +26,7 @@ use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
 
-use super::PatternError;
-use super::gores::FEWEST_GORES;
+use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
 /// Nodes per direction: from three gores on, the nearest singularity (s = 2i) makes the error less than 1e-20.

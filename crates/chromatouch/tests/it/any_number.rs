@@ -244,10 +244,10 @@ proptest! {
         let camera = Camera::new(lens, 24, 70.0).unwrap();
         let optics = Optics::new(array, camera, Colours::default(), blemishes).unwrap();
         let motions = vec![Some(motion(&moves, radius)); places.len()];
-        let seen = optics.projected(&motions).unwrap();
+        let seen = optics.project(&motions).unwrap();
         prop_assert_eq!(seen.iter().flatten().count(), places.len());
         prop_assert!(seen.iter().flatten().all(is_sound), "{seen:?}");
-        prop_assert_eq!(optics.rendered(&motions, None).unwrap().dimensions(), (24, 24));
+        prop_assert_eq!(optics.render(&motions, None).unwrap().dimensions(), (24, 24));
     }
 
     #[test]
@@ -287,11 +287,11 @@ proptest! {
         prop_assert_eq!(optics.as_ref().err().and_then(|error| error.setting()), due);
         let Ok(optics) = optics else { return Ok(()) };
         let motions = vec![Some(motion(&moves, radius)); places.len()];
-        match optics.projected(&motions) {
+        match optics.project(&motions) {
             Ok(seen) => prop_assert!(seen.iter().flatten().all(is_sound), "{seen:?}"),
             Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }
-        match optics.rendered(&motions, None) {
+        match optics.render(&motions, None) {
             Ok(frame) => prop_assert_eq!(frame.dimensions(), (size, size)),
             Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }

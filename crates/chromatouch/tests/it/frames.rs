@@ -7,6 +7,8 @@ use palpate_chromatouch::{
 };
 use palpate_sensing::{Channel, Stream};
 
+use crate::optics::{DISCS, depths};
+
 /// Each region of a marker has whole levels.
 const WHOLE_LEVELS: Colours = Colours {
     white: [240.0 / 255.0; 3],
@@ -17,15 +19,7 @@ const WHOLE_LEVELS: Colours = Colours {
 };
 
 fn array(places: &[[f64; 2]], misalignment: f64) -> MarkerArray {
-    let discs = Discs {
-        magenta: 2.0,
-        yellow: 2.0,
-    };
-    let depths = DiscDepths {
-        magenta: 3.0,
-        yellow: 1.0,
-    };
-    let array = MarkerArray::new(20.0, places, discs, depths).unwrap();
+    let array = MarkerArray::new(20.0, places, DISCS, depths(3.0, 1.0)).unwrap();
     array.misaligned(misalignment, 11).unwrap()
 }
 
@@ -106,8 +100,8 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             MarkerMotion::default()
         };
         let motions = vec![Some(motion); places.len()];
-        let frame = optics.rendered(&motions, None).unwrap();
-        for marker in optics.projected(&motions).unwrap() {
+        let frame = optics.render(&motions, None).unwrap();
+        for marker in optics.project(&motions).unwrap() {
             let marker = marker.unwrap();
             let [column, row] = marker.centroid_px;
             let [middle, _] = camera.centre_px();
@@ -174,7 +168,7 @@ fn levels_are_those_of_frames_before_they_are_rounded() {
     };
     let optics = optics(published(), 200, blemishes);
     let motions = at_rest(&optics);
-    let frame = optics.rendered(&motions, None).unwrap();
+    let frame = optics.render(&motions, None).unwrap();
     let levels = optics.levels(&motions).unwrap();
     assert_eq!(levels.len(), frame.as_raw().len());
     for (level, byte) in levels.iter().zip(frame.as_raw()) {
@@ -204,11 +198,11 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
     for size_px in [100, 200, 400, 800] {
         let optics = optics(array.clone(), size_px, Blemishes::default());
         let motions = at_rest(&optics);
-        let seen = optics.projected(&motions).unwrap().into_iter().flatten();
+        let seen = optics.project(&motions).unwrap().into_iter().flatten();
         let expected: f64 = seen.map(|marker| marker.size_px2).sum();
         let half = 0.33 * f64::from(size_px);
         let [middle, _] = optics.camera().centre_px();
-        let frame = optics.rendered(&motions, None).unwrap();
+        let frame = optics.render(&motions, None).unwrap();
         // A square within the image circle, around all markers.
         let found = measured(&frame, [middle; 2], half).size_px2;
         assert!(
@@ -223,7 +217,7 @@ fn blemishes_that_are_off_change_no_byte_and_draw_nothing() {
     let motions = at_rest(&optics(published(), 265, Blemishes::default()));
     let frame = |blemishes, stream: Option<&mut Stream>| {
         let optics = optics(published(), 265, blemishes);
-        optics.rendered(&motions, stream).unwrap()
+        optics.render(&motions, stream).unwrap()
     };
     let clean = frame(Blemishes::default(), None);
     let mut stream = Stream::new(1, 0, Channel::Pixel);
@@ -252,7 +246,7 @@ fn blemishes_that_are_off_change_no_byte_and_draw_nothing() {
 fn empty(size_px: u32, blemishes: Blemishes, noise: Option<u64>) -> RgbImage {
     let optics = optics(array(&[], 0.0), size_px, blemishes);
     let mut stream = noise.map(|seed| Stream::new(seed, 0, Channel::Pixel));
-    optics.rendered(&[], stream.as_mut()).unwrap()
+    optics.render(&[], stream.as_mut()).unwrap()
 }
 
 fn level(frame: &RgbImage, column: u32, row: u32) -> f64 {
@@ -291,7 +285,7 @@ fn light_falls_with_the_square_of_the_polar_angle() {
     // Through a pinhole, tan θ is what grows along the image.
     let camera = Camera::new(Lens::Pinhole, 201, 60.0).unwrap();
     let optics = Optics::new(array(&[], 0.0), camera, WHOLE_LEVELS, blemishes).unwrap();
-    let frame = optics.rendered(&[], None).unwrap();
+    let frame = optics.render(&[], None).unwrap();
     let polar = libm::atan(50.0 / 100.5 * libm::tan(60.0_f64.to_radians()));
     let expected = 240.0 * (1.0 - 0.5 * (polar / 60.0_f64.to_radians()).powi(2));
     assert!((level(&frame, 150, 100) - expected).abs() <= 0.5);
@@ -342,7 +336,7 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
     let sum = |frame: &RgbImage| -> f64 { frame.pixels().map(|one| f64::from(one.0[0])).sum() };
     let [sharp, soft] = [clean, blurred].map(|blemishes| {
         let optics = optics(published(), 400, blemishes);
-        optics.rendered(&at_rest(&optics), None).unwrap()
+        optics.render(&at_rest(&optics), None).unwrap()
     });
     assert!((sum(&soft) / sum(&sharp) - 1.0).abs() < 1e-3);
     // The edge of a straight seam half the field wide: a step of an error function. Its value 0.5, 1 and 2 standard
@@ -395,7 +389,7 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
 #[test]
 fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
     let optics = optics(published(), 265, Blemishes::default());
-    let frame = optics.rendered(&vec![None; 77], None).unwrap();
+    let frame = optics.render(&vec![None; 77], None).unwrap();
     assert!(frame == empty(265, Blemishes::default(), None));
     // Its middle on the rim, 70° from the apex: half of it is seen.
     let reach = 20.0 * 70.0_f64.to_radians();
@@ -407,8 +401,8 @@ fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
         Blemishes::default(),
     );
     let rim = rim.unwrap();
-    assert_eq!(rim.projected(&at_rest(&rim)).unwrap(), [None]);
-    let cut = rim.rendered(&at_rest(&rim), None).unwrap();
+    assert_eq!(rim.project(&at_rest(&rim)).unwrap(), [None]);
+    let cut = rim.render(&at_rest(&rim), None).unwrap();
     let without = empty(801, Blemishes::default(), None);
     let pairs = std::iter::zip(cut.pixels(), without.pixels());
     let changed = pairs.filter(|(one, other)| one != other).count() as f64;
@@ -425,7 +419,7 @@ fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
 fn frames_of_every_size_are_rendered() {
     for size_px in [1, 2, 3, 17, 4096] {
         let optics = optics(published(), size_px, Blemishes::default());
-        let frame = optics.rendered(&at_rest(&optics), None).unwrap();
+        let frame = optics.render(&at_rest(&optics), None).unwrap();
         assert_eq!(frame.dimensions(), (size_px, size_px));
         let largest = frame.pixels().map(|pixel| pixel.0[0]).max().unwrap();
         assert!((100..=240).contains(&largest), "{size_px}: {largest}");
@@ -444,9 +438,7 @@ fn frames_of_every_size_are_rendered() {
             let camera = Camera::new(lens, size_px, field).unwrap();
             let optics = Optics::new(published(), camera, WHOLE_LEVELS, all).unwrap();
             let mut stream = Stream::new(1, 0, Channel::Pixel);
-            optics
-                .rendered(&at_rest(&optics), Some(&mut stream))
-                .unwrap();
+            optics.render(&at_rest(&optics), Some(&mut stream)).unwrap();
         }
     }
 }

@@ -9,6 +9,8 @@ use palpate_chromatouch::{
     MarkerMotion, OddTerms, Optics, OpticsError, SeenMarker,
 };
 
+use crate::optics::{DISCS, depths};
+
 const FIELD: f64 = 65.0;
 /// Terms of an equisolid and a stereographic lens, of one that is distorted either way, and of one near to its fold.
 const TERMS: [[f64; 2]; 5] = [
@@ -25,21 +27,13 @@ fn camera([k3, k5]: [f64; 2]) -> Camera {
 
 fn optics(camera: Camera) -> Optics {
     let places = Layout::published().places(20.0).unwrap();
-    let discs = Discs {
-        magenta: 2.0,
-        yellow: 2.0,
-    };
-    let depths = DiscDepths {
-        magenta: 3.0,
-        yellow: 1.0,
-    };
-    let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
+    let array = MarkerArray::new(20.0, &places, DISCS, depths(3.0, 1.0)).unwrap();
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
 
 fn at_rest(optics: &Optics) -> Vec<Option<SeenMarker>> {
     let motions = vec![Some(MarkerMotion::default()); optics.array().len()];
-    optics.projected(&motions).unwrap()
+    optics.project(&motions).unwrap()
 }
 
 #[test]
@@ -147,7 +141,7 @@ fn derivatives_of_pictures_are_differences() {
     };
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
-        let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
+        let array = MarkerArray::new(20.0, &places, DISCS, depths(3.0, 1.0)).unwrap();
         let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
         let seen = at_rest(&optics);
         let first = seen[0].unwrap().size_px2 / area(&camera, places[0]);

@@ -51,7 +51,7 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
 
 /// The only marker.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
-    optics.projected(&[motion]).unwrap()[0].unwrap()
+    optics.project(&[motion]).unwrap()[0].unwrap()
 }
 
 /// Chart coordinates of a place on the skin of radius 20, this far from the apex.
@@ -276,7 +276,7 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
     let directions = |array: MarkerArray| -> Vec<Vector3<f64>> {
         let motions = vec![Some(MarkerMotion::default()); array.len()];
         let optics = Optics::new(array, camera, yellow, Blemishes::default()).unwrap();
-        let seen = optics.projected(&motions).unwrap().into_iter();
+        let seen = optics.project(&motions).unwrap().into_iter();
         seen.map(|marker| {
             camera
                 .direction(marker.unwrap().centroid_px)
@@ -315,7 +315,7 @@ fn only_what_is_all_in_the_picture_is_seen() {
     let optics = optics(&places, depths(3.0, 1.0), Lens::Fisheye, Colours::default());
     let mut motions = [Some(MarkerMotion::default()); 4];
     let visible = |motions: &[Option<MarkerMotion>]| -> Vec<bool> {
-        let seen = optics.projected(motions).unwrap();
+        let seen = optics.project(motions).unwrap();
         seen.iter().map(Option::is_some).collect()
     };
     // The discs' angular radius is 3.4°.
@@ -336,7 +336,7 @@ fn only_what_is_all_in_the_picture_is_seen() {
     assert!(
         nothing
             .unwrap()
-            .projected(&motions)
+            .project(&motions)
             .unwrap()
             .iter()
             .all(Option::is_none)
@@ -372,7 +372,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
             stretch,
             ..DiscMotion::default()
         };
-        let refused = made.projected(&[moved(torn, torn)]);
+        let refused = made.project(&[moved(torn, torn)]);
         assert!(
             matches!(refused, Err(OpticsError::ImpossibleMotion { .. })),
             "{stretch}"

@@ -17,72 +17,30 @@ fn impossible_arrays_are_named() {
     let one = [[0.0, 0.0]];
     let good = depths(3.0, 1.0);
     let nan = f64::NAN;
+    let bad = |setting| ("bad-setting", Some(setting));
+    let deep = ("bad-depth", Some("separation"));
     for (radius, diameters, depths, expected) in [
-        (nan, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
-        (0.0, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
-        (
-            20.0,
-            [0.0, 2.0],
-            good,
-            ("bad-setting", Some("magenta_diameter")),
-        ),
-        (
-            20.0,
-            [40.0, 2.0],
-            good,
-            ("bad-setting", Some("magenta_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, nan],
-            good,
-            ("bad-setting", Some("yellow_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, 1e-300],
-            good,
-            ("bad-setting", Some("yellow_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(20.0, 1.0),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(1.0, 3.0),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(1.0, -0.1),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(nan, nan),
-            ("bad-depth", Some("separation")),
-        ),
+        (nan, [2.0, 2.0], good, bad("radius")),
+        (0.0, [2.0, 2.0], good, bad("radius")),
+        (20.0, [0.0, 2.0], good, bad("magenta_diameter")),
+        (20.0, [40.0, 2.0], good, bad("magenta_diameter")),
+        (20.0, [2.0, nan], good, bad("yellow_diameter")),
+        (20.0, [2.0, 1e-300], good, bad("yellow_diameter")),
+        (20.0, [2.0, 2.0], depths(20.0, 1.0), deep),
+        (20.0, [2.0, 2.0], depths(1.0, 3.0), deep),
+        (20.0, [2.0, 2.0], depths(1.0, -0.1), deep),
+        (20.0, [2.0, 2.0], depths(nan, nan), deep),
     ] {
         let [magenta, yellow] = diameters;
         assert_eq!(array(radius, &one, magenta, yellow, depths), expected);
     }
     for place in [[63.0, 0.0], [nan, 0.0], [f64::INFINITY, 0.0]] {
-        assert_eq!(
-            array(20.0, &[place], 2.0, 2.0, good),
-            ("off-the-skin", None)
-        );
+        let refused = array(20.0, &[place], 2.0, 2.0, good);
+        assert_eq!(refused, ("off-the-skin", None));
     }
     let many = vec![[0.0, 0.0]; 100_001];
-    assert_eq!(
-        array(20.0, &many, 2.0, 2.0, good),
-        ("too-many-markers", None)
-    );
+    let refused = array(20.0, &many, 2.0, 2.0, good);
+    assert_eq!(refused, ("too-many-markers", None));
 
     let misaligned = MarkerArray::new(20.0, &one, DISCS, good).unwrap();
     for most in [-0.1, 1.1, nan] {
@@ -154,8 +112,8 @@ fn impossible_motions_are_named() {
         motions: 1,
         markers: 2,
     };
-    assert_eq!(optics.projected(&[rest]).unwrap_err(), wrong);
-    assert_eq!(optics.rendered(&[rest], None).unwrap_err(), wrong);
+    assert_eq!(optics.project(&[rest]).unwrap_err(), wrong);
+    assert_eq!(optics.render(&[rest], None).unwrap_err(), wrong);
     for bad in [17.0, -17.0, 1e300, f64::NAN, f64::NEG_INFINITY] {
         let along = |tangential| DiscMotion {
             normal: 0.0,
@@ -165,8 +123,8 @@ fn impossible_motions_are_named() {
         for motion in [inward(bad), along([bad, 0.0]), along([0.0, bad])] {
             let motions = [rest, moved(motion, DiscMotion::default())];
             for error in [
-                optics.projected(&motions).unwrap_err(),
-                optics.rendered(&motions, None).unwrap_err(),
+                optics.project(&motions).unwrap_err(),
+                optics.render(&motions, None).unwrap_err(),
             ] {
                 let OpticsError::ImpossibleMotion { marker, disc, .. } = error else {
                     panic!("{error}");

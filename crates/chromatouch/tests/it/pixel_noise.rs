@@ -1,22 +1,14 @@
 //! Noise of pixels: its distribution, and its independence from pixel to pixel.
 
 use image::RgbImage;
-use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, Discs, Lens, MarkerArray, Optics,
-};
+use palpate_chromatouch::{Blemishes, Camera, Colours, Lens, MarkerArray, Optics};
 use palpate_sensing::{Channel, Stream};
+
+use crate::optics::{DISCS, depths};
 
 /// Frame of nothing but light of these levels.
 fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]) -> RgbImage {
-    let discs = Discs {
-        magenta: 2.0,
-        yellow: 2.0,
-    };
-    let depths = DiscDepths {
-        magenta: 3.0,
-        yellow: 1.0,
-    };
-    let array = MarkerArray::new(20.0, &[], discs, depths).unwrap();
+    let array = MarkerArray::new(20.0, &[], DISCS, depths(3.0, 1.0)).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
     let light = levels.map(|level| level / 255.0);
     let colours = Colours {
@@ -30,7 +22,7 @@ fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]
     };
     let optics = Optics::new(array, camera, colours, blemishes).unwrap();
     let mut stream = Stream::new(seed, trial, Channel::Pixel);
-    optics.rendered(&[], Some(&mut stream)).unwrap()
+    optics.render(&[], Some(&mut stream)).unwrap()
 }
 
 /// Columns of the pixels of a row whose middles lie in the image circle.

@@ -26,7 +26,7 @@ fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
 
 fn seen(optics: &Optics) -> Vec<SeenMarker> {
     let still = vec![Some(MarkerMotion::default()); optics.array().len()];
-    let seen = optics.projected(&still).unwrap();
+    let seen = optics.project(&still).unwrap();
     seen.into_iter().flatten().collect()
 }
 

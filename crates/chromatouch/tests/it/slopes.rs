@@ -79,7 +79,7 @@ impl Scene {
             .known()
             .departed(&Departure::of(self.departure))
             .unwrap();
-        departed.projected(&self.motions()).unwrap()
+        departed.project(&self.motions()).unwrap()
     }
 
     /// Slopes by what `change` does with a step, of the markers that are seen.

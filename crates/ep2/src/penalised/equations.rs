@@ -1,30 +1,28 @@
-//! The normal equations of a bicubic spline, gathered interval by interval.
+//! The normal equations of a bicubic spline, summed up interval by interval, and its roughness penalty.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::noise::Kinds;
-use crate::square::Square;
-use crate::square_quadric::SquareQuadric;
+use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Knots, Patch};
 
 /// Degree of the spline.
 pub(super) const DEGREE: usize = 3;
 const SUPPORT: usize = DEGREE + 1;
-/// B-splines that do not vanish at a place.
+/// Number of B-splines that are not 0 at a place.
 const LOCAL: usize = SUPPORT * SUPPORT;
 
-/// The normal equations of heights and of slopes, each of unit variance, for the deviation from a
-/// quadric.
+/// The normal equations of heights and of slopes, each of unit variance, for the deviation from a quadric.
 pub(super) struct Equations {
     pub(super) grams: Kinds<DMatrix<f64>>,
     pub(super) right_sides: Kinds<DVector<f64>>,
     /// Weighted sums of squares of the deviations.
     pub(super) squares: Kinds<f64>,
-    /// Numbers of equations.
+    /// Number of equations.
     pub(super) count: Kinds<usize>,
 }
 
-/// Contribution of the contacts over one interval of both sides to the normal equations.
+/// Contribution of the contacts within one knot interval along each side.
 #[derive(Clone)]
 struct Cell {
     gram: [[f64; LOCAL]; LOCAL],
@@ -98,11 +96,7 @@ impl Equations {
             squares,
             count: Kinds {
                 heights: patch.samples.len(),
-                slopes: if has_slopes {
-                    2 * patch.samples.len()
-                } else {
-                    0
-                },
+                slopes: patch.equations() - patch.samples.len(),
             },
         }
     }
@@ -130,8 +124,12 @@ impl Equations {
         }
     }
 
-    /// Effective numbers of unknowns that a fit takes from heights and from slopes, by its (A + λP)⁻¹.
-    pub(super) fn taken(&self, inverse: &DMatrix<f64>, variances: &Kinds<f64>) -> Kinds<f64> {
+    /// Effective numbers of unknowns fitted to heights and to slopes, from the fit's (A + λP)⁻¹.
+    pub(super) fn effective_unknowns(
+        &self,
+        inverse: &DMatrix<f64>,
+        variances: &Kinds<f64>,
+    ) -> Kinds<f64> {
         Kinds {
             heights: inverse.dot(&self.grams.heights) / variances.heights,
             slopes: inverse.dot(&self.grams.slopes) / variances.slopes,
@@ -139,7 +137,7 @@ impl Equations {
     }
 }
 
-/// Intervals along both sides.
+/// Number of knot intervals along both sides.
 fn intervals(knots: &[Knots; 2]) -> [usize; 2] {
     knots.each_ref().map(|knots| knots.interior().len() + 1)
 }
@@ -161,4 +159,84 @@ fn assembled(cells: &[Cell], knots: &[Knots; 2]) -> (DMatrix<f64>, DVector<f64>)
         }
     }
     (gram, right)
+}
+
+/// Nodes and weights of Gauss's rule with four nodes on [−1, 1], exact to degree 7.
+const GAUSS: [(f64, f64); 4] = [
+    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+    (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+];
+
+/// The matrix P with cᵀPc = ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square, for a spline with the coefficients c.
+/// The integral is the same for all directions of the axes.
+pub(super) fn roughness_penalty(knots: &[Knots; 2]) -> DMatrix<f64> {
+    let grams: [[DMatrix<f64>; 4]; 2] = knots
+        .each_ref()
+        .map(|knots| std::array::from_fn(|order| gram(knots, order)));
+    let coefficients = knots[0].functions() * knots[1].functions();
+    let mut penalty = DMatrix::zeros(coefficients, coefficients);
+    for (order, count) in [(3, 1.0), (2, 3.0), (1, 3.0), (0, 1.0)] {
+        penalty += grams[0][order].kronecker(&grams[1][3 - order]) * count;
+    }
+    penalty
+}
+
+/// Integrals ∫ B_i⁽ᵐ⁾ B_j⁽ᵐ⁾ of the B-splines' derivatives of order m.
+fn gram(knots: &Knots, order: usize) -> DMatrix<f64> {
+    let mut result = DMatrix::zeros(knots.functions(), knots.functions());
+    let mut ends = vec![knots.domain().0];
+    ends.extend_from_slice(knots.interior());
+    ends.push(knots.domain().1);
+    for (first, pair) in ends.windows(2).enumerate() {
+        let half = 0.5 * (pair[1] - pair[0]);
+        for (node, weight) in GAUSS {
+            let x = pair[0] + half * (1.0 + node);
+            let basis = knots.derivatives::<4>(first, x)[order];
+            for (i, one) in basis[..=knots.degree()].iter().enumerate() {
+                for (j, other) in basis[..=knots.degree()].iter().enumerate() {
+                    result[(first + i, first + j)] += half * weight * one * other;
+                }
+            }
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use nalgebra::DVector;
+
+    #[test]
+    fn third_derivatives_are_penalised_and_quadrics_are_not() {
+        let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
+        // Blossoms: mean products of one, two and three different inner knots.
+        let powers = |knots: &Knots, function: usize| {
+            let t = &knots.as_slice()[function + 1..function + 4];
+            [
+                1.0,
+                (t[0] + t[1] + t[2]) / 3.0,
+                (t[0] * t[1] + t[0] * t[2] + t[1] * t[2]) / 3.0,
+                t[0] * t[1] * t[2],
+            ]
+        };
+        let penalty = |power_a: usize, power_b: usize| {
+            let [a, b] = &knots;
+            let width = b.functions();
+            let coefficients = DVector::from_fn(a.functions() * width, |index, _| {
+                powers(a, index / width)[power_a] * powers(b, index % width)[power_b]
+            });
+            coefficients.dot(&(roughness_penalty(&knots) * &coefficients))
+        };
+        for (power_a, power_b) in [(0, 0), (1, 0), (0, 2), (1, 1), (2, 0)] {
+            assert_relative_eq!(penalty(power_a, power_b), 0.0, epsilon = 1e-10);
+        }
+        // a³: 6² over an area of 4. a²b: 3 · 2² · 4.
+        assert_relative_eq!(penalty(3, 0), 144.0, max_relative = 1e-12);
+        assert_relative_eq!(penalty(2, 1), 48.0, max_relative = 1e-12);
+        assert_relative_eq!(penalty(1, 2), 48.0, max_relative = 1e-12);
+    }
 }

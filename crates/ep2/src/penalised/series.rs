@@ -1,12 +1,11 @@
-//! The normal equations of a series of Chebyshev polynomials, from sums over the contacts.
+//! The normal equations of a series of Chebyshev polynomials.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::Patch;
 use crate::chebyshev::{count, derivative, products, values};
 use crate::noise::Variances;
-use crate::square::Square;
-use crate::square_quadric::SquareQuadric;
+use crate::square_quadric::{Square, SquareQuadric};
 
 /// The weighted normal equations of heights and slopes, of unit variance, for the deviation from a quadric.
 #[derive(Clone)]
@@ -17,8 +16,8 @@ pub(super) struct SeriesEquations {
     pub(super) square: f64,
 }
 
-/// Weighted sums over observations of one kind. Products of Chebyshev polynomials are sums of such polynomials, so that
-/// the cost of an observation is that of a series of twice the degree.
+/// Weighted sums over observations of one kind. A product of two Chebyshev polynomials is a sum of such polynomials, so an
+/// observation only adds to a series of twice the degree.
 struct Sums {
     degree: usize,
     /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree, p slowest.
@@ -46,7 +45,7 @@ impl Sums {
         self.square += weighted * value;
     }
 
-    /// Right side of the equations, as [`products`].
+    /// Right side of the equations, in the order of [`products`].
     fn right(&self) -> DVector<f64> {
         let all = products(self.degree).map(|[i, j]| self.right[i * (self.degree + 1) + j]);
         DVector::from_iterator(count(self.degree), all)
@@ -73,7 +72,7 @@ impl Sums {
     }
 }
 
-/// Adds weighted products of two rows of numbers to sums of a square, those whose places add up to no more than `degree`.
+/// Adds the weighted products a[p] b[q] with p + q ≤ `degree` to the sums.
 #[inline]
 fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f64) {
     let rows = sums.chunks_exact_mut(degree + 1).zip(a);
@@ -124,8 +123,8 @@ impl SeriesEquations {
         equations
     }
 
-    /// The equations where one finger stands apart, by a distance that is not known.
-    pub(super) fn apart(
+    /// The equations if one finger is displaced by an unknown height.
+    pub(super) fn with_displaced(
         &self,
         quadric: &SquareQuadric,
         patch: &Patch,
@@ -148,25 +147,27 @@ impl SeriesEquations {
             by_height += weight * one.height;
             information += weight;
         }
-        let mut apart = self.clone();
+        let mut changed = self.clone();
         if information > 0.0 {
-            apart
+            changed
                 .gram
                 .ger(-1.0 / information, &by_series, &by_series, 1.0);
-            apart.right.axpy(-by_height / information, &by_series, 1.0);
-            apart.square -= by_height * by_height / information;
+            changed
+                .right
+                .axpy(-by_height / information, &by_series, 1.0);
+            changed.square -= by_height * by_height / information;
         }
-        apart
+        changed
     }
 
-    /// Adds the equations of the derivatives along an axis, from those of the series that the derivatives are.
+    /// Adds the equations of the derivatives along an axis. `sums` belong to the series of these derivatives.
     fn add_derivatives(&mut self, sums: &Sums, axis: usize, degree: usize) {
         let adjoint = derivative(degree, axis).transposed();
-        let half = adjoint.of_rows(&sums.gram());
-        self.gram += adjoint.of_rows(&half.transpose());
+        let half = adjoint.apply_to_rows(&sums.gram());
+        self.gram += adjoint.apply_to_rows(&half.transpose());
         let right = sums.right();
         let right = DMatrix::from_row_slice(1, right.len(), right.as_slice());
-        self.right += adjoint.of_rows(&right).transpose().column(0);
+        self.right += adjoint.apply_to_rows(&right).transpose().column(0);
         self.square += sums.square;
     }
 }

@@ -1,24 +1,23 @@
-//! The penalised normal equations in the modes that both of their matrices share.
+//! The penalised normal equations in the modes that diagonalise both of their matrices.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::equations::Equations;
-use super::product::add_symmetric;
 use crate::Ep2Error;
+use crate::matrix::add_symmetric;
 use crate::noise::Kinds;
 use crate::square_quadric::UNKNOWNS;
 
-/// Share of the penalty that is added to the fidelity, relative to their traces, so that the sum
-/// determines all coefficients.
-const SHIFT: f64 = 1e-7;
+/// Share of the penalty that is added to the normal equations, relative to their traces, so that they determine all
+/// coefficients.
+const PENALTY_SHARE: f64 = 1e-7;
 
-/// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal
-/// equations and P the penalty. With smoothing weight λ the coefficients are
-/// U diag(1/(fidelity + λ roughness)) Uᵀ (right side): everything that depends on λ is a sum over
-/// modes.
+/// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal equations and P the
+/// penalty. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ roughness)) Uᵀ (right side). So
+/// everything that depends on λ is a sum over modes.
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
-    /// Fidelity of each mode, in [0, 1]; 1 for the quadrics, which stand first.
+    /// Fidelity of each mode, in [0, 1]; 1 for the quadrics, which come first.
     pub(super) fidelity: Vec<f64>,
     /// Roughness of each mode, ascending; 0 for the quadrics.
     pub(super) roughness: Vec<f64>,
@@ -45,7 +44,7 @@ impl Spectrum {
             right += &equations.right_sides.slopes * per_slope;
             square += equations.squares.slopes * per_slope;
         }
-        let shift = SHIFT * sum.trace() / penalty.trace();
+        let shift = PENALTY_SHARE * sum.trace() / penalty.trace();
         sum += penalty * shift;
         // With C Cᵀ the sum, the modes are C⁻ᵀ times the eigenvectors of C⁻¹ P C⁻ᵀ.
         let factor = sum.cholesky().ok_or(Ep2Error::OutOfRange)?.unpack();
@@ -83,38 +82,29 @@ impl Spectrum {
     }
 
     /// 1/(fidelity + λ roughness) of each mode.
-    pub(super) fn kept(&self, log_weight: f64) -> Vec<f64> {
+    pub(super) fn filters(&self, log_weight: f64) -> Vec<f64> {
         let weight = libm::exp(log_weight);
         let pairs = self.fidelity.iter().zip(&self.roughness);
-        pairs
-            .map(|(fidelity, roughness)| 1.0 / (fidelity + weight * roughness))
-            .collect()
+        let filters = pairs.map(|(fidelity, roughness)| 1.0 / (fidelity + weight * roughness));
+        filters.collect()
     }
 
     /// The spline's coefficients.
-    pub(super) fn coefficients(&self, kept: &[f64]) -> DVector<f64> {
-        let in_modes = kept
-            .iter()
-            .zip(&self.right)
-            .map(|(kept, right)| kept * right);
+    pub(super) fn coefficients(&self, filters: &[f64]) -> DVector<f64> {
+        let in_modes = filters.iter().zip(&self.right).map(|(f, right)| f * right);
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// Inverse of A + λP, of which the modes keep these shares.
-    pub(super) fn inverse(&self, kept: &[f64]) -> DMatrix<f64> {
+    /// Inverse of A + λP, from the modes' [`Spectrum::filters`].
+    pub(super) fn inverse(&self, filters: &[f64]) -> DMatrix<f64> {
         let size = self.modes.nrows();
-        let mut inverse = DMatrix::zeros(size, size);
-        add_symmetric(&mut inverse, &self.scaled(kept), &self.modes);
-        inverse
-    }
-
-    /// The modes, each times its factor.
-    fn scaled(&self, factors: &[f64]) -> DMatrix<f64> {
         let mut scaled = self.modes.clone();
-        for (mut column, factor) in scaled.column_iter_mut().zip(factors) {
-            column *= *factor;
+        for (mut column, filter) in scaled.column_iter_mut().zip(filters) {
+            column *= *filter;
         }
-        scaled
+        let mut inverse = DMatrix::zeros(size, size);
+        add_symmetric(&mut inverse, &scaled, &self.modes);
+        inverse
     }
 }
 

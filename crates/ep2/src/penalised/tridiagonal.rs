@@ -1,8 +1,8 @@
-//! Symmetric tridiagonal matrices: what stands in for eigenvalues where only their sums are asked for.
+//! Symmetric tridiagonal matrices. They replace eigenvalues where only sums over eigenvalues are needed.
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
-/// A symmetric matrix T with no entries but on the diagonal and beside it.
+/// A symmetric matrix T whose entries are 0 except on the diagonal and next to it.
 pub(super) struct Tridiagonal {
     diagonal: Vec<f64>,
     beside: Vec<f64>,
@@ -47,7 +47,7 @@ impl Tridiagonal {
 impl Factors {
     /// Logarithm of the determinant.
     pub(super) fn log_determinant(&self) -> f64 {
-        // Few enough for their product not to overflow.
+        // A product of 8 pivots does not overflow.
         let products = self.pivots.chunks(8).map(|few| few.iter().product());
         products.map(|product: f64| libm::log(product)).sum()
     }

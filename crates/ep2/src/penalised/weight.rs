@@ -1,4 +1,4 @@
-//! The choice of the smoothing weight.
+//! Selection of the smoothing weight.
 
 use std::f64::consts::LN_2;
 
@@ -7,30 +7,30 @@ use crate::Ep2Error;
 use crate::spline::{LANES, Lanes};
 use crate::square_quadric::UNKNOWNS;
 
-/// Places at which the criterion is looked at, in equal steps of the logarithm of the weight; a multiple of [`LANES`].
+/// Number of weights at which the criterion is evaluated, in equal steps of their logarithm; a multiple of [`LANES`].
 const NODES: usize = 80;
-/// The smallest weight looked at, relative to the smallest at which a mode is half kept.
-const LEAST: f64 = 1e-2;
-/// The largest, relative to the largest at which a mode is half kept: beyond, only the quadric is
-/// left.
-const MOST: f64 = 1e3;
-/// Bound on a product below which its power of two is counted apart.
+/// Lower end of the search, relative to the smallest weight that damps a mode by half.
+const MIN_WEIGHT_RATIO: f64 = 1e-2;
+/// Upper end of the search, relative to the largest weight that damps a mode by half. Beyond it, the fit is nearly a
+/// quadric.
+const MAX_WEIGHT_RATIO: f64 = 1e3;
+/// A product below this bound is scaled up, and its power of two is stored separately.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
 const SMALL_HALVINGS: f64 = 60.0;
-/// Modes whose half weight is below this share of the largest do not widen the search.
-const FAINT: f64 = 1e-8;
-/// The search ends so far beyond the expected weight, or never farther than so far beyond the largest
-/// at which a mode is half kept, both in logarithms.
-const BEYOND_EXPECTED: f64 = 5.0;
-const FARTHEST: f64 = 16.0;
+/// Modes whose half-damping weight is below this share of the largest do not widen the search.
+const MIN_MODE_RATIO: f64 = 1e-8;
+/// Distance from the expected weight to the end of the search, in logarithms.
+const EXPECTED_MARGIN: f64 = 5.0;
+/// Largest distance of the expected weight from the largest half-damping weight, in logarithms.
+const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// Generalised cross validation in which each unknown taken up counts `gamma` times (Kim and
-    /// Gu, 2004, advise 1.4), which seldom smooths too little.
+    /// Generalised cross validation in which each fitted unknown counts `gamma` times. It rarely smooths too little. Kim and
+    /// Gu (2004) recommend 1.4.
     RobustGcv {
-        /// Number of times that each unknown counts, at least 1.
+        /// Factor on the number of unknowns, at least 1.
         gamma: f64,
     },
     /// Generalised cross validation (Craven and Wahba, 1979).
@@ -59,17 +59,17 @@ impl Criterion {
     }
 }
 
-/// A smoothing weight, and what follows from it.
+/// The selected smoothing weight, and the results that depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     /// Logarithm of the weight.
     pub(super) log_weight: f64,
-    /// Factor of the assumed variances that explains the residuals; 1 where they are known.
+    /// Factor of the assumed variances that explains the residuals; 1 if the variances are known.
     pub(super) scale: f64,
     pub(super) effective_unknowns: f64,
 }
 
-/// Sums over the modes at a smoothing weight λ. The prime is a derivative by ln λ.
+/// Sums over the modes at a smoothing weight λ. A prime denotes the derivative with respect to ln λ.
 #[derive(Clone, Copy, Debug)]
 struct Sums<T = f64> {
     /// Weighted sum of squared residuals.
@@ -87,7 +87,7 @@ struct Sums<T = f64> {
 }
 
 impl Sums<Lanes> {
-    /// Sums at weights side by side, from their logarithms.
+    /// Sums at several weights, from their logarithms.
     fn at(spectrum: &Spectrum, log_weights: [f64; LANES]) -> [Sums; LANES] {
         let weight = Lanes::from(log_weights.map(libm::exp));
         let square = Lanes::splat(spectrum.square);
@@ -101,14 +101,14 @@ impl Sums<Lanes> {
             log_determinants: Lanes::ZERO,
             log_determinants_prime: Lanes::ZERO,
         };
-        // One logarithm of a product of which powers of two are counted apart after every four factors, lest it vanish.
+        // A product needs one logarithm instead of many. After every four factors it is scaled up if it is close to 0.
         let (mut product, mut halvings) = (Lanes::ONE, Lanes::ZERO);
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
         for (mode, ((fidelity, roughness), right)) in modes.zip(&spectrum.right).enumerate() {
             let penalty = weight * *roughness;
-            let kept = Lanes::ONE / (penalty + *fidelity);
-            let (fitted, smoothed) = (kept * *fidelity, penalty * kept);
-            let square = kept * (right * right);
+            let filter = Lanes::ONE / (penalty + *fidelity);
+            let (fitted, smoothed) = (filter * *fidelity, penalty * filter);
+            let square = filter * (right * right);
             sums.residual -= square * (Lanes::splat(2.0) - fitted);
             sums.residual_prime += square * smoothed * smoothed;
             sums.penalised -= square;
@@ -133,35 +133,33 @@ impl Sums<Lanes> {
         }
         sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;
         sums.residual_prime *= Lanes::splat(2.0);
-        // Rounding may leave a negative rest where everything is fitted.
+        // Rounding errors may make the residual negative if everything is fitted.
         let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
         sums.residual = sums.residual.max(rest);
         sums.penalised = sums.penalised.max(rest);
-        sums.apart()
-    }
-
-    fn apart(self) -> [Sums; LANES] {
-        let lane = |lane: usize, lanes: Lanes| lanes.to_array()[lane];
-        std::array::from_fn(|place| Sums {
-            residual: lane(place, self.residual),
-            residual_prime: lane(place, self.residual_prime),
-            penalised: lane(place, self.penalised),
-            penalised_prime: lane(place, self.penalised_prime),
-            unknowns: lane(place, self.unknowns),
-            unknowns_prime: lane(place, self.unknowns_prime),
-            log_determinants: lane(place, self.log_determinants),
-            log_determinants_prime: lane(place, self.log_determinants_prime),
+        std::array::from_fn(|place| {
+            let lane = |lanes: Lanes| lanes.to_array()[place];
+            Sums {
+                residual: lane(sums.residual),
+                residual_prime: lane(sums.residual_prime),
+                penalised: lane(sums.penalised),
+                penalised_prime: lane(sums.penalised_prime),
+                unknowns: lane(sums.unknowns),
+                unknowns_prime: lane(sums.unknowns_prime),
+                log_determinants: lane(sums.log_determinants),
+                log_determinants_prime: lane(sums.log_determinants_prime),
+            }
         })
     }
 }
 
 impl Sums {
-    fn alone(spectrum: &Spectrum, log_weight: f64) -> Self {
+    fn at_one(spectrum: &Spectrum, log_weight: f64) -> Self {
         Sums::at(spectrum, [log_weight; LANES])[0]
     }
 }
 
-/// The smoothing weights of one data set, looked at in equal steps of their logarithm.
+/// A search for the best smoothing weight, in equal steps of its logarithm.
 pub(super) struct Search<'a> {
     spectrum: &'a Spectrum,
     criterion: Criterion,
@@ -173,7 +171,7 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// The weights that are to be looked at where one of about `expected`, in logarithms, would be no surprise.
+    /// Evaluates the weights of a range that also covers weights around `expected`, the logarithm of the expected weight.
     pub(super) fn new(
         spectrum: &'a Spectrum,
         criterion: Criterion,
@@ -181,8 +179,8 @@ impl<'a> Search<'a> {
         expected: f64,
     ) -> Self {
         let (low, largest) = range(spectrum);
-        let expected = expected.min(largest + FARTHEST);
-        let high = (largest + libm::log(MOST)).max(expected + BEYOND_EXPECTED);
+        let expected = expected.min(largest + MAX_EXPECTED);
+        let high = (largest + libm::log(MAX_WEIGHT_RATIO)).max(expected + EXPECTED_MARGIN);
         let step = (high - low) / (NODES - 1) as f64;
         let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
         let sums = places
@@ -198,7 +196,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The weight that the criterion likes best.
+    /// The weight with the best score.
     pub(super) fn best(&self) -> Choice {
         let scores: Vec<f64> = self.sums.iter().map(|sums| self.score(sums)).collect();
         let best = (0..NODES)
@@ -215,7 +213,7 @@ impl<'a> Search<'a> {
         } else {
             self.places[best]
         };
-        let chosen = Sums::alone(self.spectrum, log_weight);
+        let chosen = Sums::at_one(self.spectrum, log_weight);
         let scale = if self.is_known {
             1.0
         } else {
@@ -228,8 +226,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// −2 ln(likelihood) with the quadric integrated out; that of the best scale unless it is
-    /// known.
+    /// −2 ln(likelihood), with the quadric integrated out. If the variances are unknown, it is that of the best scale.
     fn deviance(&self, sums: &Sums) -> f64 {
         let degrees = self.spectrum.equations - UNKNOWNS as f64;
         let misfit = if self.is_known {
@@ -240,7 +237,7 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score that the chosen weight makes smallest; infinite where too many unknowns would be taken up.
+    /// Score of a weight: the best weight has the smallest. It is infinite if too many unknowns would be fitted.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);
@@ -253,7 +250,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Its derivative by the logarithm of the weight.
+    /// Derivative of the score with respect to the logarithm of the weight.
     fn slope(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             let degrees = self.spectrum.equations - UNKNOWNS as f64;
@@ -269,10 +266,9 @@ impl<'a> Search<'a> {
         sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
     }
 
-    /// The root of the slope between two places where it rises through zero (by false position
-    /// with Illinois' halving).
+    /// The root of the slope between two places, where the slope rises through zero (regula falsi, Illinois variant).
     fn root(&self, low: f64, high: f64) -> f64 {
-        let slope = |place: f64| self.slope(&Sums::alone(self.spectrum, place));
+        let slope = |place: f64| self.slope(&Sums::at_one(self.spectrum, place));
         let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
         let mut last = 2;
         for _ in 0..100 {
@@ -293,16 +289,15 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Logarithm of the weight that goes with the roughness of a sphere, for a mean square of the curvature in units of the
-/// square.
+/// Logarithm of the weight that suits the roughness of a sphere with this squared curvature, in the square.
 ///
 /// The penalty of a sphere of curvature κ over the square is 32 κ⁶: the amplitude λ^(−1/2) of its third derivatives is
 /// ¾ κ³.
-pub(super) fn of_a_sphere(square_curvature: f64) -> f64 {
+pub(super) fn log_weight_of_sphere(square_curvature: f64) -> f64 {
     -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }
 
-/// Logarithms of the smallest weight to look at, and of the largest at which a mode is half kept.
+/// Logarithms of the lower end of the search, and of the largest weight that damps a mode by half.
 fn range(spectrum: &Spectrum) -> (f64, f64) {
     let halves = || {
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
@@ -312,6 +307,8 @@ fn range(spectrum: &Spectrum) -> (f64, f64) {
             .map(|(fidelity, roughness)| fidelity / roughness)
     };
     let largest = halves().fold(f64::MIN_POSITIVE, f64::max);
-    let smallest = halves().fold(largest, f64::min).max(FAINT * largest);
-    (libm::log(LEAST * smallest), libm::log(largest))
+    let smallest = halves()
+        .fold(largest, f64::min)
+        .max(MIN_MODE_RATIO * largest);
+    (libm::log(MIN_WEIGHT_RATIO * smallest), libm::log(largest))
 }

@@ -1,21 +1,28 @@
-//! The knots of both variables, and the order of the coefficients while a problem is solved.
+//! The knots along both axes: the order of the coefficients, the jumps at the knots, and the place of the next knot.
 
-use super::jumps::{self, Jumps};
+use super::observations::IntervalSums;
 use super::triangle::{Block, Triangle};
+use crate::knots::MAX_DEGREE;
 use crate::{Knots, TensorSpline};
+
+/// Largest ratio of the two parts into which a new knot splits an interval.
+const MAX_PART_RATIO: f64 = 10.0;
+
+/// Jumps of the `degree + 2` B-splines that have this knot inside their support; the other entries are 0.
+type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.
 ///
-/// Coefficients are ordered by the B-spline of the slow variable first, which is the one that
-/// makes the band of the equations narrower.
+/// Coefficients are ordered by the B-spline of the slow axis first. The slow axis is the one that makes the band of the
+/// equations narrower.
 pub(super) struct Mesh {
     pub(super) knots: [Knots; 2],
-    /// 0 where u is the slow variable, 1 where v is.
+    /// The slow axis: 0 for u, 1 for v.
     slow: usize,
 }
 
 impl Mesh {
-    /// No interior knots.
+    /// A mesh without interior knots.
     pub(super) fn new(degrees: [usize; 2], domain: [[f64; 2]; 2]) -> Self {
         let knots = [0, 1].map(|axis| {
             let [start, end] = domain[axis];
@@ -26,12 +33,12 @@ impl Mesh {
         mesh
     }
 
-    /// The slow variable.
+    /// The slow axis.
     pub(super) const fn slow(&self) -> usize {
         self.slow
     }
 
-    /// The fast variable.
+    /// The fast axis.
     pub(super) const fn fast(&self) -> usize {
         1 - self.slow
     }
@@ -41,18 +48,18 @@ impl Mesh {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// Number of coefficients from the first to the last that a place depends on.
+    /// Width of the band: the number of coefficients from the first to the last one on which a place depends.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
 
-    /// Index of the coefficient of two B-splines.
+    /// Index of the coefficient of a B-spline along each axis.
     #[inline]
     pub(super) fn index(&self, slow: usize, fast: usize) -> usize {
         slow * self.fast_functions() + fast
     }
 
-    /// Adds an interior knot and chooses the slow variable anew.
+    /// Adds an interior knot and chooses the slow axis again.
     pub(super) fn insert(&mut self, axis: usize, knot: f64) {
         let old = &self.knots[axis];
         let mut interior = old.interior().to_vec();
@@ -62,7 +69,7 @@ impl Mesh {
         self.narrow();
     }
 
-    /// Exchanges the variables where that makes the band narrower.
+    /// Swaps the axes if that makes the band narrower.
     fn narrow(&mut self) {
         let band = self.band();
         self.slow = self.fast();
@@ -79,7 +86,7 @@ impl Mesh {
         self.knots[self.fast()].degree()
     }
 
-    /// The spline of coefficients in this order.
+    /// The spline with these coefficients, which are in the order of the mesh.
     pub(super) fn spline(self, coefficients: Vec<f64>) -> TensorSpline {
         let [u_functions, v_functions] = [0, 1].map(|axis| self.knots[axis].functions());
         let coefficients = if self.slow == 0 {
@@ -95,11 +102,11 @@ impl Mesh {
     }
 }
 
-/// Equations that say that the highest derivatives, in either direction, do not jump.
+/// Equations that make the jumps of the highest derivatives along both axes 0.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// B-splines of the slow and the fast variable that a knot cuts.
+    /// Number of B-splines along the slow and the fast axis that have a knot inside their support.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -114,15 +121,15 @@ impl Roughness {
             (slow.degree() + 1) * fast.functions() + 1
         };
         Self {
-            slow: jumps::of(slow),
-            fast: jumps::of(fast),
+            slow: derivative_jumps(slow),
+            fast: derivative_jumps(fast),
             cut: [slow.degree() + 2, fast.degree() + 2],
             fast_functions: fast.functions(),
             band,
         }
     }
 
-    /// The triangle of the given equations together with these ones, divided by `parameter`.
+    /// The triangle of `equations` together with these equations divided by `parameter`.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);
@@ -130,13 +137,13 @@ impl Roughness {
         for start in 0..order {
             let (slow, fast) = (start / self.fast_functions, start % self.fast_functions);
             block.push_row(equations.row(start), equations.right(start));
-            let (of_fast, of_slow) = (self.fast.get(fast), self.slow.get(slow));
-            push(&mut block, of_fast, self.cut[1], 1, parameter);
+            let width = self.fast_functions;
+            push(&mut block, self.fast.get(fast), self.cut[1], 1, parameter);
             push(
                 &mut block,
-                of_slow,
+                self.slow.get(slow),
                 self.cut[0],
-                self.fast_functions,
+                width,
                 parameter,
             );
             joined.absorb(start, &mut block);
@@ -145,12 +152,129 @@ impl Roughness {
     }
 }
 
-/// One equation: jumps of `cut` B-splines whose coefficients stand `stride` apart.
+/// Adds one equation: the jumps of `cut` B-splines whose coefficients are `stride` apart.
 fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, parameter: f64) {
     if let Some(jumps) = jumps {
         let row = block.push(0.0);
         for (place, jump) in jumps[..cut].iter().enumerate() {
             block.set(row, place * stride, jump / parameter);
         }
+    }
+}
+
+/// For each interior knot: the jumps of the derivative of order `degree` of the B-splines, starting at the knot's index.
+///
+/// A B-spline is a divided difference of a truncated power. So the derivative jumps at a knot `t` by a fixed multiple of
+/// `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps have no unit.
+fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
+    let degree = knots.degree();
+    let (start, end) = knots.domain();
+    let intervals = knots.interior().len() + 1;
+    let mean_interval = (end - start) / intervals as f64;
+    let all = knots.as_slice();
+    let jumps_at = |interior: usize| {
+        let place = interior + degree + 1;
+        let mut jumps = [0.0; MAX_DEGREE + 2];
+        for (offset, jump) in jumps[..degree + 2].iter_mut().enumerate() {
+            let first = interior + offset;
+            let own = &all[first..=first + degree + 1];
+            let product: f64 = (first..)
+                .zip(own)
+                .filter(|(index, _)| *index != place)
+                .map(|(_, other)| (all[place] - other) / mean_interval)
+                .product();
+            *jump = (own[degree + 1] - own[0]) / mean_interval / product;
+        }
+        jumps
+    };
+    (0..intervals - 1).map(jumps_at).collect()
+}
+
+/// The axis and the place of the next knot; `None` if no knot can be added.
+///
+/// The knot splits the interval, along either axis, that has the largest sum of squared residuals. It lies at their
+/// centroid. Intervals that this would split too unevenly are skipped, and so are axes that already have `most_knots`
+/// interior knots.
+pub(super) fn next_knot(
+    mesh: &Mesh,
+    sums: &[Vec<IntervalSums>; 2],
+    most_knots: [usize; 2],
+) -> Option<(usize, f64)> {
+    let mut best: Option<(f64, usize, f64)> = None;
+    for axis in [mesh.slow(), mesh.fast()] {
+        let knots = &mesh.knots[axis];
+        let interior = knots.interior();
+        if interior.len() >= most_knots[axis] {
+            continue;
+        }
+        let (start, end) = knots.domain();
+        let below = std::iter::once(start).chain(interior.iter().copied());
+        let above = interior.iter().copied().chain(std::iter::once(end));
+        for ((below, above), interval) in below.zip(above).zip(&sums[axis]) {
+            if interval.squares <= best.map_or(0.0, |(largest, ..)| largest) {
+                continue;
+            }
+            let centroid = interval.moments / interval.squares;
+            if splits(below, centroid, above) {
+                best = Some((interval.squares, axis, centroid));
+            }
+        }
+    }
+    best.map(|(_, axis, centroid)| (axis, centroid))
+}
+
+fn splits(below: f64, knot: f64, above: f64) -> bool {
+    let (left, right) = (knot - below, above - knot);
+    left > 0.0 && right > 0.0 && left <= MAX_PART_RATIO * right && right <= MAX_PART_RATIO * left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// One multiple for all B-splines and knots, against derivatives on both sides.
+    #[test]
+    fn jumps_are_differences_of_derivatives() {
+        let knots = Knots::new(3, 0.0, 4.0, &[0.9, 2.0, 3.2]);
+        let third = |x: f64, function: usize| {
+            let first = knots.first_function(x);
+            let derivatives = knots.derivatives::<4>(first, x)[3];
+            let place = function.wrapping_sub(first);
+            if place < 4 { derivatives[place] } else { 0.0 }
+        };
+        // 3! and the mean interval of 1; the sign is that of a B-spline's divided difference.
+        for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
+            let knot = knots.interior()[interior];
+            for (offset, jump) in jumps[..5].iter().enumerate() {
+                let function = interior + offset;
+                let difference = third(knot + 1e-9, function) - third(knot - 1e-9, function);
+                assert_relative_eq!(difference, 6.0 * jump, epsilon = 1e-9);
+            }
+        }
+    }
+
+    fn sums(of: &[(f64, f64)]) -> Vec<IntervalSums> {
+        of.iter()
+            .map(|&(squares, centroid)| IntervalSums {
+                squares,
+                moments: squares * centroid,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_largest_sum_that_can_be_split() {
+        let mut mesh = Mesh::new([2, 2], [[0.0, 2.0], [0.0, 1.0]]);
+        mesh.insert(0, 1.0);
+        let unlimited = [usize::MAX; 2];
+        let along_v = sums(&[(4.0, 0.25)]);
+        let all = [sums(&[(2.0, 0.5), (9.0, 1.25)]), along_v.clone()];
+        assert_eq!(next_knot(&mesh, &all, unlimited), Some((0, 1.25)));
+        assert_eq!(next_knot(&mesh, &all, [1, 9]), Some((1, 0.25)));
+        assert_eq!(next_knot(&mesh, &all, [1, 0]), None);
+        // The centroid of the largest sum is at the edge of its interval.
+        let all = [sums(&[(2.0, 0.5), (9.0, 1.01)]), along_v];
+        assert_eq!(next_knot(&mesh, &all, unlimited), Some((1, 0.25)));
     }
 }

@@ -15,14 +15,14 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
 }
 
 /// Points that a tip tells on a ball, or in a dish where `hollow`, of radius 5.
-fn told(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
+fn readings(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
     let (radius, side) = if hollow { (5.0, -1.0) } else { (5.0, 1.0) };
-    let told = normals().map(|(finger, out)| {
+    let readings = normals().map(|(finger, out)| {
         // The normal of a dish points to its middle, from below.
         let normal = Vector3::new(side * out.x, side * out.y, out.z);
         let contact = Vector3::new(radius * out.x, radius * out.y, side * radius * out.z);
         let centre = contact + normal * tip.radius;
-        let point = match tip.told {
+        let point = match tip.point {
             TipPoint::Centre => centre,
             TipPoint::Lowest => centre - Vector3::z() * tip.radius,
         };
@@ -32,20 +32,18 @@ fn told(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
             with_normals.then_some(normal * 3.0),
         )
     });
-    told.collect()
+    readings.collect()
 }
 
 #[test]
 fn contacts_lie_on_the_object_where_normals_are_known() {
-    for told_point in POINTS {
+    for point in POINTS {
         for hollow in [false, true] {
             for radius in [0.0, 1e-6, 0.5, 2.0] {
-                let tip = RoundTip {
-                    radius,
-                    told: told_point,
-                };
-                let told = told(&tip, hollow, true);
-                let contacts = tip.contacts(&told, &(Vector3::z() * 7.0), &Penalised::default());
+                let tip = RoundTip { radius, point };
+                let readings = readings(&tip, hollow, true);
+                let contacts =
+                    tip.contacts(&readings, &(Vector3::z() * 7.0), &Penalised::default());
                 for contact in contacts.unwrap() {
                     let distance = contact.position.coords.norm();
                     assert!(
@@ -60,22 +58,19 @@ fn contacts_lie_on_the_object_where_normals_are_known() {
 
 #[test]
 fn centres_without_normals_tell_the_object_too() {
-    for told_point in POINTS {
+    for point in POINTS {
         for (hollow, mean) in [(false, 0.2), (true, -0.2)] {
-            let tip = RoundTip {
-                radius: 1.0,
-                told: told_point,
-            };
-            let told = told(&tip, hollow, false);
+            let tip = RoundTip { radius: 1.0, point };
+            let readings = readings(&tip, hollow, false);
             let method = Penalised::default();
-            let contacts = tip.contacts(&told, &Vector3::z(), &method).unwrap();
+            let contacts = tip.contacts(&readings, &Vector3::z(), &method).unwrap();
             assert!(contacts.iter().all(|contact| contact.normal.is_none()));
             let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
             // A ball of 6, or a dish of 4, is what the tip's centres make.
-            let taken = Patch::new(&told, &Vector3::z()).unwrap();
+            let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
         }
@@ -87,9 +82,9 @@ fn tips_at_the_extremes_are_refused_or_left_alone() {
     let method = Penalised::default();
     let tip = |radius| RoundTip {
         radius,
-        told: TipPoint::Lowest,
+        point: TipPoint::Lowest,
     };
-    let all = told(&tip(1.0), false, true);
+    let all = readings(&tip(1.0), false, true);
     for radius in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
         let error = tip(radius)
             .contacts(&all, &Vector3::z(), &method)
@@ -120,18 +115,15 @@ fn tips_at_the_extremes_are_refused_or_left_alone() {
 }
 
 #[test]
-fn a_tip_larger_than_its_centre_can_follow_is_told() {
-    for told_point in POINTS {
+fn a_tip_larger_than_its_centre_can_follow_is_rejected() {
+    for point in POINTS {
         for with_normals in [false, true] {
             // On a ball of 5 the centre of a tip of 2 turns as on a ball of 7.
-            let tip = RoundTip {
-                radius: 2.0,
-                told: told_point,
-            };
-            let told = told(&tip, false, with_normals);
+            let tip = RoundTip { radius: 2.0, point };
+            let readings = readings(&tip, false, with_normals);
             for radius in [1.0, 6.9, 7.1, 100.0, 1e9] {
                 let tip = RoundTip { radius, ..tip };
-                let contacts = tip.contacts(&told, &Vector3::z(), &Penalised::default());
+                let contacts = tip.contacts(&readings, &Vector3::z(), &Penalised::default());
                 match contacts {
                     Ok(_) => assert!(radius < 7.0, "{radius}"),
                     Err(Ep2Error::TipTooLarge { tip_radius, turns }) => {
@@ -156,7 +148,7 @@ fn a_tip_of_any_size_can_turn_on_an_edge() {
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
     for _ in 0..200 {
-        let told: Vec<Contact> = (0..30)
+        let readings: Vec<Contact> = (0..30)
             .map(|index| {
                 let (finger, step) = (index / 10, index % 10);
                 let angle = step as f64 / 10.0 - 0.45;
@@ -168,9 +160,9 @@ fn a_tip_of_any_size_can_turn_on_an_edge() {
             .collect();
         let tip = RoundTip {
             radius: 3.0,
-            told: TipPoint::Centre,
+            point: TipPoint::Centre,
         };
-        let contacts = tip.contacts(&told, &Vector3::z(), &Penalised::default());
+        let contacts = tip.contacts(&readings, &Vector3::z(), &Penalised::default());
         assert!(contacts.is_ok(), "{contacts:?}");
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::limits::{MAX_CHARACTERS, MAX_NESTING};
+use super::Formula;
 
 /// Error of a text that is no formula: the reason and the place.
 ///
@@ -29,11 +29,11 @@ pub enum FormulaErrorKind {
     /// No text, or only white space.
     #[error("the formula is empty")]
     Empty,
-    /// Longer than [`Formula::MAX_CHARACTERS`](super::Formula::MAX_CHARACTERS).
-    #[error("the formula has {0} characters; at most {max} are allowed", max = MAX_CHARACTERS)]
+    /// Longer than [`Formula::MAX_CHARACTERS`].
+    #[error("the formula has {0} characters; at most {max} are allowed", max = Formula::MAX_CHARACTERS)]
     TooLong(usize),
-    /// Nested deeper than [`Formula::MAX_NESTING`](super::Formula::MAX_NESTING).
-    #[error("nested more than {} deep", MAX_NESTING)]
+    /// Nested deeper than [`Formula::MAX_NESTING`].
+    #[error("nested more than {} deep", Formula::MAX_NESTING)]
     TooDeep,
     /// A character that no formula contains.
     #[error("unexpected character `{}`", .0.escape_debug())]

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::Formula;
 use super::error::{FormulaError, FormulaErrorKind as Kind};
 use super::lexer::{Lexer, Span, Token};
-use super::limits::{MAX_CHARACTERS, MAX_NESTING};
 use super::operation::{Binary, FUNCTIONS, Function, Unary};
 use super::program::{Expression, Program};
 
@@ -23,7 +23,7 @@ pub(super) fn parse(
 ) -> std::result::Result<Program, FormulaError> {
     let fail = |kind| Err(FormulaError::new(kind, text, None));
     let characters = text.chars().count();
-    if characters > MAX_CHARACTERS {
+    if characters > Formula::MAX_CHARACTERS {
         return fail(Kind::TooLong(characters));
     }
     for (name, &value) in parameters {
@@ -90,7 +90,7 @@ impl<'a> Parser<'a> {
     /// An operand and all operators after it that bind at least as tightly as `least`.
     fn expression(&mut self, least: u8) -> Result<Expression> {
         self.nesting += 1;
-        if self.nesting > MAX_NESTING {
+        if self.nesting > Formula::MAX_NESTING {
             return Err((Kind::TooDeep, self.span.clone()));
         }
         let start = self.span.start;

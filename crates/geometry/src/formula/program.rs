@@ -1,13 +1,13 @@
 //! A formula compiled to postfix instructions for a small stack.
 
+use super::Formula;
 use super::jet::Number;
-use super::limits::MAX_CHARACTERS;
 use super::operation::{Binary, Unary};
 
 /// A binary operation evaluates first the operand that needs more slots, so n slots suffice for 2ⁿ − 1 operands
 /// (Sethi and Ullman 1970). A text of m characters holds at most (m + 1)/2 operands.
 const SLOTS: usize = 13;
-const _: () = assert!(MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
+const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Instruction {

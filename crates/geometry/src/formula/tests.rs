@@ -1,9 +1,9 @@
 mod derivatives;
 mod errors;
 mod grammar;
-mod values;
 
 use std::collections::BTreeMap;
+use std::f64::consts::{E, PI};
 
 use super::*;
 
@@ -41,4 +41,107 @@ fn assert_close(found: &Jet, expected: &Jet, tolerance: f64, what: &str) {
         let within = (a - b).abs() <= tolerance * (1.0 + b.abs());
         assert!(within, "{what}: {found:?} is not {expected:?}");
     }
+}
+
+fn assert_values(table: &[(&str, f64)]) {
+    for (text, expected) in table {
+        let ulps = (value(text) - expected).abs() / (f64::EPSILON * expected);
+        assert!(ulps <= 1.0, "{text}: {ulps} ulp");
+    }
+}
+
+#[test]
+fn operators_group_as_in_mathematics() {
+    let table = [
+        ("1+2*3", 7.0),
+        ("2*3^2", 18.0),
+        ("2^3^2", 512.0),
+        ("-2^2", -4.0),
+        ("(-2)^2", 4.0),
+        ("2^-1", 0.5),
+        ("2^-2^2", 0.0625),
+        ("2^-1*4", 2.0),
+        ("8-4-2", 2.0),
+        ("8/4/2", 1.0),
+        ("8/4*2", 4.0),
+        ("8-4+2", 6.0),
+        ("-(-3)", 3.0),
+        ("--3", 3.0),
+        ("+3", 3.0),
+        ("2*-3", -6.0),
+        ("2--3", 5.0),
+        ("-2*3", -6.0),
+        ("((((7))))", 7.0),
+        (" 1\t+\n2 ", 3.0),
+    ];
+    assert_values(&table);
+}
+
+#[test]
+fn variables_group_like_constants() {
+    let of = |text, x, y| formula(text).value(x, y);
+    assert_eq!(of("-x^2", 3.0, 0.0), -9.0);
+    assert_eq!(of("x-y-1", 9.0, 4.0), 4.0);
+    assert_eq!(of("1-x-y", 9.0, 4.0), -12.0);
+    assert_eq!(of("x/y/2", 24.0, 4.0), 3.0);
+    assert_eq!(of("24/x/y", 2.0, 4.0), 3.0);
+    assert_eq!(of("2^x^y", 3.0, 2.0), 512.0);
+    assert_eq!(of("x^y^2", 2.0, 3.0), 512.0);
+    assert_eq!(of("-(-x)", 3.0, 0.0), 3.0);
+    assert_eq!(of("sqrt(x^2+y^2+1)", 2.0, 2.0), 3.0);
+    assert_eq!(
+        of("x-(y-(x-(y-(x/(y^(x-y))))))", 5.0, 3.0),
+        10.0 - 6.0 + 5.0 / 9.0
+    );
+}
+
+#[test]
+fn numbers() {
+    let table = [
+        ("1", 1.0),
+        (".5", 0.5),
+        ("2.", 2.0),
+        ("1e-3", 1e-3),
+        ("1e3-1", 999.0),
+        ("2.5E+4", 2.5e4),
+        ("1E2", 100.0),
+        ("pi", PI),
+        ("exp(1)", E),
+    ];
+    assert_values(&table);
+}
+
+#[test]
+fn parameters_are_constants() {
+    let given = parameters(&[("A", 0.15), ("k", 0.7), ("exponent_2", 3.0), ("λ", 2.0)]);
+    let formula = Formula::parse("A*sin(k*x)^exponent_2 + λ", &given).unwrap();
+    assert_eq!(
+        formula.value(1.0, 0.0),
+        0.15 * libm::sin(0.7_f64).powi(3) + 2.0
+    );
+    let given = parameters(&[("e1", 4.0)]);
+    assert_eq!(Formula::parse("x*e1", &given).unwrap().value(2.0, 0.0), 8.0);
+}
+
+#[test]
+fn any_length_is_evaluated_on_the_small_stack() {
+    let ones = vec!["x"; 5000].join("+");
+    assert_eq!(formula(&ones).value(1.0, 0.0), 5000.0);
+    let horner = format!("{}x{}", "x*(1+".repeat(30), ")".repeat(30));
+    assert_eq!(formula(&horner).value(1.0, 0.0), 31.0);
+    fn balanced(depth: usize) -> String {
+        match depth {
+            0 => "x".into(),
+            _ => format!(
+                "({}-{})",
+                balanced(depth - 1),
+                balanced(depth - 1).replace('x', "y")
+            ),
+        }
+    }
+    let deep = balanced(11);
+    assert!(deep.len() > 8000);
+    assert_eq!(formula(&deep).value(3.0, 1.0), 2.0);
+    let deepest = format!("{}x{}", "(".repeat(99), ")".repeat(99));
+    assert_eq!(formula(&deepest).value(3.0, 0.0), 3.0);
 }

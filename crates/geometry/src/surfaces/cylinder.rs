@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::reach::{SQUARABLE, is_within_reach};
+use crate::error::{SQUARABLE, checked_finite, checked_length, is_within_reach};
 use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
 /// An endless cylinder whose axis passes through the origin, horizontally.
@@ -22,8 +22,8 @@ impl Cylinder {
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared and the direction finite.
     pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_length("radius", radius)?;
-        let (sin, cos) = libm::sincos(InvalidShape::unless_finite("direction", direction_rad)?);
+        let radius = checked_length("radius", radius)?;
+        let (sin, cos) = libm::sincos(checked_finite("direction", direction_rad)?);
         let axis = Vector3::new(cos, sin, 0.0);
         let across = Vector3::new(-sin, cos, 0.0);
         Ok(Self {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::reach::is_within_reach;
+use crate::error::{checked_length, is_within_reach};
 use crate::{ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError};
 
 /// The ellipsoid `x²/a² + y²/b² + z²/c² = 1`.
@@ -21,7 +21,7 @@ impl Ellipsoid {
     /// [`InvalidShape`] unless all three are finite, positive and can be squared.
     pub fn new(semi_axes: [f64; 3]) -> Result<Self, InvalidShape> {
         for axis in semi_axes {
-            InvalidShape::unless_length("semi_axes", axis)?;
+            checked_length("semi_axes", axis)?;
         }
         Ok(Self {
             semi_axes: Vector3::from(semi_axes),

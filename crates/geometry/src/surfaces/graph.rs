@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
+use crate::error::{SQUARABLE, checked_finite, is_within_reach};
 use crate::formula::Formula;
-use crate::reach::{SQUARABLE, is_within_reach};
 use crate::{
     ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
@@ -95,7 +95,7 @@ impl Graph<Paraboloid> {
     /// # Errors
     /// [`InvalidShape`] unless `c` (1/length) is finite.
     pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
-        let c = InvalidShape::unless_finite("c", c)?;
+        let c = checked_finite("c", c)?;
         Ok(Self::of_height(Paraboloid { c }))
     }
 }
@@ -106,7 +106,7 @@ impl Graph<Saddle> {
     /// # Errors
     /// [`InvalidShape`] unless `a` (1/length) is finite.
     pub fn saddle(a: f64) -> Result<Self, InvalidShape> {
-        let a = InvalidShape::unless_finite("a", a)?;
+        let a = checked_finite("a", a)?;
         Ok(Self::of_height(Saddle { a }))
     }
 }

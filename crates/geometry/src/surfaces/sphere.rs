@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::reach::SQUARABLE;
+use crate::error::{SQUARABLE, checked_length};
 use crate::{
     ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError, TangentForm,
 };
@@ -32,7 +32,7 @@ impl Sphere {
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_length("radius", radius)?;
+        let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
     }
 
@@ -48,7 +48,7 @@ impl Dish {
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_length("radius", radius)?;
+        let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
     }
 

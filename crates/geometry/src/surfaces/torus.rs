@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::reach::SQUARABLE;
+use crate::error::{SQUARABLE, checked_length};
 use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
 /// A ring torus about the z axis.
@@ -35,15 +35,10 @@ impl Torus {
     /// [`InvalidShape`] unless both are finite, positive and can be squared and the tube does not meet itself
     /// (`minor_radius < major_radius`).
     pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, InvalidShape> {
-        InvalidShape::unless_length("major_radius", major_radius)?;
-        InvalidShape::unless_length("minor_radius", minor_radius)?;
-        if minor_radius >= major_radius {
-            return Err(InvalidShape {
-                parameter: "minor_radius",
-                value: minor_radius,
-                expected: "below major_radius",
-            });
-        }
+        checked_length("major_radius", major_radius)?;
+        checked_length("minor_radius", minor_radius)?;
+        let fits = minor_radius < major_radius;
+        InvalidShape::unless(fits, "minor_radius", minor_radius, "below major_radius")?;
         Ok(Self {
             major_radius,
             minor_radius,

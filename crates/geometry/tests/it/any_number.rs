@@ -5,7 +5,8 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{
-    CurvatureForm, InvalidThresholds, Meridian, Parameters, Posed, Shape, ShapeThresholds, Surface,
+    CurvatureForm, InvalidThresholds, Meridian, Parameters, PlacedSurface, Shape, ShapeThresholds,
+    Surface,
 };
 use proptest::prelude::*;
 
@@ -153,11 +154,11 @@ proptest! {
         let pose = Isometry3::new(Vector3::new(moved[0], moved[1], 0.0), Vector3::x() * moved[0]);
         for shape in surfaces(made[0], made[1], made[2]) {
             let _ = answers(&shape, x, y, z)?;
-            let posed = Posed::new(shape, pose);
+            let placed = PlacedSurface::new(shape, pose);
             let is_pose = moved[0].abs() < 1e15 && moved[1].abs() <= 1e150;
-            prop_assert!(posed.is_ok() || !is_pose, "{posed:?}");
-            if let Ok(posed) = posed {
-                let _ = answers(&posed, x, y, z)?;
+            prop_assert!(placed.is_ok() || !is_pose, "{placed:?}");
+            if let Ok(placed) = placed {
+                let _ = answers(&placed, x, y, z)?;
             }
         }
     }

@@ -7,7 +7,9 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Isometry3, Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{CurvatureForm, Meridian, Parameters, Posed, Shape, Surface, SurfaceError};
+use palpate_geometry::{
+    CurvatureForm, Meridian, Parameters, PlacedSurface, Shape, Surface, SurfaceError,
+};
 use proptest::prelude::*;
 
 #[test]
@@ -83,7 +85,7 @@ fn moved_spheres_lose_no_more_than_their_coordinates() {
     let moved = |radius: f64, far: f64| {
         let centre = Vector3::repeat(far * radius);
         let pose = Isometry3::new(centre, Vector3::new(0.3, -1.1, 0.7));
-        let sphere = Posed::new(Sphere::new(radius).unwrap(), pose).unwrap();
+        let sphere = PlacedSurface::new(Sphere::new(radius).unwrap(), pose).unwrap();
         (sphere, Point3::from(centre))
     };
     for radius in [1e-9, 1.0, 1e9] {

@@ -2,7 +2,7 @@
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
-use palpate_geometry::{ChartGeometry, Parameters, Posed, Shape, Surface, SurfaceError};
+use palpate_geometry::{ChartGeometry, Parameters, PlacedSurface, Shape, Surface, SurfaceError};
 
 use crate::specimens::{self, Specimen, on_concrete, point};
 
@@ -13,10 +13,14 @@ fn every_surface_obeys_the_laws() {
         let [home, near, far] = specimens::poses();
         let shape = &specimen.shape;
         obeys_the_laws(shape, &specimen, home);
-        obeys_the_laws(&Posed::new(shape.clone(), near).unwrap(), &specimen, near);
+        obeys_the_laws(
+            &PlacedSurface::new(shape.clone(), near).unwrap(),
+            &specimen,
+            near,
+        );
         on_concrete!(shape, surface => {
             obeys_the_laws(surface, &specimen, home);
-            obeys_the_laws(&Posed::new(Clone::clone(surface), far).unwrap(), &specimen, far);
+            obeys_the_laws(&PlacedSurface::new(Clone::clone(surface), far).unwrap(), &specimen, far);
             assert_eq!(surface.default_contact(), shape.default_contact());
             assert_eq!(surface.constant_curvature(), shape.constant_curvature());
             let (x, y) = shape.default_contact();

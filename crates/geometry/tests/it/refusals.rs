@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{InvalidShape, Parameters, Posed, Shape, Surface, SurfaceError};
+use palpate_geometry::{InvalidShape, Parameters, PlacedSurface, Shape, Surface, SurfaceError};
 
 #[test]
 fn constructors_refuse_what_makes_no_surface() {
     fn refuses<T: std::fmt::Debug>(made: Result<T, InvalidShape>, parameter: &str, value: f64) {
         let refused = made.unwrap_err();
-        assert_eq!(refused.parameter, parameter);
+        assert_eq!(refused.setting, parameter);
         assert!(refused.value == value || value.is_nan() && refused.value.is_nan());
     }
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e-200, 1e200] {
@@ -36,12 +36,18 @@ fn constructors_refuse_what_makes_no_surface() {
 fn poses_must_be_finite_and_within_reach() {
     for bad in [f64::NAN, f64::NEG_INFINITY, 1.1e150] {
         let moved = Isometry3::translation(0.0, bad, 0.0);
-        assert_eq!(Posed::new(Plane, moved).unwrap_err().parameter, "pose");
+        assert_eq!(
+            PlacedSurface::new(Plane, moved).unwrap_err().setting,
+            "pose"
+        );
         let mut turn = Quaternion::identity();
         turn.coords[2] = bad;
         let turn = UnitQuaternion::new_unchecked(turn);
         let turned = Isometry3::from_parts(Translation3::identity(), turn);
-        assert_eq!(Posed::new(Plane, turned).unwrap_err().parameter, "pose");
+        assert_eq!(
+            PlacedSurface::new(Plane, turned).unwrap_err().setting,
+            "pose"
+        );
     }
 }
 

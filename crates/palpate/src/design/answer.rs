@@ -1,7 +1,7 @@
 //! Answer of a design: which values of a field meet the target, and the trials that say so.
 
 use palpate_study::{Bound, Quantity, Target};
-use palpate_sweep::{Ended, Run, Side};
+use palpate_sweep::{EndReason, Run, Side};
 
 use super::field::Field;
 
@@ -32,7 +32,7 @@ pub struct Answer {
     /// narrower there.
     pub narrowed: usize,
     /// Reason why the search ended.
-    pub ended: Ended,
+    pub ended: EndReason,
 }
 
 /// Value that was looked at.

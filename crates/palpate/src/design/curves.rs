@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use palpate_scene::{Scene, Scenes, quantities_of};
 use palpate_study::config::{ConfigError, Study};
-use palpate_sweep::{Ask, Batches, CERTAIN, Curves, Growth, Runner, Scores};
+use palpate_sweep::{Batches, CERTAIN, Curves, Growth, Runner, ScoreRequest, Scores};
 
 use super::field::Field;
 use super::measure::{Measure, NoValue};
@@ -178,8 +178,8 @@ impl Curves for CellCurves<'_> {
         self.cells
     }
 
-    fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, DesignError> {
-        let place = |ask: &Ask| (ask.value.to_bits(), ask.cell);
+    fn scores(&mut self, asked: &[ScoreRequest]) -> Result<Vec<Scores>, DesignError> {
+        let place = |ask: &ScoreRequest| (ask.value.to_bits(), ask.cell);
         let places: BTreeSet<Place> = asked.iter().map(place).collect();
         self.set_up(&places)?;
         let (scenes, samples) = (&self.scenes, &mut self.samples);
@@ -241,7 +241,7 @@ impl Curves for CellCurves<'_> {
 
 impl CellCurves<'_> {
     /// Error of a statistic without a value.
-    fn undefined(&self, ask: &Ask, why: &'static str) -> DesignError {
+    fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> DesignError {
         let study = match self.study_at(ask.value) {
             Ok(study) => study,
             Err(error) => return error.into(),

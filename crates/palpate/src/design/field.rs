@@ -2,7 +2,7 @@
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
-use palpate_sweep::{Among, Span};
+use palpate_sweep::{SearchRange, Span};
 
 use super::question::DesignError;
 
@@ -83,10 +83,10 @@ impl Field {
     }
 
     /// Values among which is searched.
-    pub(crate) fn among(&self) -> Among {
+    pub(crate) fn among(&self) -> SearchRange {
         match self.listed.len() {
-            0 => Among::Span(self.span),
-            count => Among::Listed(count),
+            0 => SearchRange::Span(self.span),
+            count => SearchRange::Listed(count),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The answer of a design in sentences.
 
 use palpate_study::{Bound, Label, Statistic, number};
-use palpate_sweep::{Ended, Run, Side};
+use palpate_sweep::{EndReason, Run, Side};
 
 use super::answer::{Answer, LookedAt, Sample};
 
@@ -259,7 +259,7 @@ pub(crate) fn trials_in_words(all: u64, fresh: u64, is_random: bool) -> String {
 }
 
 /// Notes on what searches left open, a line each.
-pub(crate) fn notes(narrowed: usize, ended: &[Ended]) -> Vec<String> {
+pub(crate) fn notes(narrowed: usize, ended: &[EndReason]) -> Vec<String> {
     let mut lines = Vec::new();
     if narrowed > 0 {
         let ends = match narrowed {
@@ -270,13 +270,13 @@ pub(crate) fn notes(narrowed: usize, ended: &[Ended]) -> Vec<String> {
             "note     fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
         ));
     }
-    if ended.contains(&Ended::Time) {
+    if ended.contains(&EndReason::Time) {
         lines.push(
             "note     the gap is wider than asked for, since --budget is shared by all that was looked at: a larger one narrows it"
                 .to_owned(),
         );
     }
-    if ended.contains(&Ended::Trials) {
+    if ended.contains(&EndReason::Trials) {
         lines.push(
             "note     some values are so near the limit that more trials than are taken would be needed"
                 .to_owned(),

@@ -1,7 +1,7 @@
 //! How surely objects are told apart.
 
 use palpate_study::{Quantity, Table, number};
-use palpate_sweep::{Order, Repeats, Told};
+use palpate_sweep::{Order, Repeats, TrialMeans};
 
 /// How surely the objects of a study are told apart, by one trial of each and by the mean of several.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl Object {
     pub(crate) fn of(
         cell: usize,
         label: Vec<String>,
-        told: &[Told],
+        told: &[TrialMeans],
         class: Option<String>,
     ) -> Self {
         let count = told.iter().flatten().count();

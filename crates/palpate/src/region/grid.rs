@@ -1,7 +1,7 @@
 //! Values of the fields that are not searched, in all their combinations.
 
 use palpate_study::config::Study;
-use palpate_sweep::Among;
+use palpate_sweep::SearchRange;
 
 use super::survey::{Extreme, Survey};
 use crate::design::{DesignError, Field, MOST_COLUMNS};
@@ -46,9 +46,9 @@ impl Grid {
         let mut places: Vec<Vec<f64>> = vec![Vec::new()];
         for field in &fields {
             let values = match field.among() {
-                Among::Listed(count) => (0..count).map(|place| place as f64).collect(),
-                Among::Span(span) if span.from == span.to => vec![span.from],
-                Among::Span(span) => span.spread(count, question.gap),
+                SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
+                SearchRange::Span(span) if span.from == span.to => vec![span.from],
+                SearchRange::Span(span) => span.spread(count, question.gap),
             };
             let all = places.len().saturating_mul(values.len());
             if all > MOST_COLUMNS {

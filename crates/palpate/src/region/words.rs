@@ -1,6 +1,6 @@
 //! A region in sentences.
 
-use palpate_sweep::{Ended, Side};
+use palpate_sweep::{EndReason, Side};
 
 use super::found::{Best, Column, Region};
 use super::survey::{Extreme, Sought};
@@ -238,7 +238,7 @@ impl Region {
             "trials   {}",
             trials_in_words(all, fresh, is_random)
         ));
-        let ended: Vec<Ended> = answers().map(|answer| answer.ended).collect();
+        let ended: Vec<EndReason> = answers().map(|answer| answer.ended).collect();
         let narrowed = answers().map(|answer| answer.narrowed).sum();
         lines.extend(notes(narrowed, &ended));
         if !self.grid.is_empty() {

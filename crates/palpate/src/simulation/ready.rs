@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use palpate_study::Quantity;
 use palpate_study::config::{StopStatistic, Study};
-use palpate_sweep::{Record, Stop, Trial, Watched};
+use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
 
 use crate::facts::Facts;
 use crate::map::CellMap;
@@ -23,7 +23,7 @@ pub(super) struct Ready {
 
 impl Ready {
     /// Rule of its study by which it has had enough trials.
-    pub(super) fn stop(&self, study: &Study) -> Option<Stop> {
+    pub(super) fn stop(&self, study: &Study) -> Option<StoppingRule> {
         stop_of(study, self.facts.quantities)
     }
 }
@@ -48,18 +48,18 @@ impl Trial for Ready {
 
 /// Rule of a study by which a cell that observes these quantities has had enough trials; one that has no such quantity runs
 /// to its end.
-fn stop_of(study: &Study, quantities: &[Quantity]) -> Option<Stop> {
+fn stop_of(study: &Study, quantities: &[Quantity]) -> Option<StoppingRule> {
     let rule = study.config.stop.as_ref()?;
     let quantity = match &rule.quantity {
         None => 0,
         Some(name) => quantities.iter().position(|one| one.name == name)?,
     };
-    Some(Stop {
+    Some(StoppingRule {
         quantity,
         statistic: match rule.statistic {
-            StopStatistic::Mean => Watched::Mean,
-            StopStatistic::RmsError => Watched::RmsError,
-            StopStatistic::MeanAbsError => Watched::MeanAbsError,
+            StopStatistic::Mean => StoppingStatistic::Mean,
+            StopStatistic::RmsError => StoppingStatistic::RmsError,
+            StopStatistic::MeanAbsError => StoppingStatistic::MeanAbsError,
         },
         relative_standard_error: rule.relative_standard_error,
         min_trials: rule.min_trials,

@@ -219,7 +219,7 @@ fn cells_whose_trials_all_fail_have_no_say() {
     let desk = Desk::with(&coarse("9.9"));
     desk.palpate("run c.toml --target-error 0.1").fails(
         2,
-        "trials of a pilot fail (unresolved), which leaves no error to tell",
+        "trials of a pilot fail (unresolved), so no error can be estimated",
     );
     assert_untouched(&desk.path(""));
 }

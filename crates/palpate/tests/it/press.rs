@@ -151,7 +151,7 @@ fn a_trace_can_be_estimated_from() {
     let printed = desk.palpate("trace c.toml --out t --cell 2").printed();
     assert_eq!(
         printed,
-        "a-press: 77 markers under an indentation told as 1 mm -> t\n"
+        "a-press: 77 markers under a stated indentation of 1 mm -> t\n"
     );
     assert_eq!(
         desk.table("t/trace.csv").header.join(","),
@@ -193,7 +193,7 @@ fn a_trace_can_be_estimated_from() {
         .palpate("trace c.toml --out n --cell 0 --trial 3")
         .printed();
     let told = printed
-        .split("told as ")
+        .split("indentation of ")
         .nth(1)
         .unwrap()
         .split(' ')

@@ -18,8 +18,8 @@ use std::num::NonZeroUsize;
 use gauss_quad::GaussLegendre;
 use nalgebra::{DMatrix, DVector};
 
+use super::pressure_field::Term;
 use super::reflection;
-use super::rings::Term;
 use crate::PressError;
 
 /// Wavenumbers for a smooth function alone.

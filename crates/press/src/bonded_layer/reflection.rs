@@ -1,4 +1,5 @@
-//! The rigid base's effect: the difference from a half-space's displacement, wavenumber by wavenumber.
+//! Effect of the rigid base: the difference between the displacements of the layer and of a half-space, as a sum over
+//! wavenumbers.
 //!
 //! In units of the thickness, with H the wavenumber, ζ the depth and x = H(1 − ζ), a pressure of Hankel transform Q
 //! moves the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
@@ -7,13 +8,18 @@
 //! N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
 //! ```
 //!
-//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}; it is
-//! formed below from its own terms in e^{−2H} and e^{−2x}, so that nothing cancels where it is small.
+//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}. The code computes it
+//! from its terms in e^{−2H} and e^{−2x}, so that there is no cancellation where it is small.
+
+use std::sync::OnceLock;
+
+use super::pressure::{Pressure, wavenumbers};
+use crate::Field;
 
 /// Exponent beyond which a term e^{−x} is neglected.
 const NEGLIGIBLE: f64 = 36.0;
 
-/// Half-space less layer at the surface, as a share of the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
+/// Difference half-space − layer at the surface, relative to the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
 pub(super) fn at_surface(wavenumber: f64) -> f64 {
     let h = wavenumber;
     let q = libm::exp(-2.0 * h);
@@ -23,8 +29,8 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// Layer less half-space at a depth: inward under J₀, outward under J₁.
-pub(super) fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
+/// Difference layer − half-space at a depth: the inward factor of J₀ and the outward factor of J₁.
+fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let decay = libm::exp(-h * depth);
@@ -40,8 +46,118 @@ pub(super) fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
 }
 
 /// The wavenumber beyond which [`at_depth`] is negligible.
-pub(super) fn reach(depth: f64) -> f64 {
+fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
+}
+
+/// Distance beyond the contact's edge, in thicknesses, at which displacements are below 1e-9 of the largest one: they decay
+/// as e^{−0.739 r}, where cos 0.739 = 0.739.
+pub(super) const BEYOND: f64 = 30.0;
+
+/// Largest distance for which the first sum is accurate; each following sum is accurate up to twice the distance.
+const FIRST_REACH: f64 = 4.0;
+
+/// Sums over wavenumbers of a pressure's reflection at one depth.
+#[derive(Clone, Debug)]
+pub(super) struct Waves {
+    pressure: Pressure,
+    depth: f64,
+    resolution: f64,
+    /// Sums in ascending order of their distances, each computed at first use.
+    bands: Vec<OnceLock<Vec<Wave>>>,
+}
+
+/// One wavenumber.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wave {
+    pub(super) wavenumber: f64,
+    /// Amplitudes of the displacement: the inward factor of J₀ and the outward factor of J₁.
+    pub(super) strength: [f64; 2],
+    /// The same amplitudes for ∂φ/∂a.
+    pub(super) per_contact: [f64; 2],
+}
+
+/// Wavenumbers with their weights, and the transforms of a pressure and of its derivative by the contact's radius.
+pub(super) struct Spectrum {
+    nodes: Vec<[f64; 2]>,
+    transforms: Vec<[f64; 2]>,
+}
+
+impl Spectrum {
+    /// All wavenumbers of this pressure that the base reflects at a depth. At resolution 1 they are dense enough for distances
+    /// up to `reach`.
+    pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
+        let distance = pressure.contact + reach;
+        let nodes = wavenumbers(reach_at(depth), distance, resolution);
+        let transforms = nodes
+            .iter()
+            .map(|[wavenumber, _]| pressure.transform(*wavenumber));
+        Self {
+            transforms: transforms.collect(),
+            nodes,
+        }
+    }
+
+    /// Waves at a depth.
+    pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
+        let pairs = self.nodes.iter().zip(&self.transforms);
+        let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {
+            let share = at_depth(wavenumber, depth);
+            Wave {
+                wavenumber,
+                strength: share.map(|share| weight * share * curved),
+                per_contact: share.map(|share| weight * share * flat),
+            }
+        });
+        waves.collect()
+    }
+}
+
+impl Waves {
+    pub(super) fn new(pressure: Pressure, depth: f64, resolution: f64) -> Self {
+        let count = libm::log2((pressure.contact + BEYOND) / FIRST_REACH).ceil() as usize + 1;
+        Self {
+            pressure,
+            depth,
+            resolution,
+            bands: vec![OnceLock::new(); count],
+        }
+    }
+
+    /// Correction for the base at this distance.
+    pub(super) fn field(&self, r: f64) -> Field {
+        let reaches = std::iter::successors(Some(FIRST_REACH), |reach| Some(2.0 * reach));
+        let band = self
+            .bands
+            .iter()
+            .zip(reaches)
+            .find(|(_, reach)| r <= *reach);
+        let Some((waves, reach)) = band else {
+            return Field::default();
+        };
+        let waves = waves.get_or_init(|| {
+            Spectrum::new(&self.pressure, self.depth, reach, self.resolution).waves(self.depth)
+        });
+        let mut field = Field::default();
+        for wave in waves {
+            let k = wave.wavenumber;
+            let [j0, j1, j1_over] = bessel(k * r);
+            field.normal += wave.strength[0] * j0;
+            field.normal_per_r -= wave.strength[0] * k * j1;
+            field.normal_per_a += wave.per_contact[0] * j0;
+            field.radial += wave.strength[1] * j1;
+            field.radial_per_r += wave.strength[1] * k * (j0 - j1_over);
+            field.radial_per_a += wave.per_contact[1] * j1;
+        }
+        field
+    }
+}
+
+/// J₀(x), J₁(x) and J₁(x)/x.
+pub(super) fn bessel(x: f64) -> [f64; 3] {
+    let j1 = libm::j1(x);
+    let over = if x < 1e-8 { 0.5 } else { j1 / x };
+    [libm::j0(x), j1, over]
 }
 
 #[cfg(test)]

@@ -1,21 +1,21 @@
 //! Levenberg and Marquardt's method.
 
-use super::problem::{Problem, State, Sums, UNKNOWNS, Unknowns};
+use super::problem::{Problem, State};
 use crate::PressError;
-use crate::definite::solve;
+use crate::unknowns::{Sums, UNKNOWNS, Unknowns};
 
-/// Least decrease of chi-squared that a further step must promise, of a fit that is to be exact.
+/// Least predicted decrease of chi-squared for a further step of an exact fit.
 pub(super) const EXACTLY: f64 = 1e-8;
-const MOST_STEPS: usize = 200;
-/// Smallest step that is worth taking, as a share of the unknowns.
-const SMALLEST_STEP: f64 = 1e-13;
-const MOST_DAMPING: f64 = 1e12;
+const MAX_STEPS: usize = 200;
+/// Smallest relevant step, relative to the unknowns.
+const MIN_STEP: f64 = 1e-13;
+const MAX_DAMPING: f64 = 1e12;
 
-/// The least sum of squares near a start, found when the next step promises to lower it by less than `enough`; that
-/// step is taken, and the sums are those that it promises. One unknown may be held where it is.
+/// Finds the least chi-squared near a start. It stops if the predicted decrease of the next step is less than `enough`; then it
+/// takes this step and returns its predicted sums. One unknown may be held constant.
 ///
 /// # Errors
-/// Where the start itself is out of range.
+/// The error of the start, if no press has these values.
 pub(super) fn minimise(
     problem: &Problem<'_>,
     start: State,
@@ -25,11 +25,11 @@ pub(super) fn minimise(
     let mut state = start;
     let mut sums = problem.sums(&state)?;
     let mut damping = 1e-3;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let free = held.map_or(sums, |held| sums.holding(held));
-        let Some(step) = damped_step(&free, damping) else {
+        let Some(step) = free.damped_step(damping) else {
             damping *= 10.0;
-            if damping > MOST_DAMPING {
+            if damping > MAX_DAMPING {
                 break;
             }
             continue;
@@ -54,7 +54,7 @@ pub(super) fn minimise(
             }
             _ => {
                 damping = damping.max(1e-6) * 10.0;
-                if damping > MOST_DAMPING {
+                if damping > MAX_DAMPING {
                     break;
                 }
             }
@@ -66,13 +66,5 @@ pub(super) fn minimise(
 fn is_small(step: &Unknowns, state: &State) -> bool {
     let length = state.indentation;
     let scale = [1.0, length, length, length, length, 1.0];
-    (0..UNKNOWNS).all(|index| step[index].abs() <= SMALLEST_STEP * scale[index])
-}
-
-fn damped_step(sums: &Sums, damping: f64) -> Option<Unknowns> {
-    let mut damped = sums.hessian;
-    for index in 0..UNKNOWNS {
-        damped[(index, index)] *= 1.0 + damping;
-    }
-    solve(&damped, &-sums.gradient)
+    (0..UNKNOWNS).all(|index| step[index].abs() <= MIN_STEP * scale[index])
 }

@@ -1,14 +1,15 @@
-//! The estimate that is reported of a press, from the state that fits best.
+//! The reported estimate of a press, from the best fit, with a correction of its bias.
 
 use nalgebra::Vector3;
 
-use super::bias::relative_bias;
-use super::problem::{
-    ACROSS, ALONG, BASELINE, CURVATURE, GAIN, INDENTATION, Problem, Square, State, Sums,
+use super::problem::{BASELINE, GAIN, Problem, State};
+use crate::unknowns::{
+    ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums, UNKNOWNS, Unknowns, of_fitted,
+    scaled_radius_variance,
 };
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate, Verdict};
 
-/// The estimate at the least sum of squares; `limit` is half the width of a 95 % interval in standard deviations.
+/// The estimate at the least chi-squared; `limit` is half the width of a 95 % interval in standard deviations.
 pub(super) fn outcome(
     problem: &Problem<'_>,
     state: &State,
@@ -19,14 +20,7 @@ pub(super) fn outcome(
 ) -> Result<PressEstimate, PressError> {
     let contact = problem.contact(state)?;
     let stds = Stds::new(problem, state, covariance)?;
-    let around = |value: f64, std: f64| Estimated {
-        value,
-        std,
-        interval: Interval {
-            low: Some(value - limit * std),
-            high: Some(value + limit * std),
-        },
-    };
+    let around = |value: f64, std: f64| Estimated::normal(value, std, limit);
     let skin = problem.reading.markers.skin();
     let unbiased = without_bias(
         contact.relative_curvature,
@@ -50,8 +44,8 @@ pub(super) fn outcome(
         sensor_curvature: skin.curvature(),
         relative_curvature,
         most_likely_curvature: contact.relative_curvature,
-        indentation: positive(around(state.indentation, stds.indentation)),
-        contact_radius: positive(around(contact.radius, stds.contact_radius)),
+        indentation: around(state.indentation, stds.indentation).positive(),
+        contact_radius: around(contact.radius, stds.contact_radius).positive(),
         contact: skin.chart(state.place.direction.as_ref()),
         contact_std: stds.contact,
         baseline: nuisance(BASELINE, state.baseline),
@@ -64,7 +58,7 @@ pub(super) fn outcome(
         r_squared: problem.r_squared(state)?,
         reduced_chi_squared: sums.chi_squared / problem.freedom().max(1) as f64,
         goodness: problem.goodness(sums),
-        is_seen: true,
+        is_detected: true,
         only_marker: None,
         verdict: Verdict::of(interval, skin.curvature()),
     })
@@ -77,7 +71,7 @@ impl Problem<'_> {
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
     }
 
-    /// The share of the variance of the normal displacements that count which the model explains.
+    /// The share of the variance of the used normal displacements that the model explains.
     fn r_squared(&self, state: &State) -> Result<f64, PressError> {
         let contact = self.contact(state)?;
         let moved = self.displacements(&contact, state);
@@ -95,7 +89,7 @@ impl Problem<'_> {
     }
 }
 
-/// Standard deviations of what is reported.
+/// Standard deviations of the reported values.
 pub(super) struct Stds {
     pub(super) relative_curvature: f64,
     pub(super) indentation: f64,
@@ -109,22 +103,13 @@ impl Stds {
         state: &State,
         covariance: &Square,
     ) -> Result<Self, PressError> {
-        let variance = |one: usize, other: usize| {
-            if problem.sought[one] && problem.sought[other] {
-                covariance[(one, other)]
-            } else {
-                0.0
-            }
-        };
+        let covariance = of_fitted(covariance, &problem.sought);
+        let variance = |one: usize, other: usize| covariance[(one, other)];
         let contact = problem.contact(state)?;
         let [_, slope] = problem.fit.body.indentation_of(contact.radius)?;
-        // C D(a) = δ: C D' da = dδ − δ d ln C.
         let share = 1.0 / (contact.relative_curvature * slope);
-        let depth = state.indentation;
-        let of_radius = variance(INDENTATION, INDENTATION)
-            - 2.0 * depth * variance(INDENTATION, CURVATURE)
-            + depth * depth * variance(CURVATURE, CURVATURE);
-        // On a circle the axes at the contact are the circle's own.
+        let of_radius = scaled_radius_variance(&covariance, state.indentation);
+        // On a circle, the axes of the state's place are along and across the circle.
         let axes = problem
             .reading
             .markers
@@ -146,8 +131,8 @@ impl Stds {
     }
 }
 
-/// A curvature without its bias (a share of it), within its interval. The radius is nearly Gaussian; where it may as
-/// well be 0, its inverse is taken at the radius of two standard deviations.
+/// A curvature corrected for its relative bias, within its interval. The estimated radius is nearly normally distributed; if it
+/// may be 0, the curvature is the inverse of a radius of two standard deviations.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -160,12 +145,43 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
-/// A length that cannot be negative.
-fn positive(estimated: Estimated) -> Estimated {
-    let Interval { low, high } = estimated.interval;
-    let low = low.map(|low| low.max(0.0));
-    Estimated {
-        interval: Interval { low, high },
-        ..estimated
+/// Step of the second differences, in standard deviations.
+const STEP: f64 = 0.3;
+
+/// Relative bias of the estimated relative curvature, to first order: the bias of its logarithm (Box 1971) plus half
+/// its variance. Positive where it is overestimated on average.
+///
+/// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature therefore
+/// has a long tail towards sharp objects. If the variance is large, or if the second differences are not in the domain of
+/// presses, the bias is that of 1/x for a normally distributed x.
+pub(super) fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
+    let variance = covariance[(CURVATURE, CURVATURE)];
+    match bias(problem, state, covariance) {
+        Ok(bias) if bias[CURVATURE].is_finite() && variance < 1.0 => {
+            bias[CURVATURE] + 0.5 * variance
+        }
+        _ => variance,
     }
+}
+
+/// −½ Σ Jᵀ d with d the second derivatives of the model along the axes of the covariance Σ.
+fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unknowns, PressError> {
+    let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
+    let middle = problem.residuals_of_all(state)?;
+    let mut bends = vec![[0.0; 3]; middle.len()];
+    for index in (0..UNKNOWNS).filter(|&index| problem.sought[index]) {
+        let step = factor.l_dirty().column(index) * STEP;
+        let step = Unknowns::from_fn(|row, _| if row < index { 0.0 } else { step[row] });
+        let ahead = problem.residuals_of_all(&problem.moved(state, &step))?;
+        let behind = problem.residuals_of_all(&problem.moved(state, &-step))?;
+        for (marker, bend) in bends.iter_mut().enumerate() {
+            for part in 0..3 {
+                // The sign is negative, because residuals are readings minus model.
+                let second =
+                    2.0 * middle[marker][part] - ahead[marker][part] - behind[marker][part];
+                bend[part] += second / (STEP * STEP);
+            }
+        }
+    }
+    Ok(-0.5 * (covariance * problem.projected(state, &bends)?))
 }

@@ -1,29 +1,18 @@
-//! The sum of squares that a fit makes least, with its derivatives.
+//! Chi-squared of a press's readings, with its derivatives.
 
-use nalgebra::{SMatrix, SVector, UnitVector3, Vector2, Vector3};
+use nalgebra::{UnitVector3, Vector2, Vector3};
 
-use super::misfit::Misfit;
-use super::reading::{Measured, Reading};
-use super::settings::{ForwardFit, Prior};
-use crate::markers::Sight;
-use crate::press_slopes::PressSlopes;
+use super::{ForwardFit, Measured, Prior, Reading};
+use crate::markers::{PressSlopes, Sight};
+use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Sums, UNKNOWNS, Unknowns};
 use crate::{Contact, MarkerDisplacement, Place, PressError};
 
-/// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
-/// indentation; baseline; gain.
-pub(super) const UNKNOWNS: usize = 6;
-pub(super) const CURVATURE: usize = 0;
-pub(super) const ALONG: usize = 1;
-pub(super) const ACROSS: usize = 2;
-pub(super) const INDENTATION: usize = 3;
+/// Unknowns of this fit beside those of every press: an offset of all normal displacements and a factor on them.
 pub(super) const BASELINE: usize = 4;
 pub(super) const GAIN: usize = 5;
 
-/// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
+/// A residual beyond this many standard deviations is an outlier: noise alone exceeds it once in two million.
 pub(super) const WRONG: f64 = 5.0;
-
-pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
-pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// Values of the unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -35,38 +24,26 @@ pub(super) struct State {
     pub(super) gain: f64,
 }
 
-/// The least-squares problem: the readings, the weight of each, and the unknowns that are sought.
+/// The least-squares problem: the readings, their weights, and the fitted unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
-    /// Whether each unknown is sought.
+    /// Whether each unknown is fitted.
     pub(super) sought: [bool; UNKNOWNS],
     /// Standard deviation of a normal displacement, and of a tangential component.
     pub(super) normal_std: f64,
     pub(super) tangential_std: f64,
-    /// Whether each marker counts.
+    /// Whether each marker is used.
     pub(super) kept: Vec<bool>,
-    /// The great circle on which the contact must lie, by its pole: that of the markers, where they lie on one and
-    /// only their normal displacements are known.
+    /// Pole of the great circle on which the contact must lie. There is one if all markers lie on a great circle and only their
+    /// normal displacements are used.
     pub(super) circle: Option<Vector3<f64>>,
-    /// Residuals beyond this many standard deviations count less and less; all alike if infinite.
+    /// Residuals beyond this many standard deviations have a decreasing weight; infinite for equal weights.
     pub(super) tolerance: f64,
 }
 
-/// A sum of squares with its derivatives.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sums {
-    /// Chi-squared, priors included; of residuals beyond the tolerance its logarithmic substitute.
-    pub(super) chi_squared: f64,
-    /// Half its gradient.
-    pub(super) gradient: Unknowns,
-    /// Half its Hessian, without second derivatives of the model.
-    pub(super) hessian: Square,
-}
-
-/// The model's reading of one marker, its normal displacement and the tangential ones, with the derivatives by the
-/// unknowns.
+/// Displacement of one marker by the model, normal and tangential, with its derivatives by the unknowns.
 struct Predicted {
     moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
@@ -85,7 +62,7 @@ impl<'a> Problem<'a> {
         skin.press(&self.fit.body, state.curvature(), state.indentation)
     }
 
-    /// The tangential readings, if they count.
+    /// The tangential readings, if they are used.
     fn tangential(&self) -> Option<&'a [[f64; 2]]> {
         self.reading
             .tangential
@@ -96,19 +73,19 @@ impl<'a> Problem<'a> {
         self.tangential().is_some()
     }
 
-    /// Whether the noise of all readings that count is stated.
+    /// Whether the noise of all used readings is stated.
     pub(super) fn knows_noise(&self) -> bool {
         let is_stated = |std: Option<f64>| std.is_some_and(|std| std > 0.0);
         is_stated(self.fit.normal_std)
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
-    /// Number of displacements of each marker that are read.
+    /// Number of used displacements of each marker.
     pub(super) fn components(&self) -> usize {
         if self.uses_tangential() { 3 } else { 1 }
     }
 
-    /// Number of equations from the markers that count.
+    /// Number of equations from the used markers.
     pub(super) fn equations(&self) -> usize {
         self.components() * self.counting().count()
     }
@@ -117,7 +94,7 @@ impl<'a> Problem<'a> {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Refuses markers that do not determine the unknowns, and the noise where it is found.
+    /// Rejects markers that do not determine the unknowns, and the noise if it is estimated.
     ///
     /// # Errors
     /// [`PressError::TooFewMarkers`].
@@ -137,7 +114,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Degrees of freedom: equations, and unknowns that are known beforehand, beyond the unknowns.
+    /// Degrees of freedom: the number of equations and priors minus that of the fitted unknowns.
     pub(super) fn freedom(&self) -> usize {
         let fit = self.fit;
         let is_known = [
@@ -151,24 +128,24 @@ impl<'a> Problem<'a> {
         (self.equations() + known.count()).saturating_sub(self.unknowns())
     }
 
-    /// The markers as seen from a place.
+    /// Positions of the markers relative to a place.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
         let places = markers.places().iter();
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Chi-squared alone, where the model says how all markers move: normal displacements and tangential ones.
+    /// Only chi-squared, for given displacements of all markers by the model, normal and tangential.
     pub(super) fn cost(
         &self,
         state: &State,
         moved: impl Fn(usize) -> (f64, Vector2<f64>),
     ) -> Result<f64, PressError> {
-        let mut misfit = Misfit::new(self.tolerance);
+        let mut sum = RobustSum::new(self.tolerance);
         for marker in self.counting() {
-            misfit.add(self.residuals(marker, moved(marker)));
+            sum.add(self.residuals(marker, moved(marker)));
         }
-        finite(self.priors(state).0 + misfit.total())
+        finite(self.priors(state).chi_squared + sum.total())
     }
 
     /// Chi-squared with its derivatives.
@@ -179,23 +156,18 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Chi-squared with its derivatives, of normal displacements alone or (`TANGENTIAL`) of tangential ones too.
+    /// Chi-squared with its derivatives, of normal displacements only or (`TANGENTIAL`) also of tangential ones.
     fn sums_of<const TANGENTIAL: bool>(&self, state: &State) -> Result<Sums, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
         let slopes = PressSlopes::new(&contact, slope);
-        let (chi_squared, gradient, hessian) = self.priors(state);
-        let mut sums = Sums {
-            chi_squared,
-            gradient,
-            hessian,
-        };
-        let mut misfit = Misfit::new(self.tolerance);
+        let mut sums = self.priors(state);
+        let mut robust = RobustSum::new(self.tolerance);
         let [normally, tangentially] = [self.normal_std, self.tangential_std].map(f64::recip);
         for marker in self.counting() {
             let predicted = self.predicted::<TANGENTIAL>(state, &contact, &slopes, marker);
             let residuals = self.residuals(marker, predicted.moved);
-            let weight = misfit.add(residuals);
+            let weight = robust.add(residuals);
             sums.add(residuals[0], weight, &(predicted.normal_slopes * normally));
             if TANGENTIAL {
                 for axis in 0..2 {
@@ -204,13 +176,13 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        sums.chi_squared += misfit.total();
+        sums.chi_squared += robust.total();
         sums.only(&self.sought);
         finite(sums.chi_squared + sums.gradient.sum() + sums.hessian.sum())?;
         Ok(sums)
     }
 
-    /// Residuals of a marker at a state, in standard deviations: normal, and both tangential ones (else 0).
+    /// Residuals of a marker at a state, in standard deviations: one normal and two tangential ones, 0 if not used.
     pub(super) fn residuals_at(
         &self,
         contact: &Contact<'_>,
@@ -220,7 +192,7 @@ impl<'a> Problem<'a> {
         self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
     }
 
-    /// Residuals of a marker, in standard deviations, if nothing moves it but the baseline.
+    /// Residuals of a marker without a contact, in standard deviations.
     pub(super) fn readings_of(&self, marker: usize, baseline: f64) -> [f64; 3] {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
@@ -264,7 +236,7 @@ impl<'a> Problem<'a> {
         Ok(self.counting().map(residuals).collect())
     }
 
-    /// Slopes of the readings of each marker that counts, by all unknowns, in standard deviations: normal, tangential.
+    /// Slopes of the readings of each used marker by all unknowns, in standard deviations: normal, tangential.
     pub(super) fn slopes(
         &self,
         state: &State,
@@ -285,7 +257,7 @@ impl<'a> Problem<'a> {
         }))
     }
 
-    /// Markers that count.
+    /// Numbers of the used markers.
     pub(super) fn counting(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.kept.len()).filter(|&marker| self.kept[marker])
     }
@@ -344,33 +316,28 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Sum of squares of the deviations from prior knowledge, with half its gradient and half its Hessian.
-    fn priors(&self, state: &State) -> (f64, Unknowns, Square) {
-        let (mut squared, mut gradient, mut hessian) = (0.0, Unknowns::zeros(), Square::zeros());
-        let mut add = |index: usize, off: f64, std: f64| {
-            squared += (off / std) * (off / std);
-            gradient[index] += off / (std * std);
-            hessian[(index, index)] += 1.0 / (std * std);
-        };
+    /// Chi-squared of the deviations from the priors, with its derivatives.
+    fn priors(&self, state: &State) -> Sums {
+        let mut sums = Sums::default();
         if let Some(Measured { value, std }) = self.reading.indentation
             && self.sought[INDENTATION]
         {
-            add(INDENTATION, state.indentation - value, std);
+            sums.add_prior(INDENTATION, state.indentation - value, std);
         }
         if let Prior::Within(std) = self.fit.baseline
             && self.sought[BASELINE]
         {
-            add(BASELINE, state.baseline, std);
+            sums.add_prior(BASELINE, state.baseline, std);
         }
         if let Prior::Within(std) = self.fit.gain
             && self.sought[GAIN]
         {
-            add(GAIN, state.gain - 1.0, std);
+            sums.add_prior(GAIN, state.gain - 1.0, std);
         }
-        (squared, gradient, hessian)
+        sums
     }
 
-    /// The place at a direction; on a circle its x axis goes along it.
+    /// The place at a direction. If there is a circle, the x axis is along the circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
             return self.reading.markers.skin().place_at(direction);
@@ -401,56 +368,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-impl Sums {
-    /// The sums after a small step, as their own slopes foretell them.
-    pub(super) fn after(&self, step: &Unknowns) -> Self {
-        let along = self.hessian * step;
-        Self {
-            chi_squared: self.chi_squared + 2.0 * self.gradient.dot(step) + step.dot(&along),
-            gradient: self.gradient + along,
-            hessian: self.hessian,
-        }
-    }
-
-    /// The sums with this unknown held.
-    pub(super) fn holding(mut self, held: usize) -> Self {
-        self.gradient[held] = 0.0;
-        self.hessian.row_mut(held).fill(0.0);
-        self.hessian.column_mut(held).fill(0.0);
-        self.hessian[(held, held)] = 1.0;
-        self
-    }
-
-    /// Adds an observation with this residual (in standard deviations) and slopes of the prediction.
-    fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
-        for row in 0..UNKNOWNS {
-            let weighted = weight * slopes[row];
-            self.gradient[row] -= weighted * residual;
-            for column in 0..=row {
-                self.hessian[(row, column)] += weighted * slopes[column];
-            }
-        }
-    }
-
-    /// Completes the Hessian, and takes out unknowns that are not sought.
-    fn only(&mut self, sought: &[bool; UNKNOWNS]) {
-        for row in 0..UNKNOWNS {
-            for column in 0..row {
-                if !(sought[row] && sought[column]) {
-                    self.hessian[(row, column)] = 0.0;
-                }
-                self.hessian[(column, row)] = self.hessian[(row, column)];
-            }
-            if !sought[row] {
-                self.gradient[row] = 0.0;
-                self.hessian[(row, row)] = 1.0;
-            }
-        }
-    }
-}
-
-/// Displacement of a marker by a contact as it is read: the normal one with gain and baseline, and the tangential
-/// ones.
+/// Displacement of a marker by a contact: the normal one, including gain and baseline, and the tangential one.
 fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
     let moved = contact.displacement(sight.distance);
     let normal = state.gain * moved.normal + state.baseline;
@@ -462,5 +380,56 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
         Ok(value)
     } else {
         Err(PressError::OutOfRange)
+    }
+}
+
+/// Limit of a product of factors, before its logarithm is taken.
+const MAX_PRODUCT: f64 = 1e100;
+
+/// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers, with the sum of squares s of each marker. It
+/// is about s if s is less than c², with the tolerance c.
+pub(super) struct RobustSum {
+    /// c², in variances.
+    limit: f64,
+    sum: f64,
+    /// Product of 1 + s/c² over the last markers: one logarithm serves for many markers.
+    product: f64,
+}
+
+impl RobustSum {
+    /// An empty sum, for a tolerance in standard deviations. If it is infinite, all residuals have equal weights.
+    pub(super) const fn new(tolerance: f64) -> Self {
+        Self {
+            limit: tolerance * tolerance,
+            sum: 0.0,
+            product: 1.0,
+        }
+    }
+
+    /// Adds a marker with these residuals, in standard deviations, and returns the weight of its slopes.
+    pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
+        let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        if self.limit == f64::INFINITY {
+            self.sum += squared;
+            return 1.0;
+        }
+        let rise = 1.0 + squared / self.limit;
+        let product = self.product * rise;
+        if product < MAX_PRODUCT {
+            self.product = product;
+        } else {
+            self.sum += self.limit * (libm::log(self.product) + libm::log(rise));
+            self.product = 1.0;
+        }
+        rise.recip()
+    }
+
+    /// The sum.
+    pub(super) fn total(&self) -> f64 {
+        if self.product == 1.0 {
+            self.sum
+        } else {
+            self.sum + self.limit * libm::log(self.product)
+        }
     }
 }

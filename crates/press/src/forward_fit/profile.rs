@@ -1,26 +1,25 @@
 //! Intervals of the relative curvature by profile likelihood.
 
 use super::minimise::minimise;
-use super::problem::{CURVATURE, INDENTATION, Problem, State, Sums, Unknowns};
+use super::problem::{Problem, State};
 use crate::Interval;
-use crate::definite::solve;
+use crate::unknowns::{CURVATURE, INDENTATION, Sums};
 
-/// Relative accuracy to which the root of chi-squared's rise meets the limit's where the interval's end is then
-/// interpolated.
+/// Relative tolerance of the square root of chi-squared's increase at the end of an interval; the end is then interpolated.
 const TOLERANCE: f64 = 0.03;
-/// Least decrease of chi-squared that a further step must promise.
+/// Least predicted decrease of chi-squared for a further step.
 const ENOUGH: f64 = 1e-4;
-const MOST_TRIES: usize = 40;
-/// The curvature is sought up to this many times its estimate, and down to one over that.
-const FURTHEST: f64 = 1e6;
+const MAX_TRIES: usize = 40;
+/// Largest ratio of a curvature to its estimate, or of the estimate to a curvature, in the search.
+const MAX_RATIO: f64 = 1e6;
 
-/// The interval, or a state that fits better than the one thought best.
+/// The interval, or a state with a smaller chi-squared than the supposed best one.
 pub(super) enum Profile {
     Interval(Interval),
     Better(State),
 }
 
-/// The interval in which chi-squared, made least over all other unknowns, lies less than `limit` above its least value.
+/// The interval in which chi-squared, minimised over all other unknowns, is less than `limit` above its minimum.
 pub(super) fn profile(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64) -> Profile {
     let mut ends = [None; 2];
     for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
@@ -40,7 +39,8 @@ enum Walk {
     Better(State),
 }
 
-/// A step of the logarithm of the curvature, the root of chi-squared's rise there, and the step per root.
+/// A step of the logarithm of the curvature, the square root of chi-squared's increase there, and the derivative of the step by
+/// the root.
 #[derive(Clone, Copy)]
 struct Found {
     step: f64,
@@ -49,7 +49,7 @@ struct Found {
 }
 
 impl Found {
-    /// The step to another root, by the cubic in the root through two that were found, with their slopes.
+    /// The step at another root, by the cubic polynomial through two points with their derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
         let share = (root - self.root) / width;
@@ -61,29 +61,21 @@ impl Found {
     }
 }
 
-/// Way along which all other unknowns follow the curvature.
-fn ridge(sums: &Sums) -> Unknowns {
-    let across = -sums.hessian.column(CURVATURE);
-    let mut along = solve(&sums.holding(CURVATURE).hessian, &across).unwrap_or_default();
-    along[CURVATURE] = 1.0;
-    along
-}
-
 fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64) -> Walk {
-    // The state at the last step, the way on from there, and the step.
-    let mut from = (*best, ridge(sums), 0.0);
+    // The state at the last step, the derivative of the unknowns there, and the step.
+    let mut from = (*best, sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
     let mut at = |step: f64| -> Option<Result<Found, State>> {
         let way = from.1 * (sign * (step - from.2));
         let mut start = problem.moved(&from.0, &way);
-        // The depth follows a power of the curvature.
+        // The indentation is extrapolated as a power of the curvature.
         start.indentation = from.0.indentation * libm::exp(way[INDENTATION] / from.0.indentation);
         let (state, least) = minimise(problem, start, ENOUGH, Some(CURVATURE)).ok()?;
-        from = (state, ridge(&least), step);
+        from = (state, least.ridge(), step);
         let rise = |sums: &Sums, least: f64| least - sums.chi_squared;
         let is_less = |rise: f64| rise < -1e-6 * (1.0 + sums.chi_squared);
         let found = rise(sums, least.chi_squared);
-        // What steps promise is not yet there.
+        // The minimum is a prediction, so check it by the true chi-squared.
         if is_less(found) && is_less(rise(sums, problem.sums(&state).ok()?.chi_squared)) {
             return Some(Err(state));
         }
@@ -95,21 +87,21 @@ fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64)
             per_root,
         }))
     };
-    let furthest = libm::log(FURTHEST);
+    let furthest = libm::log(MAX_RATIO);
     let mut step = (limit * std).clamp(1e-12, 1.0);
     let mut inside = Found {
         step: 0.0,
         root: 0.0,
         per_root: std,
     };
-    // The nearest step that is too far, with what was found there; nothing where no press is possible.
+    // The smallest step beyond the end, with the result there; `None` if no press is possible.
     let mut outside: Option<(f64, Option<Found>)> = None;
-    for _ in 0..MOST_TRIES {
+    for _ in 0..MAX_TRIES {
         let mut last = inside;
         match at(step) {
             Some(Err(state)) => return Walk::Better(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
-                // Slopes tell nothing where the profile is all but flat.
+                // The slopes are useless if the profile is almost flat.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };

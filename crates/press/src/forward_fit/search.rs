@@ -1,63 +1,62 @@
-//! The search for an estimate from readings: start, robust fit, wrong markers, noise, intervals.
+//! The search for an estimate: start, robust fit, outliers, noise, intervals.
 
 use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
+use super::contact_detection::{detect, on_markers};
 use super::minimise::{EXACTLY, minimise};
-use super::misfit::Misfit;
 use super::outcome::outcome;
-use super::presence::{on_markers, seen};
-use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, Square, State, Sums, WRONG};
+use super::problem::{BASELINE, GAIN, Problem, RobustSum, State, WRONG};
 use super::profile::{Profile, profile};
-use super::reading::Reading;
-use super::settings::{ForwardFit, Prior};
 use super::start::{RADII, Shapes, median, starts};
-use super::unseen::Unseen;
-use crate::definite::inverse;
+use super::undetected_contacts::UndetectedContacts;
+use super::{ForwardFit, Prior, Reading};
+use crate::cholesky::inverse;
+use crate::unknowns::{ACROSS, INDENTATION, Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
-/// Least entry on the diagonal of the scaled factor of information that can be inverted.
+/// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-7;
-/// Largest share of the markers that can be wrong; if more seem so, the model is.
-const MOST_WRONG: f64 = 1.0 / 8.0;
-/// Number of wrong markers of which one that counts may be the cause.
+/// Largest share of outliers among the markers; if there are more, the model is wrong.
+const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
+/// Number of outliers from which on a used marker may be their cause.
 const SEVERAL: usize = 2;
-/// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
+/// Markers are in a row if their variance across the row is less than this, relative to the variance along it.
 const ROW: f64 = 1e-5;
-/// Probability by chance of what a marker says against the others below which they may be right.
+/// P-value of an outlier below which the interval also contains the estimate without this marker.
 const SUSPECT: f64 = 0.05;
-/// Residual, in standard deviations, beyond which the weight falls while it is not known which markers are wrong.
+/// Residual, in standard deviations, beyond which the weight decreases while the outliers are not yet known.
 const ROBUST: f64 = 3.0;
-/// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong.
+/// Least predicted decrease of chi-squared for a further step while the outliers are not yet known.
 const ROUGHLY: f64 = 1e-2;
-/// Smallest standard deviation of a displacement, as a share of the largest displacement: of less, rounding is more.
+/// Smallest standard deviation of a displacement relative to the largest displacement, because of rounding.
 const EXACT: f64 = 1e-10;
 
-/// A search for the press behind a reading.
+/// The search for the press that fits a reading.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
-    /// Whether the noise of normal and of tangential displacements must be found.
+    /// Whether the noise of normal and of tangential displacements must be estimated.
     find_normal: bool,
     find_tangential: bool,
-    /// The largest displacement that was read.
+    /// The largest displacement of the reading.
     largest: f64,
-    /// Fits that began elsewhere.
+    /// Fits from other starts.
     rivals: Vec<State>,
 }
 
-/// Contact of readings that show none at first.
+/// A contact of readings that show none at first.
 enum Found<'a> {
-    /// A contact that they show elsewhere.
+    /// A contact that the readings show at another place.
     Contact(Box<(Search<'a>, State, Sums)>),
-    /// The estimate of a contact that only its indentation tells of.
+    /// The estimate of a contact that only the stated indentation shows.
     Left(Box<PressEstimate>),
 }
 
 impl<'a> Problem<'a> {
-    /// Problem in which all that is not known is sought, and every marker counts, with a standard deviation of 1.
+    /// The problem with all unknown parameters fitted and all markers used, with standard deviations of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
-        let mut sought = [true; super::problem::UNKNOWNS];
+        let mut sought = [true; UNKNOWNS];
         // A prior narrower than rounding counts as exact.
         let largest = reading
             .normal
@@ -90,7 +89,7 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// Only markers within the window count.
+    /// Uses only the markers within the window.
     pub(super) fn keep_window(&mut self, state: &State) {
         let Some(window) = self.fit.window else {
             return;
@@ -103,7 +102,8 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Sum of squares of all markers' residuals, of each as much as a wrong one has at least; infinite where there is no such contact.
+    /// Sum of the squared residuals of all markers, each limited to the least value of an outlier; infinite if there is no such
+    /// contact.
     fn unexplained(&self, state: &State) -> f64 {
         let Ok(contact) = self.contact(state) else {
             return f64::INFINITY;
@@ -116,17 +116,17 @@ impl Problem<'_> {
         (0..self.kept.len()).map(square).sum()
     }
 
-    /// Chi-squared of the markers that do not count, taken as unmoved.
+    /// Chi-squared of the unused markers against rest.
     fn left_out(&self) -> f64 {
-        let mut misfit = Misfit::new(self.tolerance);
+        let mut sum = RobustSum::new(self.tolerance);
         for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
-            misfit.add(self.readings_of(marker, 0.0));
+            sum.add(self.readings_of(marker, 0.0));
         }
-        misfit.total()
+        sum.total()
     }
 }
 
-/// The pole of the great circle on which all markers lie, if they do.
+/// The pole of the great circle on which all markers lie, if there is one.
 fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
     let mut spread = nalgebra::Matrix3::zeros();
     for place in reading.markers.places() {
@@ -174,18 +174,18 @@ impl<'a> Search<'a> {
         let (mut state, mut sums) = self.begin()?;
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
-            let shown = seen(&self.problem, &state);
+            let shown = detect(&self.problem, &state);
             let only_marker = match shown {
                 Ok(None) => None,
                 Err(refusal @ PressError::OtherBody { .. }) if self.problem.knows_noise() => {
                     return Err(refusal);
                 }
-                _ => match self.unseen(shown.unwrap_or_default()) {
+                _ => match self.undetected(shown.unwrap_or_default()) {
                     Some(Found::Contact(found)) => {
                         (self, state, sums) = *found;
                         None
                     }
-                    // Where most markers tell the noise, a press that is not explained may be one that fits missed.
+                    // If the noise was estimated, a bad fit may be a wrong local minimum.
                     Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
                         shown?
                     }
@@ -224,34 +224,34 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Contact of readings that show none where the fits have led, or by one marker alone: one that they do show elsewhere, or
-    /// the curvatures that they leave to one whose indentation is given, on the markers; `None` where there is neither.
-    fn unseen(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
+    /// A contact of readings that show none at the fitted place, or only by one marker. It is a contact that the readings show
+    /// elsewhere, or, with a stated indentation, the range of curvatures that the readings allow. `None` if there is neither.
+    fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
-            // Without it the others say what a needle under it would not contradict.
+            // A needle under this marker would not contradict the others.
             problem.kept[marker] = false;
         }
         problem.determined().ok()?;
-        let unseen = Unseen::new(&problem)?;
+        let contacts = UndetectedContacts::new(&problem)?;
         let mut missed = self.clone();
-        if let Some(mut state) = unseen.likeliest()
+        if let Some(mut state) = contacts.likeliest()
             && let Ok(sums) = missed.settle(&mut state)
-            && matches!(seen(&missed.problem, &state), Ok(None))
+            && matches!(detect(&missed.problem, &state), Ok(None))
         {
             return Some(Found::Contact(Box::new((missed, state, sums))));
         }
         let limit = self.limit();
-        let (state, sums, interval) = unseen.left(limit * limit)?;
+        let (state, sums, interval) = contacts.left(limit * limit)?;
         let covariance = inverse(&sums.hessian, SINGULAR)?;
         let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit).ok()?;
-        // Noise makes readings that show nothing look sharp; so far from a clear minimum no bias the other way is told.
+        // The correction must not increase the curvature: far from a clear minimum, noise makes it too large.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
         let mut wrong_markers = estimate.wrong_markers;
         wrong_markers.retain(|&marker| Some(marker) != only_marker);
         Some(Found::Left(Box::new(PressEstimate {
-            is_seen: false,
+            is_detected: false,
             only_marker,
             wrong_markers,
             relative_curvature: Estimated {
@@ -263,7 +263,7 @@ impl<'a> Search<'a> {
         })))
     }
 
-    /// An interval that holds what other fits tell which explain the readings about as well.
+    /// The interval extended by the intervals of other fits that explain the readings about as well.
     fn with_rivals(&self, best: &State, sums: &Sums, interval: Interval) -> Profile {
         let limit = self.limit() * self.limit();
         let mut hull = interval;
@@ -285,14 +285,14 @@ impl<'a> Search<'a> {
             let around = |_| profile(&self.problem, &state, &least, limit - rise.max(0.0));
             hull = match inverse(&least.hessian, SINGULAR).map(around) {
                 Some(Profile::Interval(interval)) => hull.hull(interval),
-                // A rival that nothing bounds leaves the curvature unbounded.
+                // If the interval of another fit is unbounded, so is the result.
                 Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
             };
         }
         Profile::Interval(hull)
     }
 
-    /// An interval that also holds what the other markers tell where one of them contradicts them.
+    /// The interval extended by the interval without one marker, if this marker contradicts the others.
     fn or_without_slipped(
         &self,
         state: &State,
@@ -320,11 +320,11 @@ impl<'a> Search<'a> {
                 Profile::Better(better) => told = others.without(marker, &better),
             }
         }
-        // Nothing that the others tell bounds the curvature.
+        // The other markers do not bound the curvature.
         Ok(Interval::UNBOUNDED)
     }
 
-    /// Whether two fits are one and the same.
+    /// Whether two fits are the same minimum.
     fn is_same(&self, one: &State, other: &State) -> bool {
         let near = |contact: Contact<'_>| {
             let markers = self.problem.reading.markers;
@@ -334,11 +334,11 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// The best of the fits that are begun; where the noise is to be found, the one that finds the least.
+    /// The best of the fits from all starts; if the noise is estimated, the one with the least noise.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // Fits to other markers are not to be compared by their residuals.
+            // Residuals of fits to different markers cannot be compared.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -366,11 +366,11 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// A fit that explains the markers where one that leaves several out does so worse: that without the marker nearest to the
-    /// contact, which makes a needle under it where it slipped.
+    /// If there are several outliers, a fit without the marker nearest to the contact, if it explains all markers better: an
+    /// error of this marker looks like a needle under it.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Markers outside a window are not wrong, and fits that find other noise are not to be compared by their residuals.
+        // Markers outside a window are not outliers, and fits with different noise cannot be compared by their residuals.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -410,7 +410,7 @@ impl<'a> Search<'a> {
         Some((there, sums))
     }
 
-    /// Fits that no few markers can lead astray, one for each place to which they lead, the best first.
+    /// Robust fits, one for each different minimum, the best first.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
         if !problem.fit.body.is_approximate() {
@@ -441,7 +441,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Least squares over the markers that are not wrong, with the noise that they show where it must be found.
+    /// Least squares over the markers without outliers, with the noise estimated if it is not stated.
     fn settle(&mut self, state: &mut State) -> Result<Sums, PressError> {
         const ROUNDS: usize = 8;
         let (mut last, mut sums) = (None, None);
@@ -456,7 +456,7 @@ impl<'a> Search<'a> {
             let least = minimise(&self.problem, *state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
-        // A marker at a limit may come and go without end.
+        // A marker at the limit may alternate between used and rejected without end.
         self.problem.sums(state)
     }
 
@@ -474,8 +474,7 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Finds standard deviations from the residuals of the markers that count: from their median (`robustly`) or their
-    /// squares.
+    /// Estimates standard deviations from the residuals of the used markers: from their median (`robustly`) or their squares.
     fn find_noise(&mut self, state: &State, robustly: bool) -> Result<(), PressError> {
         if !(self.find_normal || self.find_tangential) {
             return Ok(());
@@ -509,7 +508,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Whether each marker counts: it lies within the window and is not wrong.
+    /// Selects the used markers: those within the window that are not outliers.
     fn choose(&mut self, state: &State) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);
@@ -521,7 +520,7 @@ impl<'a> Search<'a> {
             residuals.iter().any(|residual| residual.abs() > WRONG)
         };
         let wrong: Vec<usize> = problem.counting().filter(is_wrong).collect();
-        let most = (MOST_WRONG * inside as f64).max(1.0) as usize;
+        let most = (MAX_OUTLIER_SHARE * inside as f64).max(1.0) as usize;
         if wrong.len() <= most && !problem.fit.body.is_approximate() {
             for marker in wrong {
                 problem.kept[marker] = false;

@@ -1,34 +1,37 @@
-//! States from which a fit begins.
+//! Start values of a fit.
 
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
+use super::Prior;
 use super::problem::{Problem, State};
-use super::settings::Prior;
 use crate::markers::Sight;
 use crate::{Displacement, Place};
 
-/// Markers at which the contact is tried: those that moved most; and between the two, three … of them.
+/// Number of markers, those that moved most, at which a contact is tried; it is also tried between the first two, three, …
+/// of them.
 const MARKERS: usize = 4;
-/// The contact is also tried so far beyond the markers, in radians.
+/// Angles beyond the markers at which a contact is also tried, rad.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
-/// A start that costs so much more than another in chi-squared is not worth beginning from.
-const MUCH: f64 = 50.0;
-/// Radii of the contact that are tried, in radii of the sensor, a middling one first.
+/// A start beyond the markers is omitted if its chi-squared is larger by more than this.
+const MAX_EXCESS: f64 = 50.0;
+/// Tried radii of the contact, in radii of the sensor, a medium one first.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of directions in which all radii are tried.
 const VIEWS: usize = 3;
 
-/// States from which to begin: the `few` likeliest, and the likeliest with a contact beyond the markers if that is not
-/// much less likely.
+/// Start values: the `few` most likely ones, and the most likely one with a contact beyond the markers if it is not much less
+/// likely.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
     let mut beyond = tried(problem, &shapes, &beyond(problem));
     near.truncate(few);
     beyond.truncate(1);
-    let likely = near.first().map_or(f64::INFINITY, |(cost, _)| cost + MUCH);
+    let likely = near
+        .first()
+        .map_or(f64::INFINITY, |(cost, _)| cost + MAX_EXCESS);
     beyond.retain(|(cost, _)| *cost < likely);
     near.into_iter()
         .chain(beyond)
@@ -36,12 +39,12 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Displacements by contacts of some radii, at distances up to the sensor's far pole, which
-/// grow from one to the next.
+/// Displacements by contacts of some radii, at nodes whose distances go up to the far pole of the sensor.
 pub(super) struct Shapes {
     /// Distance of the last node, length.
     furthest: f64,
-    /// Indentation at a relative curvature of 1, and displacements at the nodes; of contacts that there are.
+    /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` for an
+    /// impossible contact.
     contacts: Vec<Option<(f64, Vec<Displacement>)>>,
 }
 
@@ -49,7 +52,7 @@ impl Shapes {
     /// Number of intervals between nodes.
     const INTERVALS: f64 = 64.0;
 
-    /// Shapes of contacts of these radii, in radii of the sensor.
+    /// The displacements by contacts of these radii, in radii of the sensor.
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
         let skin = problem.reading.markers.skin();
         let furthest = PI * skin.radius();
@@ -68,7 +71,7 @@ impl Shapes {
         }
     }
 
-    /// The state with a contact of each radius at this place that suits the readings best, with its cost.
+    /// For each radius, the best state with a contact at this place, with its chi-squared.
     pub(super) fn states(&self, problem: &Problem<'_>, place: Place) -> Vec<Option<(f64, State)>> {
         let sights = problem.sights(&place);
         let state = |shape: &Option<_>| of_shape(problem, self, shape.as_ref(), place, &sights);
@@ -89,8 +92,8 @@ impl Shapes {
     }
 }
 
-/// States with a contact in these directions, with their costs, the likeliest first: of a middling radius in each, and
-/// of all radii in the likeliest few.
+/// States with a contact in these directions, with their chi-squared, the most likely first: with a medium radius in each
+/// direction, and with all radii in the best few.
 fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
     let [middling, others @ ..] = &shapes.contacts[..] else {
         return Vec::new();
@@ -115,8 +118,7 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
     states
 }
 
-/// The state with a contact of this shape, and with the indentation or the gain that suits the readings best where
-/// they are free; and its cost.
+/// The state with a contact of this shape and the best indentation or gain if they are free, with its chi-squared.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,
@@ -134,7 +136,7 @@ fn of_shape(
         Prior::Exact => 0.0,
         Prior::Within(_) | Prior::Free => median(problem.reading.normal),
     };
-    // The readings in multiples of the displacements.
+    // Factor between the readings and the displacements.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
         for (read, moved) in problem.reading.normal.iter().zip(&moved) {
@@ -171,7 +173,7 @@ fn of_shape(
     Some((cost, state))
 }
 
-/// The directions of the markers that moved most, the furthest first.
+/// The directions of the markers that moved most, in descending order.
 fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
     let mut order: Vec<usize> = (0..normal.len()).collect();
@@ -188,7 +190,7 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// Directions, and those between the first two, three … of them.
+/// The directions, and the mean directions of the first two, three, … of them.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())
@@ -198,7 +200,7 @@ fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     directions
 }
 
-/// Directions beyond the markers, on the side to which displacements grow.
+/// Directions beyond the markers, on the side with larger displacements.
 fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let directions = || {
         let places = problem.reading.markers.places().iter();

@@ -1,37 +1,37 @@
-//! Way down to the sensor that frames show: the least sum of squares.
+//! Least-squares search for the sensor that fits its frames.
 
 use nalgebra::DVector;
 
-use super::frame::KnownFrame;
-use super::outcome::WRONG;
+use super::calibration_press::CalibrationFrame;
+use super::image_search::WRONG;
 use super::rest::{Pictures, Rest, Resting, State};
 use super::view::{NUMBERS, View};
 use crate::{GoodnessOfFit, PressError};
 
-const MOST_STEPS: usize = 200;
-/// Damping of a first step: as much information as there is beforehand.
+const MAX_STEPS: usize = 200;
+/// Damping of the first step, relative to the information of the priors.
 const DAMPING: f64 = 1.0;
-const MOST_DAMPING: f64 = 1e9;
-/// Decreases of chi-squared below which nothing is left to find: at last, and on the way there.
+const MAX_DAMPING: f64 = 1e9;
+/// Decrease of chi-squared at which a search ends: the last one, and those with increased variances.
 const ENOUGH: f64 = 1e-6;
 const ROUGHLY: f64 = 1.0;
-/// Most by which variances are multiplied on the way, and how fast they fall.
-const MOST_VARIANCE: f64 = 1e12;
+/// Largest factor of the variances, and the ratio of successive factors.
+const MAX_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
-/// Powers of that multiple from which further paths start where the sum of squares stays large.
+/// Exponents of the first factor of the variances; the next one is tried if chi-squared remains large.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// P-value of a sum of squares that is not large: one sensor in a thousand is sought along further paths in vain.
+/// P-value of an acceptable chi-squared: for one good sensor in a thousand, further searches are useless.
 const PLAUSIBLE: f64 = 1e-3;
 
-/// The least sum of squares that was found.
+/// The minimum of a search.
 struct Minimum {
     state: State,
     pictures: Pictures,
     cost: Cost,
 }
 
-/// Cost of a state, the least of which is sought: first the markers that were seen and should be out of sight, then the sum of
-/// the squares of all others.
+/// Cost of a state: first the number of markers that have a reading but are hidden in the model, then the sum of the squares of
+/// all others.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -39,7 +39,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Amount by which another is less.
+    /// Decrease of the cost to another one.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,
@@ -47,7 +47,7 @@ impl Cost {
         }
     }
 
-    /// Sum of all squares: infinite where a marker that was seen should be out of sight.
+    /// Sum of all squares; infinite if a marker with a reading is hidden in the model.
     fn sum(self) -> f64 {
         match self.hidden {
             0 => self.squares,
@@ -57,7 +57,7 @@ impl Cost {
 }
 
 impl<V: View> Resting<'_, V> {
-    /// The sensor that is likeliest.
+    /// The most likely sensor.
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
         let start = State {
             common: DVector::zeros(self.free.len()),
@@ -65,7 +65,7 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Of paths that part where another minimum lies, some end in each.
+        // Searches with different first factors may end in different minima.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -83,7 +83,7 @@ impl<V: View> Resting<'_, V> {
         let Minimum { state, cost, .. } = minimum;
         let slopes = self.slopes(&state).ok_or(PressError::OutOfRange)?;
         let equations = self.equations(&state, &slopes, 0.0);
-        let rest = self.told(
+        let rest = self.result(
             state,
             equations.ok_or(PressError::OutOfRange)?,
             slopes,
@@ -92,9 +92,9 @@ impl<V: View> Resting<'_, V> {
         rest.ok_or(PressError::OutOfRange)
     }
 
-    /// The least sum of squares by a path from variances so many times as large as those that are stated. Far from it are
-    /// others that only look least, and narrow valleys: noise as large as what the start leaves has neither, and as it falls
-    /// the state stays near the least.
+    /// Finds the minimum by a search that starts with the variances multiplied by a factor and decreases it to 1. Far from the
+    /// minimum there are local minima and narrow valleys. With variances as large as the first residuals there are none, and
+    /// with a decreasing factor the state stays near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);
@@ -113,14 +113,15 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Sum of the squares of each marker, infinite where it should be out of sight; `None` of those that were not seen.
+    /// Sum of the squares of each marker: infinite if it has a reading but is hidden in the model, `None` without a reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
-        let square = |marker: usize, frame: &KnownFrame, pictures: &[Option<[f64; NUMBERS]>]| {
-            let weight = frame.weights[marker].as_ref()?;
-            let residual = frame.residual(marker, pictures);
-            // A marker that was seen cannot be out of sight.
-            Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
-        };
+        let square =
+            |marker: usize, frame: &CalibrationFrame, pictures: &[Option<[f64; NUMBERS]>]| {
+                let weight = frame.weights[marker].as_ref()?;
+                let residual = frame.residual(marker, pictures);
+                // A marker with a reading cannot be hidden.
+                Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
+            };
         let own = |marker: usize| {
             let frames = self.frames.iter().zip(pictures);
             let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
@@ -135,7 +136,7 @@ impl<V: View> Resting<'_, V> {
         (0..self.markers()).map(own).collect()
     }
 
-    /// Sum of the squares where no marker counts more than a wrong one.
+    /// Sum of the squares, each limited to the least value of an outlier.
     fn robust(&self, minimum: &Minimum) -> f64 {
         let most = WRONG * self.frames.len() as f64;
         let own = self.own_costs(&minimum.state, &minimum.pictures);
@@ -143,7 +144,7 @@ impl<V: View> Resting<'_, V> {
         minimum.state.common.norm_squared() + own.sum::<f64>()
     }
 
-    /// Median over the markers of their mean square residual, in stated variances; half of them may be wrong.
+    /// Median over the markers of their mean squared residual, in stated variances; half of the markers may be outliers.
     fn variance_at(&self, state: &State) -> Option<f64> {
         let pictures = self.pictures(state)?;
         let costs = self.own_costs(state, &pictures);
@@ -151,10 +152,10 @@ impl<V: View> Resting<'_, V> {
         squares.sort_by(f64::total_cmp);
         let numbers = NUMBERS * self.frames.len();
         let middle = squares.get(squares.len() / 2)?;
-        Some((middle / numbers as f64).min(MOST_VARIANCE))
+        Some((middle / numbers as f64).min(MAX_VARIANCE))
     }
 
-    /// The fit where all readings have so many times their variance.
+    /// The fit with the variances of all readings multiplied by a factor.
     fn noisier(&self, variance: f64) -> Self {
         let mut frames = self.frames.to_vec();
         let weights = frames.iter_mut().flat_map(|frame| &mut frame.weights);
@@ -169,14 +170,14 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// The least sum of squares near a state, to about so much.
+    /// The minimum near a state; the search ends if chi-squared decreases by less than `enough`.
     fn minimised(&self, mut state: State, enough: f64) -> Result<Minimum, PressError> {
         let impossible = PressError::OutOfRange;
         let mut pictures = self.pictures(&state).ok_or(impossible)?;
         let mut slopes = self.slopes(&state).ok_or(impossible)?;
         let mut cost = self.cost(&state, &pictures);
         let mut damping = DAMPING;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let equations = self.equations(&state, &slopes, damping).ok_or(impossible)?;
             let tried = self.stepped(&state, &equations);
             let better = tried.and_then(|tried| {
@@ -188,7 +189,7 @@ impl<V: View> Resting<'_, V> {
                 Some((tried, seen, less)) => {
                     let gain = cost.less(less);
                     (state, pictures, cost) = (tried, seen, less);
-                    // Small steps gain little anywhere.
+                    // With strong damping a small decrease does not mean convergence.
                     if gain <= enough && damping <= DAMPING {
                         break;
                     }
@@ -197,7 +198,7 @@ impl<V: View> Resting<'_, V> {
                 }
                 None => {
                     damping *= 10.0;
-                    if damping > MOST_DAMPING {
+                    if damping > MAX_DAMPING {
                         break;
                     }
                 }

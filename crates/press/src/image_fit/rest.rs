@@ -1,40 +1,40 @@
-//! Departures of the sensor that the markers at rest tell.
+//! Fit of the sensor to its markers at rest and to calibration presses.
 
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector2, Vector4};
 
-use super::frame::KnownFrame;
-use super::settings::ImageFit;
-use super::told::Known;
-use super::view::{MOST_MISALIGNED, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View};
+use super::ImageFit;
+use super::calibration_press::CalibrationFrame;
+use super::departure_prior::FreePrior;
+use super::view::{MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View};
 use crate::{GoodnessOfFit, PressError};
 
-/// The sensor as its markers at rest show it: misalignments, and what is common to all of them.
+/// The sensor fitted to its markers at rest: misalignments, and departures common to all markers.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// Departures common to all markers from what calibration knows, the likeliest.
+    /// The most likely departures common to all markers from the nominal parameters.
     pub common: Vec<f64>,
-    /// Misalignment of each marker's discs, rad at the sensor's centre, the likeliest.
+    /// The most likely misalignment of each marker's discs, rad at the sensor's centre.
     pub misalignments: Vec<[f64; 2]>,
-    /// Whether each marker was seen, and contradicts nothing.
+    /// Whether each marker was visible at rest and is no outlier.
     pub seen: Vec<bool>,
-    /// Sum of the squares that are left, priors included: about `freedom` where all is as it should be.
+    /// Chi-squared, including the priors: about `freedom` if the model holds.
     pub chi_squared: f64,
-    /// Degrees of freedom of that sum.
+    /// Degrees of freedom of chi-squared.
     pub freedom: usize,
-    /// Information on the common departures that are free, after the frame at rest.
+    /// Information on the free common departures, after the frame at rest.
     pub(super) information: DMatrix<f64>,
-    /// Dependence of each marker's misalignment on the free common departures, and its covariance beyond that.
+    /// Derivative of each marker's misalignment by the free common departures, and its conditional covariance.
     pub(super) local: Vec<Option<Local>>,
-    /// Pictures at rest with their slopes, about the sensor by which both are told.
+    /// Pictures at rest with their slopes, at the sensor where the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The frames that tell it.
-    pub(super) frames: Arc<[KnownFrame]>,
+    /// The fitted frames.
+    pub(super) frames: Arc<[CalibrationFrame]>,
 }
 
 impl Rest {
-    /// The sensor that is likeliest.
+    /// The most likely sensor.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             common: self.common.clone(),
@@ -42,21 +42,19 @@ impl Rest {
         }
     }
 
-    /// How well the sensor fits the frames that tell it: a small p-value where they contradict each other or what is known of
-    /// the sensor.
+    /// Goodness of fit of the sensor to its frames; the p-value is small if they contradict each other or the priors.
     pub fn goodness(&self) -> GoodnessOfFit {
         GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
-    /// Covariance of the common departures that are not exact, in their standard deviations; `None` where it cannot be
-    /// computed.
+    /// Covariance of the common departures that are not exact, in their standard deviations; `None` if it cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())
     }
 }
 
-/// Misalignment of a marker, as far as it is left unknown.
+/// Uncertainty of a marker's misalignment.
 #[derive(Clone, Debug)]
 pub(super) struct Local {
     pub(super) follows: OMatrix<f64, U2, Dyn>,
@@ -64,18 +62,18 @@ pub(super) struct Local {
 }
 
 impl<V: View> ImageFit<V> {
-    /// The sensor as its markers at rest show it: one reading per marker, `None` for those that are not seen.
+    /// Fits the sensor to its markers at rest: one reading per marker, `None` for markers that are not visible.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`], [`PressError::NotFinite`] for what is given; [`PressError::TooFewMarkers`] without
-    /// a marker; [`PressError::HiddenMarker`] where one that was seen should be out of sight; [`PressError::OutOfRange`] where
-    /// there is no such sensor.
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`] for invalid settings and readings; [`PressError::TooFewMarkers`]
+    /// without a marker; [`PressError::HiddenMarker`] if a marker has a reading but is hidden in the model;
+    /// [`PressError::OutOfRange`] if no sensor fits.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
         self.calibrated(seen, &[])
     }
 
-    /// The sensor as frames tell it together.
-    pub(super) fn told_by(&self, frames: Vec<KnownFrame>) -> Result<Rest, PressError> {
+    /// Fits the sensor to all frames together.
+    pub(super) fn fit_frames(&self, frames: Vec<CalibrationFrame>) -> Result<Rest, PressError> {
         Resting {
             fit: self,
             free: self.free(),
@@ -85,7 +83,7 @@ impl<V: View> ImageFit<V> {
         .rest()
     }
 
-    /// Knowledge of the sensor from the frame at rest, taken to first order about a sensor; `None` where there is no such sensor.
+    /// The fit of the frame at rest, linearised at a sensor; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = Resting {
             fit: self,
@@ -102,18 +100,18 @@ impl<V: View> ImageFit<V> {
         let slopes = resting.slopes(&state)?;
         let equations = resting.equations(&state, &slopes, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
-        resting.told(likeliest, equations, slopes, rest.chi_squared)
+        resting.result(likeliest, equations, slopes, rest.chi_squared)
     }
 }
 
-/// The fit of frames that show the sensor: at rest, and in presses that are known.
+/// The fit of a sensor to frames: at rest, and in calibration presses.
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
-    /// Departures that something else tells.
-    pub(super) known: Option<Arc<Known>>,
-    /// The first is that at rest.
-    pub(super) frames: Arc<[KnownFrame]>,
+    /// Prior of free departures, if there is one.
+    pub(super) known: Option<Arc<FreePrior>>,
+    /// The first frame is at rest.
+    pub(super) frames: Arc<[CalibrationFrame]>,
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
@@ -126,18 +124,18 @@ pub(super) struct State {
 /// Pictures of the markers in each frame.
 pub(super) type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
 
-/// Equations of one step with the misalignments taken out.
+/// Equations of one step, with the misalignments eliminated.
 pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
     local: Vec<Option<Own>>,
 }
 
-/// The part of the equations that is a marker's own.
+/// The part of the equations that belongs to one marker.
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,
-    /// Inverse of it, 0 where discs are aligned.
+    /// Inverse of `square`; 0 for aligned discs.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
     right: Vector2<f64>,
@@ -153,7 +151,7 @@ impl Own {
         }
     }
 
-    /// Takes in what is known of misalignments beforehand; `None` where the equations cannot be solved.
+    /// Adds the prior of the misalignment and inverts the equations; `None` if they cannot be solved.
     fn solve(&mut self, misalignment: &[f64; 2], std: f64, damping: f64) -> Option<()> {
         if std > 0.0 {
             let per_square = std.powi(-2);
@@ -167,7 +165,7 @@ impl Own {
     }
 }
 
-/// Product of a matrix, transposed, and another that is such that it is symmetric.
+/// Product of a transposed matrix and another matrix; it must be symmetric.
 pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     let count = one.ncols();
     let mut products = DMatrix::zeros(count, count);
@@ -182,8 +180,8 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// Knowledge of the sensor from equations whose solution is `state`, and the slopes of all frames that they are made of.
-    pub(super) fn told(
+    /// The fitted sensor from equations with the solution `state`, and from the slopes of all frames.
+    pub(super) fn result(
         &self,
         state: State,
         equations: Equations,
@@ -214,9 +212,14 @@ impl<V: View> Resting<'_, V> {
         })
     }
 
-    /// Degrees of freedom: as many numbers are known beforehand as there are unknowns.
+    /// Degrees of freedom: the number of readings, because each unknown has a prior.
     pub(super) fn freedom(&self) -> usize {
-        NUMBERS * self.frames.iter().map(KnownFrame::markers).sum::<usize>()
+        NUMBERS
+            * self
+                .frames
+                .iter()
+                .map(CalibrationFrame::markers)
+                .sum::<usize>()
     }
 
     fn common(&self, state: &State) -> Vec<f64> {
@@ -249,14 +252,14 @@ impl<V: View> Resting<'_, V> {
             common: &common,
             misalignments: &state.misalignments,
         };
-        let of_frame = |frame: &KnownFrame| {
+        let of_frame = |frame: &CalibrationFrame| {
             let moved = frame.moved_at(&common);
             self.fit.slopes(&sensor, &moved, frame.per_depth.as_deref())
         };
         self.frames.iter().map(of_frame).collect()
     }
 
-    /// The equations of a step from a state, damped by so many times the information that there is beforehand.
+    /// The equations of a step from a state; `damping` is relative to the information of the priors.
     pub(super) fn equations(
         &self,
         state: &State,
@@ -339,8 +342,8 @@ impl<V: View> Resting<'_, V> {
             if let Some(own) = own {
                 let moved = own.inverse * (own.right - &own.across * &step);
                 for axis in 0..2 {
-                    misalignment[axis] =
-                        (misalignment[axis] + moved[axis]).clamp(-MOST_MISALIGNED, MOST_MISALIGNED);
+                    misalignment[axis] = (misalignment[axis] + moved[axis])
+                        .clamp(-MAX_MISALIGNMENT, MAX_MISALIGNMENT);
                 }
             }
         }

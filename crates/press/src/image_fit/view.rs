@@ -1,24 +1,29 @@
-//! Pictures of markers that a camera sees, as a fit is told them.
+//! Camera model: pictures of the markers and their slopes.
+//!
+//! The picture of a marker has four numbers: both coordinates of its centroid, its hue and the logarithm of its size.
 
-use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector4};
+use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector3, Vector4};
 
+use super::ImageFit;
 use crate::{MarkerDisplacement, PressError};
 
-/// Numbers of a marker's picture: both coordinates of the centroid, px; hue, turns; logarithm of the size.
+/// Count of numbers of a marker's picture: both coordinates of the centroid, px; hue, turns; logarithm of the size.
 pub(super) const NUMBERS: usize = 4;
-/// The hue among them, which goes round.
+/// Index of the hue, which is periodic.
 const HUE: usize = 2;
+/// Index of the size.
+pub(super) const SIZE: usize = 3;
 
 /// Steps of differences: of departures, in their standard deviations; of misalignments, rad; of displacements, in radii of the
 /// skin.
-const SHARE: f64 = 1e-2;
-const MISALIGNED: f64 = 1e-6;
-const DISPLACED: f64 = 1e-6;
+const DEPARTURE_STEP: f64 = 1e-2;
+const MISALIGNMENT_STEP: f64 = 1e-6;
+const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Relative error of a picture's numbers, or error of those below 1, by the rounding of all that a law computes them by.
+/// Relative error of a picture's numbers by rounding in a model; absolute error of numbers below 1.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A marker as the tracker reads it.
+/// Reading of a marker's picture by the tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Both coordinates of the centroid, px; mean hue, turns; natural logarithm of the size in px².
@@ -28,7 +33,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Refuses what is no reading of this marker.
+    /// Rejects an invalid reading of this marker.
     pub(super) fn check(&self, marker: usize) -> Result<(), PressError> {
         let mut numbers = self.picture.iter().chain(&self.covariance);
         if !numbers.all(|number| number.abs() <= 1e50) {
@@ -40,7 +45,8 @@ impl Seen {
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 
-    /// Covariance of the errors of these numbers, none of which is less than rounding leaves: fits to less have no minimum.
+    /// Covariance of the errors of these numbers, with variances at least those of rounding: a fit with smaller variances has no
+    /// clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {
@@ -51,18 +57,18 @@ impl Seen {
     }
 }
 
-/// Properties of a sensor that are known only roughly, at some values.
+/// Values of the uncertain parameters of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<'a> {
-    /// Departures common to all markers from what calibration knows. The first two are the lengths by which the
-    /// magenta and the yellow discs lie deeper; the others are as the [`View`] has them.
+    /// Departures common to all markers from the nominal parameters. The first two are the additional depths of the magenta and
+    /// of the yellow discs, lengths; the [`View`] defines the others.
     pub common: &'a [f64],
     /// Misalignment of each marker's discs, rad at the sensor's centre.
     pub misalignments: &'a [[f64; 2]],
 }
 
-/// No disc is misaligned by more than it can be told at all, rad.
-pub(super) const MOST_MISALIGNED: f64 = 0.5;
+/// Upper limit of a misalignment, rad.
+pub(super) const MAX_MISALIGNMENT: f64 = 0.5;
 
 /// A sensor: departures common to all markers, and misalignments.
 #[derive(Clone, Debug)]
@@ -72,7 +78,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Departs further, by what one sensor departs from another.
+    /// Adds the difference between two sensors to the departures and misalignments.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -97,21 +103,22 @@ impl Sensor {
     }
 }
 
-/// Sizes of what pictures have slopes by, for those who find them by differences.
+/// Scales of the parameters of slopes, for views that compute slopes by differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
-    /// Numbers of the departures that slopes are sought by, from 0, with the standard deviation of each, > 0.
+    /// Numbers, from 0, of the departures for which slopes are requested, with the standard deviation of each, > 0.
     pub departures: &'a [(usize, f64)],
     /// Radius of the skin, length.
     pub radius: f64,
 }
 
-/// Pictures of all markers with their slopes: four rows of each marker, in the order of a picture's numbers.
+/// Pictures of all markers with their slopes: four rows per marker, in the order of a picture's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSlopes {
-    /// Picture of each marker, as of [`View::pictures`].
+    /// Picture of each marker, see [`View::pictures`].
     pub pictures: Vec<Option<[f64; 4]>>,
-    /// Slopes of each marker in turn, by the departures that are asked for, a column each; 0 for markers that are not seen.
+    /// Slopes of all markers, one after the other, by the requested departures, one column each; 0 for markers that are not
+    /// visible.
     pub common: DMatrix<f64>,
     /// Slopes by both components of each marker's misalignment, per rad.
     pub misalignments: Vec<Matrix4x2<f64>>,
@@ -120,7 +127,7 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether there are so many markers, and slopes by so many departures.
+    /// Whether the sizes match these numbers of markers and departures.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
@@ -129,18 +136,17 @@ impl PictureSlopes {
     }
 }
 
-/// Law by which a camera sees markers whose discs were displaced. What is of another number of markers than was moved counts
-/// as no pictures.
+/// A camera model: pictures of markers with displaced discs. A result with a wrong number of markers counts as no result.
 pub trait View {
-    /// Picture of each marker, as [`Seen`] has it, after the displacements of its magenta and its yellow disc; `None`
-    /// for markers that are not seen. `None` altogether where there is no such sensor or no such motion.
+    /// Picture of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for markers
+    /// that are not visible. The result is `None` for an impossible sensor or motion.
     fn pictures(
         &self,
         sensor: &SensorState<'_>,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>>;
 
-    /// These pictures with their slopes; by differences, unless the law knows better.
+    /// These pictures with their slopes. The default computes the slopes by differences.
     fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -157,7 +163,7 @@ pub trait View {
         };
         let mut common = DMatrix::zeros(NUMBERS * markers, steps.departures.len());
         for (column, &(number, std)) in steps.departures.iter().enumerate() {
-            let step = SHARE * std;
+            let step = DEPARTURE_STEP * std;
             let mut departed = sensor.common.to_vec();
             *departed.get_mut(number)? += step;
             let state = SensorState {
@@ -174,7 +180,7 @@ pub trait View {
         for axis in 0..2 {
             let mut misaligned = sensor.misalignments.to_vec();
             for misalignment in &mut misaligned {
-                misalignment[axis] += MISALIGNED;
+                misalignment[axis] += MISALIGNMENT_STEP;
             }
             let state = SensorState {
                 misalignments: &misaligned,
@@ -182,10 +188,10 @@ pub trait View {
             };
             let beside = self.pictures(&state, moved)?;
             for (marker, by) in misalignments.iter_mut().enumerate() {
-                by.set_column(axis, &slopes(MISALIGNED, &beside, marker));
+                by.set_column(axis, &slopes(MISALIGNMENT_STEP, &beside, marker));
             }
         }
-        let step = DISPLACED * steps.radius;
+        let step = DISPLACEMENT_STEP * steps.radius;
         let mut displacements = vec![[Matrix4x3::zeros(); 2]; markers];
         for disc in 0..2 {
             for component in 0..3 {
@@ -211,7 +217,65 @@ pub trait View {
     }
 }
 
-/// One picture less another.
+impl<V: View> ImageFit<V> {
+    /// Pictures of all markers; `None` for an impossible sensor or motion.
+    pub(super) fn pictures(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<Vec<Option<[f64; NUMBERS]>>> {
+        let pictures = self.view.pictures(sensor, moved);
+        pictures.filter(|pictures| pictures.len() == moved.len())
+    }
+
+    /// Pictures with their slopes by displacements and misalignments, and by some departures with their standard deviations.
+    pub(super) fn slopes_by(
+        &self,
+        departures: &[(usize, f64)],
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<PictureSlopes> {
+        let steps = Steps {
+            departures,
+            radius: self.markers.skin().radius(),
+        };
+        let slopes = self.view.slopes(sensor, moved, &steps);
+        slopes.filter(|slopes| slopes.are_of(moved.len(), departures.len()))
+    }
+
+    /// Pictures with their slopes by the uncertain parameters of the sensor: by free departures, in their standard deviations,
+    /// and by misalignments. The markers move by `moved`; `per_depth` has the derivatives of their displacements by the depths
+    /// of the discs.
+    pub(super) fn slopes(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+        per_depth: Option<&[[MarkerDisplacement; 2]]>,
+    ) -> Option<PictureSlopes> {
+        let departures = self.free_stds();
+        let mut slopes = self.slopes_by(&departures, sensor, moved)?;
+        for (column, &(number, std)) in departures.iter().enumerate() {
+            for (marker, both) in per_depth.unwrap_or_default().iter().enumerate() {
+                let Some(deeper) = both.get(number) else {
+                    break;
+                };
+                let [x, y] = deeper.tangential;
+                let more = slopes.displacements[marker][number] * Vector3::new(deeper.normal, x, y);
+                let mut rows = slopes
+                    .common
+                    .fixed_view_mut::<NUMBERS, 1>(NUMBERS * marker, column);
+                rows += more;
+            }
+            slopes.common.column_mut(column).scale_mut(std);
+        }
+        if self.misalignment_std == 0.0 {
+            slopes.misalignments.fill(Matrix4x2::zeros());
+        }
+        Some(slopes)
+    }
+}
+
+/// Difference of two pictures.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];

@@ -2,8 +2,8 @@
 //! is due.
 
 use nalgebra::Vector3;
-use palpate_press::hertz::sneddon_indentation;
 use palpate_press::shear::stuck_shift;
+use palpate_press::sneddon_indentation;
 use palpate_press::{
     Body, BondedLayer, Contact, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Prior, Reading, Skin,

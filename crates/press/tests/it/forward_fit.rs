@@ -5,7 +5,7 @@ use palpate_press::{
     Body, ForwardFit, Interval, Markers, Measured, Prior, Reading, Skin, Verdict, calibrated_c,
 };
 
-use crate::sensor::{RADIUS, Readings, along, at, exactly, half_space, published};
+use crate::sensor::{RADIUS, Readings, along, at, exactly, fit_of, half_space, published};
 
 /// Curvatures of dishes, a plane and balls, 1/mm.
 const OBJECTS: [f64; 6] = [
@@ -130,10 +130,7 @@ fn tangential_readings_help_where_the_indentation_is_free() {
 #[test]
 fn the_bound_is_that_of_an_independent_calculation() {
     let (markers, body) = (published(), half_space());
-    let fit = ForwardFit {
-        normal_std: Some(0.07),
-        ..ForwardFit::new(body.clone())
-    };
+    let fit = fit_of(&body, 0.07);
     let contact = markers.skin().contact(&body, 0.0, 1.4).unwrap();
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
@@ -201,10 +198,7 @@ fn noisy_readings_are_used_to_the_bound() {
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
     let (markers, body) = (published(), half_space());
-    let fit = ForwardFit {
-        normal_std: Some(0.15),
-        ..ForwardFit::new(body.clone())
-    };
+    let fit = fit_of(&body, 0.15);
     let contact = markers.skin().contact(&body, 1.0 / 80.0, 1.0).unwrap();
     let exact = Readings::of(&markers, &contact, [0.0; 2]);
     let (mut sum, mut sum_of_best) = (0.0, 0.0);
@@ -246,10 +240,7 @@ fn a_needle_is_estimated_sharp() {
     let contact = markers.skin().contact(&body, 5.0, 1.0).unwrap();
     let exact = Readings::of(&markers, &contact, [0.0; 2]);
     for normal_std in [0.005, 0.02] {
-        let fit = ForwardFit {
-            normal_std: Some(normal_std),
-            ..ForwardFit::new(body.clone())
-        };
+        let fit = fit_of(&body, normal_std);
         for trial in 0..20 {
             let readings = exact.noisy(normal_std, trial);
             if let Ok(found) = fit.estimate(&readings.reading(&markers, None)) {

@@ -2,7 +2,7 @@
 
 use palpate_press::{Body, ForwardFit, Interval};
 
-use crate::sensor::{Readings, at, exactly, half_space, published};
+use crate::sensor::{Readings, at, distance_from_uniform, exactly, fit_of, half_space, published};
 
 const PRESSES: u64 = 200;
 
@@ -11,10 +11,7 @@ fn p_values(fitted: Body, presses: u64) -> Vec<f64> {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
     let exact = Readings::of(&markers, &contact, at(5.0, 40.0));
-    let fit = ForwardFit {
-        normal_std: Some(0.03),
-        ..ForwardFit::new(fitted)
-    };
+    let fit = fit_of(&fitted, 0.03);
     let p_value = |press| {
         let readings = exact.noisy(0.03, press);
         let found = fit.estimate(&readings.reading(&markers, exactly(1.2)));
@@ -26,15 +23,9 @@ fn p_values(fitted: Body, presses: u64) -> Vec<f64> {
 /// Kolmogorov's distance from the uniform distribution, of which 200 draws pass 0.115 once in a hundred times.
 #[test]
 fn p_values_are_uniform_where_the_model_holds() {
-    let mut sorted = p_values(half_space(), PRESSES);
-    assert_eq!(sorted.len() as u64, PRESSES);
-    sorted.sort_by(f64::total_cmp);
-    let count = PRESSES as f64;
-    let apart = |(index, p_value): (usize, &f64)| {
-        let rank = index as f64;
-        (p_value - rank / count).max((rank + 1.0) / count - p_value)
-    };
-    let distance = sorted.iter().enumerate().map(apart).fold(0.0, f64::max);
+    let p_values = p_values(half_space(), PRESSES);
+    assert_eq!(p_values.len() as u64, PRESSES);
+    let distance = distance_from_uniform(p_values);
     assert!(distance < 0.115, "{distance}");
 }
 

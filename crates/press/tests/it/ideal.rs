@@ -61,7 +61,7 @@ impl Ideal {
             bodies: self.bodies(layer, [0.0; 2]),
             deeper: Some((deeper * self.unit, self.bodies(layer, [deeper; 2]))),
             common_stds: [magenta, yellow].into_iter().chain(rest).collect(),
-            told: None,
+            departure_prior: None,
             misalignment_std: 0.02,
             shift_std: 0.0,
         }

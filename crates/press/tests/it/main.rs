@@ -3,7 +3,7 @@
 
 mod any_number;
 mod bonded_layer;
-mod doubts;
+mod displacement_check;
 mod forward_fit;
 mod goodness;
 mod half_space;

@@ -4,7 +4,7 @@ use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
 };
 
-use crate::sensor::{DEPTH, RADIUS, Readings, along, at, exactly, half_space, published};
+use crate::sensor::{DEPTH, RADIUS, Readings, along, at, exactly, fit_of, half_space, published};
 
 fn refusal<T>(result: Result<T, PressError>) -> &'static str {
     result.err().map_or("none", |error| error.name())
@@ -98,10 +98,7 @@ fn noise_alone_is_no_contact() {
         normal: vec![0.0; markers.places().len()],
         tangential: Vec::new(),
     };
-    let fit = ForwardFit {
-        normal_std: Some(0.05),
-        ..ForwardFit::new(half_space())
-    };
+    let fit = fit_of(&half_space(), 0.05);
     for trial in 0..20 {
         let readings = nothing.noisy(0.05, trial);
         let found = fit.estimate(&readings.reading(&markers, exactly(1.0)));
@@ -113,10 +110,7 @@ fn noise_alone_is_no_contact() {
 #[test]
 fn an_object_sharper_than_the_markers_are_spaced_has_no_upper_bound_or_an_honest_one() {
     let (markers, body) = (published(), half_space());
-    let fit = ForwardFit {
-        normal_std: Some(0.02),
-        ..ForwardFit::new(body.clone())
-    };
+    let fit = fit_of(&body, 0.02);
     let (mut estimates, mut held) = (0, 0);
     for radius in [0.2, 0.5, 1.0] {
         let contact = markers.skin().contact(&body, 1.0 / radius, 0.5).unwrap();
@@ -159,10 +153,7 @@ fn a_contact_beyond_the_markers_is_far_off_or_refused() {
 fn intervals_off_the_markers_hold_the_truth_or_are_refused() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.0).unwrap();
-    let fit = ForwardFit {
-        normal_std: Some(0.07),
-        ..ForwardFit::new(body.clone())
-    };
+    let fit = fit_of(&body, 0.07);
     for polar in [75.0, 90.0, 120.0] {
         let exact = Readings::of(&markers, &contact, at(polar, 37.0));
         let (mut estimates, mut held) = (0, 0);
@@ -191,10 +182,7 @@ fn intervals_off_the_markers_hold_the_truth_or_are_refused() {
 fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     let (markers, std) = (published(), 0.03);
     let body = Body::bonded_layer(4.0, DEPTH).unwrap();
-    let fit = ForwardFit {
-        normal_std: Some(std),
-        ..ForwardFit::new(body.clone())
-    };
+    let fit = fit_of(&body, std);
     let contact = markers.skin().contact(&body, 0.15, 0.6).unwrap();
     let pressed = Readings::of(&markers, &contact, at(23.8, 45.0));
     let felt = pressed.normal.iter().filter(|normal| **normal > std);
@@ -227,7 +215,7 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
         let readings = pressed.noisy(std, trial);
         fit.estimate(&readings.reading(&markers, indentation)).ok()
     });
-    let unseen: Vec<_> = estimates.filter(|found| !found.is_seen).collect();
+    let unseen: Vec<_> = estimates.filter(|found| !found.is_detected).collect();
     let told = unseen.iter().filter(|found| found.only_marker == under);
     let wrong = unseen
         .iter()
@@ -273,10 +261,7 @@ fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
 fn chi_squared_is_reduced_by_what_its_p_value_is_judged_by() {
     let (markers, exact) = five_markers();
     let readings = exact.noisy(0.01, 3);
-    let fit = ForwardFit {
-        normal_std: Some(0.01),
-        ..ForwardFit::new(half_space())
-    };
+    let fit = fit_of(&half_space(), 0.01);
     let known = Some(Measured {
         value: 1.0,
         std: 0.02,

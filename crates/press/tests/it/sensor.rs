@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use palpate_press::{Body, Contact, Markers, Measured, Reading, Skin};
+use palpate_press::{Body, Contact, Doubt, ForwardFit, Markers, Measured, Reading, Skin};
 use palpate_sensing::{Channel, Stream};
 
 /// Radius of the skin, mm.
@@ -42,6 +42,34 @@ pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
 /// A half-space seen at the markers' depth.
 pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
+}
+
+/// A fit of this body, with a stated standard deviation of the normal displacements.
+pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
+    ForwardFit {
+        normal_std: Some(std),
+        ..ForwardFit::new(body.clone())
+    }
+}
+
+/// Kolmogorov's distance of p-values from the uniform distribution.
+pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
+    p_values.sort_by(f64::total_cmp);
+    let count = p_values.len() as f64;
+    let apart = |(index, p_value): (usize, &f64)| {
+        let rank = index as f64;
+        (p_value - rank / count).max((rank + 1.0) / count - p_value)
+    };
+    p_values.iter().enumerate().map(apart).fold(0.0, f64::max)
+}
+
+/// Share of trials with a doubt of this name, or with any.
+pub(crate) fn doubted_share(doubts: &[Vec<Doubt>], name: Option<&str>) -> f64 {
+    let has = |one: &&Vec<Doubt>| match name {
+        Some(name) => one.iter().any(|doubt| doubt.name() == name),
+        None => !one.is_empty(),
+    };
+    doubts.iter().filter(has).count() as f64 / doubts.len() as f64
 }
 
 /// Readings of the markers.

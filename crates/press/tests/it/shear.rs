@@ -3,8 +3,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use palpate_press::hertz::sneddon_indentation;
 use palpate_press::shear::{followed, stuck_shift};
+use palpate_press::sneddon_indentation;
 use palpate_press::{Markers, Skin};
 
 /// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of

@@ -74,7 +74,7 @@ impl Results {
             files.insert(WARNINGS.to_owned(), warnings.join("\n") + "\n");
         }
         if let Some(trace) = trace {
-            let markers = trace.seen.map(|seen| seen.markers);
+            let markers = trace.camera.map(|seen| seen.markers);
             let tables = [Some(trace.contacts), Some(trace.readings), markers];
             let tables = PASS.into_iter().zip(tables);
             files.extend(

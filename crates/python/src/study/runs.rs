@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use palpate::config::Output;
 use palpate::{
-    Check, Cost, Family, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study,
-    SweepError, Tested, Trace, TraceError, resolved, trace,
+    Accuracy, Check, Cost, Family, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation,
+    Study, SweepError, Tested, Trace, TraceError, resolved, trace,
 };
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
@@ -175,8 +175,11 @@ fn of_rungs(rungs: &Rungs) -> Json {
                 json!({
                     "name": rung.name,
                     "taken": *place == ladder.taken,
-                    "error": rung.outcome.as_ref().ok(),
-                    "cannot": rung.outcome.as_ref().err(),
+                    "error": rung.accuracy.error(),
+                    "cannot": match &rung.accuracy {
+                        Accuracy::Error(_) => None,
+                        Accuracy::Impossible(reason) => Some(reason),
+                    },
                     "seconds": cost.map(|cost| cost.seconds()),
                     "each_trial": cost.map(|cost| matches!(cost, Cost::EachTrial(_))),
                 })

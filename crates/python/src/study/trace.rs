@@ -47,7 +47,7 @@ impl Trace {
         let traced = traced.map_err(of_trace)?;
         let table = |rows: palpate::Table| table(py, &rows.to_csv(), unit);
         let (mut markers, mut frames) = (None, None);
-        if let Some(seen) = traced.seen {
+        if let Some(seen) = traced.camera {
             markers = Some(table(seen.markers)?);
             frames = seen.frames;
         }

@@ -151,7 +151,7 @@ impl<'a> Meant<'a> {
         let optics = self.shown(&self.stand()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
         let projected = optics
-            .projected(&still)
+            .project(&still)
             .map_err(|error| optics_error(&error))?;
         let expected: Vec<Option<[f64; 2]>> = projected
             .iter()
@@ -159,7 +159,7 @@ impl<'a> Meant<'a> {
             .collect();
         let mut finder = Finder::default();
         let mut pictures = |number: u64| {
-            let frame = optics.rendered_with_noise(&still, 0, number);
+            let frame = optics.render_with_noise(&still, 0, number);
             let frame = frame.map_err(|error| optics_error(&error))?;
             let found = finder.find(&frame).map_err(|_| {
                 let [light, blur] = [blemishes.light_at_rim, blemishes.blur_px].map(Number);
@@ -262,7 +262,7 @@ impl<'a> Meant<'a> {
             // Without a press, the bodies have no effect.
             bodies: [body()?, body()?],
             deeper: None,
-            told: None,
+            departure_prior: None,
             common_stds: self.stds.to_vec(),
             misalignment_std: self.misalignment_std,
             shift_std: 0.0,

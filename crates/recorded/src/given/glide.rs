@@ -95,7 +95,7 @@ impl GlideOptions {
             return useless("inter_finger_distance", to);
         }
         let tip = tip(given, base.tip);
-        let tells_lowest = tip.is_some_and(|tip| tip.told == TipPoint::Lowest);
+        let tells_lowest = tip.is_some_and(|tip| tip.point == TipPoint::Lowest);
         if given.outward.is_some() && has_normals && !tells_lowest {
             let to = "readings without normals and to lowest points of round tips";
             return useless("outward", to.to_owned());
@@ -131,10 +131,10 @@ impl GlideOptions {
 /// The round tip as given, else that of `base`.
 fn tip(given: &GlideGiven, base: Option<RoundTip>) -> Option<RoundTip> {
     let radius = given.tip_radius.or(base.map(|tip| tip.radius))?;
-    let told = given.reports.or(base.map(|tip| tip.told));
+    let point = given.reports.or(base.map(|tip| tip.point));
     Some(RoundTip {
         radius,
-        told: told.unwrap_or_default(),
+        point: point.unwrap_or_default(),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use palpate_chromatouch::{Departure, OddTerms};
-use palpate_press::Told;
+use palpate_press::DeparturePrior;
 use palpate_statistics::Number;
 
 use super::super::camera_rest::{CAMERA, Meant, RestCamera, Stand};
@@ -42,7 +42,7 @@ pub(super) struct KnownCamera<'a> {
     /// Standard deviation of each `Departure` of the sensor.
     pub(super) stds: [f64; Departure::NUMBERS],
     /// Departures of the camera, with their joint covariance from a calibration.
-    pub(super) told: Option<Told>,
+    pub(super) departure_prior: Option<DeparturePrior>,
     /// File of the calibration; `None` for the study's camera.
     file: Option<&'a str>,
     unit: &'static str,
@@ -68,7 +68,7 @@ impl<'a> KnownCamera<'a> {
                     fail(&rest.file, format!("{}: {}", error.path, error.message))
                 })?,
                 stds: of_study.map_or([0.0; Departure::NUMBERS], departure_stds),
-                told: None,
+                departure_prior: None,
                 file: None,
                 unit: unit.as_str(),
             });
@@ -106,7 +106,7 @@ impl<'a> KnownCamera<'a> {
         Ok(Self {
             stand: stand_of(camera),
             stds,
-            told: Some(Told {
+            departure_prior: Some(DeparturePrior {
                 numbers: determined.to_vec(),
                 covariance,
             }),
@@ -196,8 +196,8 @@ impl<'a> KnownCamera<'a> {
 
     /// Covariance of departures of the camera.
     fn covariance(&self) -> DMatrix<f64> {
-        match &self.told {
-            Some(told) => told.covariance.clone(),
+        match &self.departure_prior {
+            Some(prior) => prior.covariance.clone(),
             None => DMatrix::from_fn(SURE, SURE, |row, column| match row == column {
                 true => self.stds[CAMERA[row]] * self.stds[CAMERA[row]],
                 false => 0.0,

@@ -109,9 +109,7 @@ impl Truth {
         let mut motions = vec![Some(MarkerMotion::default()); places.len()];
         motions[..self.lost].fill(None);
         let mut noise = Stream::new(seed, 0, Channel::Pixel);
-        optics
-            .rendered(&motions, Some(&mut noise))
-            .expect("a frame")
+        optics.render(&motions, Some(&mut noise)).expect("a frame")
     }
 }
 

@@ -5,7 +5,7 @@ use palpate_recorded::{
     Frame, PictureOptions, RecordedFile, RestCamera, calibrate_camera, estimate_pictures,
     parse_camera, track_frames,
 };
-use palpate_scene::{Parts, PressScene, Scene, Scenes, Trials};
+use palpate_scene::{PressScene, Scene, Scenes, SharedModels, Trials};
 use palpate_study::config::{Study, parse};
 use palpate_tracking::{Finder, Marker};
 use serde_json::Value;
@@ -42,7 +42,7 @@ fn text(seed: u64, camera: &str) -> String {
 
 fn scene(study: &Study) -> PressScene {
     let cell = study.cell(0).expect("a cell");
-    match study.estimable_scene_of(0, &cell, &Parts::default()) {
+    match study.estimable_scene_of(0, &cell, &SharedModels::default()) {
         Ok(Scene::Press(scene)) => scene,
         other => panic!("a press: {other:?}"),
     }
@@ -51,7 +51,7 @@ fn scene(study: &Study) -> PressScene {
 /// The frames at rest and pressed of a trial.
 fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     let trace = scene.trace(Some(trial), study.config.length_unit);
-    let seen = trace.expect("a trace").seen.expect("a camera");
+    let seen = trace.expect("a trace").camera.expect("a camera");
     let [rest, pressed] = seen.frames.expect("frames");
     [("rest.png", rest), ("pressed.png", pressed)].map(|(file, image)| Frame {
         file: file.to_owned(),
@@ -82,7 +82,7 @@ fn frames_of_a_trial_tell_what_the_trial_tells() {
     let (scene, options) = (scene(&study), options(&study));
     for trial in 0..2 {
         let told = estimate(&frames(&scene, &study, trial), &options).expect("an estimate");
-        let of_trial = scene.judged_curvature(trial).expect("an estimate");
+        let of_trial = scene.curvature_score(trial).expect("an estimate");
         let curvature = &told["object_curvature"];
         let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
         // The finder of recorded frames has to find the image's circle and ground itself.

@@ -1,9 +1,8 @@
 //! One comparison of a claim: values of rows, the bound that they must meet, and a sentence that reports both.
 
-use super::bound::Bound;
-use super::numbers::{percent, range, short, span};
+use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
-use crate::group::by_key;
+use crate::records::by_key;
 
 /// Whether a check decides on its claim.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! A claim as data: which rows of a table it is about, and the checks that decide on it.
 
-use super::bound::{Bound, near, within};
+use super::bounds::{Bound, near, within};
 use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
-use crate::{Study, words};
+use crate::{Study, phrases};
 
 /// A published claim and its checks. Methods that narrow a check change the last added check.
 pub(super) struct Claim {
@@ -281,7 +281,7 @@ impl Claim {
         }
         Ok(Finding {
             holds: deciding.clone().all(|outcome| outcome.holds),
-            measured: words::sentence(&[], &measured),
+            measured: phrases::sentence(&[], &measured),
             headline,
             why,
         })

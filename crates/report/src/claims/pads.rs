@@ -1,8 +1,8 @@
 //! Claims 5 to 8 about the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in probe radii R₁,
 //! as the paper's probe has R₁ = 1 cm.
 
-use super::bound::Bound::{Above, AtLeast, AtMost, Below, Between};
-use super::bound::{is, near, within};
+use super::bounds::Bound::{Above, AtLeast, AtMost, Below, Between};
+use super::bounds::{is, near, within};
 use super::claim::Claim;
 use super::rolls::{of_convex, rms_error, size_in_words};
 use super::row::{Row, probe_radius, roll_angle, size, sorted};

@@ -1,10 +1,9 @@
 //! Claims 9 to 13 about patches felt by gliding fingers (1996 paper, sections 4.2 and 4.3). Noise is in inter-finger
 //! distances.
 
-use super::bound::Bound::{Above, AtLeast, AtMost, Below};
-use super::bound::{is, within};
+use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
+use super::bounds::{geometric_mean, is, least, within};
 use super::claim::Claim;
-use super::numbers::{geometric_mean, least};
 use super::row::Row;
 
 const OBJECT: &str = "scene.object";

@@ -1,9 +1,8 @@
 //! Claims 15 to 17 about presses (2020 paper, sections III.A and IV.B).
 
-use super::bound::Bound::{Above, AtLeast, AtMost, Below, Between};
-use super::bound::{is, near, within};
+use super::bounds::Bound::{Above, AtLeast, AtMost, Below, Between};
+use super::bounds::{is, near, short, within};
 use super::claim::Claim;
-use super::numbers::short;
 use super::row::{Row, probe_radius};
 
 const ESTIMATOR: &str = "scene.estimator";

@@ -1,9 +1,8 @@
 //! Claims 1 to 4, 20 and 21 about single rolls (1996 paper, section 4.1). Lengths are in probe radii R₁.
 
-use super::bound::Bound::{Above, AtLeast, AtMost, Between};
-use super::bound::{is, near, within};
+use super::bounds::Bound::{Above, AtLeast, AtMost, Between};
+use super::bounds::{greatest, is, near, percent, range, short, within};
 use super::claim::Claim;
-use super::numbers::{greatest, percent, range, short};
 use super::row::{Row, probe_radius, roll_angle, size, sorted};
 use crate::study;
 

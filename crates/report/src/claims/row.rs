@@ -1,7 +1,7 @@
 //! A row of a study's `cells.csv`: its grid point, and the numbers that claims test.
 
 use crate::Study;
-use crate::group::by_key;
+use crate::records::by_key;
 
 /// Row of `cells.csv`.
 #[derive(Clone, Copy)]

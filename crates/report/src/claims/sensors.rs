@@ -1,10 +1,9 @@
 //! Claims 14, 18, 19 and 22 about markers in the camera image and about the skin (2020 paper, sections III and IV.A).
 
-use super::bound::Bound::{Above, AtLeast, AtMost, Below};
+use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
+use super::bounds::{near, range};
 use super::claim::Claim;
-use super::numbers::range;
 use super::row::{Row, groups};
-use super::straight_line::{Reading, StraightLine};
 
 /// Slopes of straight lines through the readings in the paper's Fig. 6b (all 39; turns/mm) and Fig. 6c (px/mm), as
 /// `palpate sensor calibrate` fits them in `examples/chromatouch-2020/`.
@@ -241,4 +240,79 @@ fn fisheye() -> Claim {
             .reports("over polar angles of {range}°");
     }
     claim
+}
+
+/// Mean and standard deviation of the readings at one x.
+#[derive(Debug, Clone, Copy)]
+struct Reading {
+    x: f64,
+    mean: f64,
+    std: f64,
+}
+
+/// Straight line by least squares.
+#[derive(Debug, Clone, Copy)]
+struct StraightLine {
+    slope: f64,
+    /// Share of the variance of single readings that the line explains; 0 if the variance is 0.
+    r_squared: f64,
+}
+
+impl StraightLine {
+    /// Fits a line to `readings` with equal weights; `None` if they have fewer than three different x, so that any line
+    /// would fit.
+    fn through(readings: &[Reading]) -> Option<Self> {
+        let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| near(*a, *b));
+        if places.len() < 3 {
+            return None;
+        }
+        let count = readings.len() as f64;
+        let mean = |of: &dyn Fn(&Reading) -> f64| readings.iter().map(of).sum::<f64>() / count;
+        let (x, y) = (mean(&|r| r.x), mean(&|r| r.mean));
+        let slope = mean(&|r| (r.x - x) * (r.mean - y)) / mean(&|r| (r.x - x).powi(2));
+        let scatter = mean(&|r| r.std * r.std);
+        let left = mean(&|r| (r.mean - y - slope * (r.x - x)).powi(2)) + scatter;
+        let all = mean(&|r| (r.mean - y).powi(2)) + scatter;
+        let r_squared = if all > 0.0 { 1.0 - left / all } else { 0.0 };
+        (slope.is_finite() && r_squared.is_finite()).then_some(Self { slope, r_squared })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn readings(values: &[(f64, f64)], std: f64) -> Vec<Reading> {
+        let reading = |(x, mean): &(f64, f64)| Reading {
+            x: *x,
+            mean: *mean,
+            std,
+        };
+        values.iter().map(reading).collect()
+    }
+
+    #[test]
+    fn a_known_line() {
+        // About the means 1 and 5/3: Sxy = 2, Sxx = 2; residuals 1/3, −2/3, 1/3 leave 6/9 of Syy = 24/9.
+        let bent = [(0.0, 1.0), (1.0, 1.0), (2.0, 3.0)];
+        let line = StraightLine::through(&readings(&bent, 0.0)).unwrap();
+        assert!((line.slope - 1.0).abs() < 1e-15);
+        assert!((line.r_squared - 0.75).abs() < 1e-15);
+        // Scatter of variance 8/9 adds 24/9 to both sums: 1 − 30/48.
+        let line = StraightLine::through(&readings(&bent, (8.0_f64 / 9.0).sqrt())).unwrap();
+        assert!((line.r_squared - 0.375).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_flat_line_explains_nothing_and_two_places_have_no_line() {
+        let flat = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)];
+        let line = StraightLine::through(&readings(&flat, 0.0)).unwrap();
+        assert_eq!((line.slope, line.r_squared), (0.0, 0.0));
+        let two = [(0.0, 1.0), (1.0, 2.0), (1.0, 2.5)];
+        assert!(StraightLine::through(&readings(&two, 0.0)).is_none());
+        let huge = [(0.0, 0.0), (1e200, 1e200), (2e200, 2e200)];
+        assert!(StraightLine::through(&readings(&huge, 0.0)).is_none());
+    }
 }

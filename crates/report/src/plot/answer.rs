@@ -1,8 +1,8 @@
-//! The answer of a design: a statistic over a field, its limit, and the values that keep it.
+//! Figure of the answer of `palpate design`: a statistic over a field, its limit, and the values that meet it.
 
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
-use super::series::{self, Content, Line, Mark, Plot, SeriesKey};
+use super::series::{self, Content, Line, Mark, Plot};
 use super::sheet::{Key, MARKER, STROKE, Sample, Words};
 use super::style::{Colour, INK, Style, WHITE};
 use super::symbol::Symbol;
@@ -13,39 +13,39 @@ use plotters::coord::ranged1d::Ranged;
 use plotters::style::Color;
 use std::ops::Range;
 
-/// Answer of a design, as it is drawn.
+/// Answer of a design to draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnswerCurve {
-    /// Name of the figure's files, without an ending.
+    /// Name of the figure's files, without extension.
     pub name: String,
     /// Title.
     pub title: String,
-    /// Line below the title, on the target.
+    /// Line below the title, about the target.
     pub subtitle: String,
     /// Lines below the picture.
     pub notes: Vec<String>,
-    /// Words and unit of the field.
+    /// Label and unit of the field.
     pub x: Label,
     /// Whether the field is on a logarithmic axis.
     pub is_log: bool,
-    /// Names of values that are no numbers; then x counts them from 0.
+    /// Names of values that are not numbers; then x is an index into them.
     pub names: Vec<String>,
-    /// Words and unit of the statistic.
+    /// Label and unit of the statistic.
     pub y: Label,
     /// Limit of the statistic.
     pub limit: f64,
     /// Text beside the line of the limit.
     pub limit_label: String,
-    /// The statistic in each of some cells.
+    /// The statistic in each cell.
     pub lines: Vec<CurveLine>,
-    /// Values that meet the target, and those that miss it, ascending; what is between them is undecided.
+    /// Ranges of values that meet or miss the target, ascending; values between them are undecided.
     pub runs: Vec<Stretch>,
 }
 
-/// Statistic in a cell over the field.
+/// Statistic of a cell over the field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveLine {
-    /// Name of the cell; empty where it is the only one.
+    /// Name of the cell; empty if it is the only one.
     pub label: String,
     /// Points in the order of x.
     pub points: Vec<CurvePoint>,
@@ -60,35 +60,35 @@ pub struct CurvePoint {
     pub y: f64,
     /// Its standard error.
     pub std: f64,
-    /// Whether so many trials failed that it is of the others alone.
+    /// Whether so many trials failed that the value represents only the others.
     pub is_of_survivors: bool,
 }
 
-/// Values from one to another.
+/// Range of values on one side of the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Least of them.
+    /// Lower end.
     pub from: f64,
-    /// Largest of them.
+    /// Upper end.
     pub to: f64,
-    /// Whether they meet the target, rather than miss it.
+    /// Whether the values meet the target; otherwise they miss it.
     pub meets: bool,
 }
 
-/// Ground of values that meet the target, and of those that are undecided: blue and grey, of different lightness.
+/// Background of values that meet the target (blue) and of undecided values (grey, with another lightness).
 pub(crate) const MEETS: Colour = Colour(190, 220, 242);
 pub(crate) const OPEN: Colour = Colour(226, 226, 226);
-/// Outline of what misses it in a key.
+/// Background of values that miss the target.
 pub(crate) const MISSES: Colour = WHITE;
 /// Width of the limit line.
 const LIMIT: u32 = 6;
-/// A single value is widened to each side by this share of the panel's width, so that it is visible.
-const THIN: f64 = 0.003;
-/// Ratio of values above which the statistic is on a logarithmic axis.
-const FAR: f64 = 8.0;
+/// Share of the panel's width by which a single value is widened to each side, so that it is visible.
+const HALF_WIDTH: f64 = 0.003;
+/// Ratio of the values above which the axis of the statistic is logarithmic.
+const MIN_LOG_RATIO: f64 = 8.0;
 
-/// Draws the answer of a design: the statistic with 95 % bars, the limit as a dashed line, and the values that meet the
-/// target on a blue ground, those that are undecided on a grey one.
+/// Draws the answer of a design: the statistic with 95 % bars, the limit as a dashed line, a blue background where values
+/// meet the target, and a grey one where they are undecided.
 ///
 /// ```
 /// use palpate_report::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
@@ -116,15 +116,10 @@ const FAR: f64 = 8.0;
 /// # Errors
 /// The picture is too large.
 pub fn answer_figure(curve: &AnswerCurve) -> Result<Figure, ReportError> {
-    let shown = Shown::of(curve);
-    let words = Words {
-        name: curve.name.clone(),
-        title: curve.title.clone(),
-        subtitle: curve.subtitle.clone(),
-        notes: curve.notes.clone(),
-    };
-    let limit = curve.limit * shown.factors[1];
-    let limit = shown.spacing[1].refusal(limit).is_none().then(|| Mark {
+    let axes = Axes::of(curve);
+    let words = Words::new(&curve.name, &curve.title, &curve.subtitle, &curve.notes);
+    let limit = curve.limit * axes.factors[1];
+    let limit = axes.spacing[1].refusal(limit).is_none().then(|| Mark {
         on_x: false,
         at: limit,
         label: curve.limit_label.clone(),
@@ -132,22 +127,18 @@ pub fn answer_figure(curve: &AnswerCurve) -> Result<Figure, ReportError> {
     });
     let lines = curve.lines.iter().enumerate();
     let content = Content {
-        grounds: shown.grounds(curve),
+        grounds: axes.grounds(curve),
         lines: lines
-            .map(|(at, line)| shown.line(line, Style::of(at)))
+            .map(|(at, line)| axes.line(line, Style::of(at)))
             .collect(),
         ..Content::default()
     };
+    let labels = [curve.x.text(), curve.y.text()];
     let plot = Plot {
-        x_label: curve.x.text(),
-        y_label: curve.y.text(),
-        x: shown.x,
-        y: shown.y,
-        panels: vec![content],
         key: key(curve),
-        series: SeriesKey::default(),
         marks: limit.into_iter().collect(),
         marker: 0.8 * MARKER,
+        ..Plot::new(labels, [axes.x, axes.y], vec![content])
     };
     series::figure(words, vec![plot])
 }
@@ -215,8 +206,8 @@ fn undecided(curve: &AnswerCurve) -> Vec<(f64, f64)> {
     open
 }
 
-/// Scales of the figure, in the units shown.
-struct Shown {
+/// Scales of the figure, in displayed units.
+struct Axes {
     x: Scale,
     y: Scale,
     factors: [f64; 2],
@@ -224,7 +215,7 @@ struct Shown {
     is_named: bool,
 }
 
-impl Shown {
+impl Axes {
     fn of(curve: &AnswerCurve) -> Self {
         let is_named = !curve.names.is_empty();
         let factors = [if is_named { 1.0 } else { curve.x.factor }, curve.y.factor];
@@ -232,7 +223,7 @@ impl Shown {
         let values = || points().map(|point| point.y).chain([curve.limit]);
         let least = values().fold(f64::INFINITY, f64::min);
         let most = values().fold(f64::NEG_INFINITY, f64::max);
-        let is_log = least > 0.0 && most / least > FAR;
+        let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
         let spacing = [curve.is_log && !is_named, is_log].map(Spacing::log);
         let scale = |axis: usize, values: &mut dyn Iterator<Item = f64>| {
             let places = values.map(|value| value * factors[axis]);
@@ -267,7 +258,11 @@ impl Shown {
         let ground = |(from, to): (f64, f64), colour: Colour| {
             let place = |x: f64| self.x.place(x * self.factors[0]);
             let (from, to) = (place(from - half), place(to + half));
-            let wider = if to - from < THIN { THIN } else { 0.0 };
+            let wider = if to - from < HALF_WIDTH {
+                HALF_WIDTH
+            } else {
+                0.0
+            };
             let [left, right] =
                 [from - wider, to + wider].map(|at| self.x.value(at.clamp(0.0, 1.0)));
             let corners = vec![(left, start), (right, start), (right, end), (left, end)];
@@ -297,15 +292,14 @@ impl Shown {
                 ends.map(|end| self.spacing[1].nearest(end * y_factor)),
             )
         });
+        let runs = match self.is_named {
+            true => places.into_iter().map(|place| vec![place]).collect(),
+            false => vec![places],
+        };
         Line {
-            style,
-            dashed: false,
             circled: survivors.map(|point| place(point)).collect(),
             bars: bars.collect(),
-            runs: match self.is_named {
-                true => places.into_iter().map(|place| vec![place]).collect(),
-                false => vec![places],
-            },
+            ..Line::new(style, false, runs)
         }
     }
 }

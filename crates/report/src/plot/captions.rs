@@ -1,11 +1,11 @@
-//! Values of a study in words: settings held fixed, failed trials, the object.
+//! Captions: values of a study, its object, and its failed trials, in words.
 
 use crate::table::{Axis, Table};
 use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// A value below a heading that names its axis and unit.
+/// Text of a value below a heading that names its axis and unit.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),
@@ -13,14 +13,13 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// A value that stands alone: with the name of its axis and its unit, unless it is a label.
+/// Text of a value without a heading: with the name of its axis and its unit, unless it is a label.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // A shape or a method is called by its name; another keyword needs its key; a label of several words
-        // speaks for itself.
+        // A shape, a method or a label of several words needs no key; another keyword does.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
@@ -45,7 +44,7 @@ pub(crate) fn object(study: &Study) -> Option<String> {
     Some(parts.join(", "))
 }
 
-/// A note on how many trials failed and of what, if any did.
+/// Note on the number of failed trials and their kinds; `None` if no trial failed.
 pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     let table = study.cells();
     // Rows of several quantities share the trials of their cell.
@@ -65,8 +64,8 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
         let count = kinds.entry(&failure.kind).or_default();
         *count = count.saturating_add(failure.count);
     }
-    let told = |(kind, count): (&&str, &u64)| format!("{kind} {}", number::grouped(*count));
-    let kinds = match kinds.iter().map(told).collect::<Vec<_>>().join(", ") {
+    let text = |(kind, count): (&&str, &u64)| format!("{kind} {}", number::grouped(*count));
+    let kinds = match kinds.iter().map(text).collect::<Vec<_>>().join(", ") {
         none if none.is_empty() => none,
         kinds => format!(" ({kinds})"),
     };
@@ -76,13 +75,13 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// A note on values asked for by `where` that the table does not have, if there are any.
+/// Note on values of `where` that the table does not have; `None` if it has all.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error on values asked for by `where` that the table does not have.
+/// End of an error message, about values of `where` that the table does not have.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

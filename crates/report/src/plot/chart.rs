@@ -1,14 +1,18 @@
-//! Charts: a grid of panels with the same axes, and a legend.
+//! Panels, and charts: a grid of panels with the same axes, and a legend.
 
-use super::drawing::Figure;
+use super::drawing::{Drawing, Figure};
 use super::lettering::{width, wrap};
-use super::panel::{Panel, Place};
 use super::scale::Scale;
 use super::sheet::{
-    self, Drawn, EDGE, Key, LINE, Point, SAMPLE_GAP, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
+    self, Drawn, EDGE, HAIR, Key, LINE, Point, SAMPLE_GAP, Sample, Sheet, TEXT, TICK_GAP, WIDTH,
+    Words, letters,
 };
-use super::style::INK;
+use super::style::{Colour, FAINT, FRAME, GRID, INK};
 use crate::ReportError;
+use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::element::{PathElement, Rectangle};
+use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 /// Gap between panels, and between them and the legend.
@@ -56,19 +60,23 @@ pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, Repor
     // All charts get the same margins, so that their panels align.
     let margins = charts.iter().map(Chart::margins);
     let margins = margins.fold([0; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
-    let rooms = charts.iter().map(|chart| Room::of(chart, margins));
-    let rooms: Vec<Room> = rooms.collect();
-    let width = rooms.iter().map(|room| room.total).max().unwrap_or(WIDTH);
+    let layouts = charts.iter().map(|chart| PanelLayout::of(chart, margins));
+    let layouts: Vec<PanelLayout> = layouts.collect();
+    let width = layouts
+        .iter()
+        .map(|layout| layout.total)
+        .max()
+        .unwrap_or(WIDTH);
     sheet::figure(words, width, |sheet| {
-        for (at, (chart, room)) in charts.iter().zip(&rooms).enumerate() {
+        for (at, (chart, layout)) in charts.iter().zip(&layouts).enumerate() {
             sheet.top += if at > 0 { EDGE - 18 } else { 0 };
-            chart.draw(sheet, room)?;
+            chart.draw(sheet, layout)?;
         }
         Ok(())
     })
 }
 impl Chart<'_> {
-    /// Room to the left and right of the panels.
+    /// PanelLayout to the left and right of the panels.
     fn margins(&self) -> [i32; 2] {
         let rows = self.legend.rows();
         let widths = rows.iter().map(|(sample, text)| {
@@ -102,35 +110,35 @@ impl Chart<'_> {
         (count as u32).div_ceil(rows.max(1)).max(1) as i32
     }
 
-    fn draw(&self, sheet: &mut Sheet, room: &Room) -> Drawn {
+    fn draw(&self, sheet: &mut Sheet, layout: &PanelLayout) -> Drawn {
         if !self.key.is_empty() {
             sheet.key(KEY_SAMPLE, &self.key)?;
         }
-        let [left, right] = room.margins;
+        let [left, right] = layout.margins;
         let top = sheet.top + 60 + LINE;
         let y_label = (EDGE, sheet.top + 42 + TEXT / 2);
         sheet.text(&self.y_label, y_label, HPos::Left, INK)?;
         for (at, title) in self.titles.iter().enumerate() {
-            let (row, column) = (at as i32 / room.columns, at as i32 % room.columns);
+            let (row, column) = (at as i32 / layout.columns, at as i32 % layout.columns);
             let corner = (
-                left + column * (room.panel.0 + GAP),
-                top + row * room.row + room.heading,
+                left + column * (layout.panel.0 + GAP),
+                top + row * layout.row + layout.heading,
             );
-            let middle = (corner.0 + room.panel.0 / 2, corner.1 - TEXT / 2 - 18);
+            let middle = (corner.0 + layout.panel.0 / 2, corner.1 - TEXT / 2 - 18);
             sheet.text(title, middle, HPos::Center, INK)?;
             let place = Place {
                 corner,
-                size: room.panel,
+                size: layout.panel,
                 labelled: [true, column == 0],
             };
-            (self.draw)(&mut place.panel(sheet, &room.x, &self.y)?, at)?;
+            (self.draw)(&mut place.panel(sheet, &layout.x, &self.y)?, at)?;
         }
-        let corner = (room.total - right + GAP, top + room.heading);
+        let corner = (layout.total - right + GAP, top + layout.heading);
         let legend = self.legend.draw(sheet, corner)?;
-        let rows = self.titles.len().div_ceil(room.columns as usize) as i32;
-        let mut bottom = top + rows * room.row;
+        let rows = self.titles.len().div_ceil(layout.columns as usize) as i32;
+        let mut bottom = top + rows * layout.row;
         if !self.x_label.is_empty() {
-            let place = ((left + room.total - right) / 2, bottom + TEXT / 2 - 6);
+            let place = ((left + layout.total - right) / 2, bottom + TEXT / 2 - 6);
             sheet.text(&self.x_label, place, HPos::Center, INK)?;
             bottom += LINE;
         }
@@ -166,23 +174,23 @@ impl Legend {
 }
 
 /// Sizes of a chart's parts.
-struct Room {
+struct PanelLayout {
     /// Width of the picture.
     total: i32,
-    /// Room to the left and right of the panels.
+    /// PanelLayout to the left and right of the panels.
     margins: [i32; 2],
     /// Width and height of each panel.
     panel: Point,
     /// Panels in a row.
     columns: i32,
-    /// Room for the title above each panel.
+    /// PanelLayout for the title above each panel.
     heading: i32,
     /// Vertical distance from one row of panels to the next.
     row: i32,
     x: Scale,
 }
 
-impl Room {
+impl PanelLayout {
     fn of(chart: &Chart<'_>, margins: [i32; 2]) -> Self {
         let around = margins[0] + margins[1];
         let columns = chart.columns(around);
@@ -207,4 +215,79 @@ impl Room {
             x,
         }
     }
+}
+
+/// Length of a tick mark, and gap between the mark and its label.
+const TICK: i32 = 15;
+/// Size of the label areas of plotters; labels may extend beyond them.
+const LABELS: i32 = 60;
+
+/// A chart of plotters with axes of type [`Scale`].
+pub(crate) type Panel<'a> = ChartContext<'a, Drawing, Cartesian2d<Scale, Scale>>;
+
+/// Place of a panel on a sheet.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    /// Upper left corner.
+    pub(crate) corner: Point,
+    /// Width and height.
+    pub(crate) size: Point,
+    /// Whether ticks of x and of y are labelled.
+    pub(crate) labelled: [bool; 2],
+}
+
+impl Place {
+    /// Makes the empty panel at this place.
+    pub(crate) fn panel<'a>(&self, sheet: &Sheet, x: &Scale, y: &Scale) -> Drawn<Panel<'a>> {
+        let [below, beside] = self.labelled.map(|labelled| LABELS * i32::from(labelled));
+        let corner = (self.corner.0 - beside, self.corner.1);
+        let size = (self.size.0 + beside, self.size.1 + below);
+        ChartBuilder::on(&sheet.area.clone().shrink(corner, size))
+            .set_label_area_size(LabelAreaPosition::Left, beside)
+            .set_label_area_size(LabelAreaPosition::Bottom, below)
+            .build_cartesian_2d(x.clone(), y.clone())
+    }
+}
+
+/// Draws grid, outline, and ticks with their labels.
+pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
+    let frame = FRAME.stroke_width(HAIR);
+    panel
+        .configure_mesh()
+        .light_line_style(FAINT.stroke_width(HAIR))
+        .bold_line_style(GRID.stroke_width(HAIR))
+        .axis_style(frame)
+        .label_style(letters(TEXT, INK, HPos::Left))
+        .set_all_tick_mark_size(TICK)
+        .draw()?;
+    outline(panel)
+}
+
+/// Draws the outline.
+pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
+    let area = panel.plotting_area().strip_coord_spec();
+    let (wide, high) = area.dim_in_pixel();
+    let corners = [(0, 0), (wide as i32, high as i32)];
+    area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
+}
+
+/// Draws an error bar from `ends[0]` to `ends[1]` at `x`, unless the marker, `hidden` px high, covers it. Ends
+/// outside the panel have no caps.
+pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
+    const HALF_CAP: i32 = 12;
+    let area = panel.plotting_area().use_screen_coord();
+    let (_, down) = area.get_pixel_range();
+    let [low, high] = ends.map(|end| panel.backend_coord(&(x, end)));
+    if low.1.min(down.end) - high.1.max(down.start) <= hidden {
+        return Ok(());
+    }
+    let style = colour.stroke_width(4);
+    area.draw(&PathElement::new([low, high], style))?;
+    for (x, y) in [low, high] {
+        if down.contains(&y) {
+            let cap = [(x - HALF_CAP, y), (x + HALF_CAP, y)];
+            area.draw(&PathElement::new(cap, style))?;
+        }
+    }
+    Ok(())
 }

@@ -1,28 +1,24 @@
-//! Maps of the classes of shape, as small multiples: the true map, then that of each cell.
+//! Figures of kind `class-map`: the true map of shape classes, and the estimated map of each cell.
 
-mod arrange;
-mod squares;
-mod table;
-
-use super::cells::{self, Chosen};
+use super::captions::full_value;
+use super::chart::{Panel, Place, mesh, outline};
+use super::class_grid::{self, CellMap, Class, bands, boundaries};
 use super::drawing::Figure;
 use super::lettering::{width, wrap};
-use super::panel::{Panel, Place, mesh, outline};
-use super::request::Request;
 use super::scale::Scale;
+use super::selection::{self, CellSelection, Request};
 use super::sheet::{self, Drawn, EDGE, Key, LINE, Sample, Sheet, TEXT, TICK_GAP, WIDTH};
 use super::style::{CLASSES, Colour, INK, OUTLINE, QUIET, WHITE};
-use crate::{ReportError, words};
-use arrange::{Row, Shown};
+use crate::records::by_key;
+use crate::table::Axis;
+use crate::{ReportError, Table, phrases};
 use palpate_study::{label, number};
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
-use squares::{bands, boundaries};
-use table::{CellMap, Class};
 
-/// More panels than this are no picture.
-const MOST_CELLS: usize = 60;
+/// Largest number of cells in a figure.
+const MAX_CELLS: usize = 60;
 /// Gap between panels of a row, and between rows.
 const GAP: i32 = 66;
 /// Side of a sample in the key.
@@ -35,18 +31,18 @@ const SLIMMEST: f64 = 3.0;
 /// Each band extends under the bands painted after it by this share of a panel, so that no seam is visible.
 const OVERLAP: f64 = 0.004;
 const BOUNDARY: u32 = 5;
-/// Ground of the sample of a boundary, as light on every page.
+/// Background of the sample of a boundary, light also on a dark page.
 const PALE: Colour = Colour(243, 243, 243);
 
 /// The figure that a plot asks for.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
-    let maps = table::read(of)?;
+    let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
-    let Chosen { rows, notes } = cells::choose(of, &mapped)?;
-    if rows.len() > MOST_CELLS {
+    let CellSelection { rows, notes } = selection::choose_cells(of, &mapped)?;
+    if rows.len() > MAX_CELLS {
         let count = rows.len();
         return Err(of.bad(format!(
-            "{count} maps are no picture; choose at most {MOST_CELLS} by `where`"
+            "{count} maps are no picture; choose at most {MAX_CELLS} by `where`"
         )));
     }
     let cells = of.study.cells();
@@ -55,19 +51,23 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
         Some(Shown { map, row })
     });
     let shown: Vec<Shown<'_>> = shown.collect();
-    let arranged = arrange::rows(cells, &shown);
-    let lines: Vec<Line<'_>> = arranged.iter().map(line).collect();
-    let room = Room::of(&lines, &label::spoken_unit(&maps.unit));
-    sheet::figure(of.words(subtitle(of, &shown), notes), room.total, |sheet| {
-        sheet.key(SAMPLE, &key(&lines))?;
-        room.draw(sheet, &lines)
-    })
+    let cell_rows = cell_rows(cells, &shown);
+    let lines: Vec<PanelRow<'_>> = cell_rows.iter().map(panels).collect();
+    let layout = MapLayout::of(&lines, &label::spoken_unit(&maps.unit));
+    sheet::figure(
+        of.words(subtitle(of, &shown), notes),
+        layout.total,
+        |sheet| {
+            sheet.key(SAMPLE, &key(&lines))?;
+            layout.draw(sheet, &lines)
+        },
+    )
 }
 
 /// Subtitle of the maps: the settings that all panels share.
 fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
-    let parts = cells::in_common(of.study, &rows);
+    let parts = selection::in_common(of.study, &rows);
     let mut shown_of = "one trial per panel".to_owned();
     let mut sides: Vec<usize> = shown.iter().map(|cell| cell.map.side).collect();
     sides.sort_unstable();
@@ -75,16 +75,16 @@ fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     if let [side] = sides.as_slice() {
         shown_of = format!("{side} × {side} points of {shown_of}");
     }
-    words::sentence(&parts, &shown_of)
+    phrases::sentence(&parts, &shown_of)
 }
 
 /// Row of panels.
-struct Line<'a> {
+struct PanelRow<'a> {
     heading: &'a str,
     panels: Vec<MapPanel<'a>>,
 }
 
-/// Map, and where it stands.
+/// Map and its column.
 struct MapPanel<'a> {
     column: usize,
     title: &'a str,
@@ -93,8 +93,8 @@ struct MapPanel<'a> {
     is_truth: bool,
 }
 
-/// The true map stands in the first column, which is empty where the row has none.
-fn line<'a>(row: &'a Row<'a>) -> Line<'a> {
+/// Panels of a row. The first column is for the true map, and empty in a row without one.
+fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
         title: "truth",
@@ -108,14 +108,14 @@ fn line<'a>(row: &'a Row<'a>) -> Line<'a> {
         map,
         is_truth: false,
     });
-    Line {
+    PanelRow {
         heading: &row.heading,
         panels: truth.into_iter().chain(cells).collect(),
     }
 }
 
-/// The classes that occur, in the order of their table, and the boundary if there is one.
-fn key(lines: &[Line<'_>]) -> Key {
+/// Key: the classes in the maps, in the order of their table, and the boundary if there is one.
+fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
         panels.map(|panel| panel.map)
@@ -145,8 +145,8 @@ fn colour(class: Class) -> Colour {
     known.map_or(WHITE, |(_, colour)| *colour)
 }
 
-/// Room for the panels.
-struct Room {
+/// MapLayout for the panels.
+struct MapLayout {
     /// Width of the picture.
     total: i32,
     columns: i32,
@@ -160,9 +160,9 @@ struct Room {
     y_label: String,
 }
 
-impl Room {
-    /// Room for `lines`, of which there are some; `unit` is that of x and y.
-    fn of(lines: &[Line<'_>], unit: &str) -> Self {
+impl MapLayout {
+    /// MapLayout for `lines`, of which there are some; `unit` is that of x and y.
+    fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));
         let y = range(panels().map(|panel| &panel.map.y));
@@ -189,7 +189,7 @@ impl Room {
         }
     }
 
-    fn draw(&self, sheet: &mut Sheet, lines: &[Line<'_>]) -> Drawn {
+    fn draw(&self, sheet: &mut Sheet, lines: &[PanelRow<'_>]) -> Drawn {
         let (wide, high) = self.panel;
         let column = |at: i32| self.left + at * (wide + GAP);
         for (at, line) in lines.iter().enumerate() {
@@ -292,4 +292,78 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     Scale::exactly(low, high).with_ticks(2)
+}
+
+/// Largest number of cells in a row.
+const MAX_PER_ROW: usize = 5;
+/// Number of cells in a row if the values of the sweep do not fit into one.
+const DEFAULT_PER_ROW: usize = 4;
+
+/// Cell to draw, with one of its rows in `cells.csv`.
+#[derive(Clone, Copy)]
+struct Shown<'a> {
+    map: &'a CellMap,
+    row: usize,
+}
+
+/// Cells of a row of panels.
+struct CellRow<'a> {
+    /// Settings that only the cells of this row share.
+    heading: String,
+    /// True map, if it differs from that of the rows above.
+    truth: Option<&'a CellMap>,
+    /// Cells of the row, each with the settings in which it differs from the others.
+    cells: Vec<(String, &'a CellMap)>,
+}
+
+/// Cells to draw (at least one) in rows.
+fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
+    let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
+    let varying: Vec<&Axis> = table
+        .axes()
+        .iter()
+        .filter(|axis| axis.among(&rows).len() > 1)
+        .collect();
+    let across = across(&varying, &rows);
+    let down: Vec<&Axis> = varying
+        .iter()
+        .filter(|axis| across.is_none_or(|across| across.header != axis.header))
+        .copied()
+        .collect();
+    let per_row = across
+        .map(|axis| axis.among(&rows).len())
+        .filter(|count| *count <= MAX_PER_ROW)
+        .unwrap_or(DEFAULT_PER_ROW);
+    let words = |axes: &[&Axis], row: usize| {
+        let values = axes.iter().map(|axis| full_value(axis, axis.text(row)));
+        values.collect::<Vec<_>>().join(" · ")
+    };
+
+    // All cells of an object share one true map.
+    let mut axes = table.axes().iter();
+    let object = axes.find(|axis| axis.header.starts_with("scene.object"));
+    let truth = |cell: &Shown<'a>| (&cell.map.truth, object.map(|axis| axis.text(cell.row)));
+    let mut rows_of_cells = Vec::new();
+    for (_, cells) in by_key(shown.iter().map(|cell| (truth(cell), *cell))) {
+        let mut truth = Some(cells[0].map);
+        for (heading, cells) in by_key(cells.iter().map(|cell| (words(&down, cell.row), *cell))) {
+            for chunk in cells.chunks(per_row) {
+                let title = |cell: &Shown<'a>| (words(across.as_slice(), cell.row), cell.map);
+                rows_of_cells.push(CellRow {
+                    heading: heading.clone(),
+                    truth: truth.take(),
+                    cells: chunk.iter().map(title).collect(),
+                });
+            }
+        }
+    }
+    rows_of_cells
+}
+
+/// Axis whose values are side by side in a row: the one with the most values among those that fit into a row (the last if
+/// several have as many), otherwise the last axis.
+fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
+    let count = |axis: &&&Axis| axis.among(rows).len();
+    let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);
+    fitting.max_by_key(count).or(varying.last()).copied()
 }

@@ -1,15 +1,14 @@
-//! The contacts of gliding fingers in space: their paths, normals and readings.
-
-mod table;
+//! Figures of kind `contacts`: paths, normals and readings of gliding fingers in space.
 
 use super::captions;
+use super::contact_table::{self, Contacts, Finger, Touch, Vector};
 use super::drawing::{Drawing, Figure};
-use super::request::Request;
 use super::scale::{Scale, Spacing};
+use super::selection::Request;
 use super::sheet::{self, Drawn, EDGE, HAIR, Key, Sample, Sheet, TEXT, WIDTH, dashed, letters};
 use super::style::{FAINT, FLOOR, GRID, INK, Marker, QUIET, Style, pale};
 use super::symbol::Symbol;
-use crate::{ReportError, words};
+use crate::{ReportError, phrases};
 use palpate_study::label::{spoken_unit, with_unit};
 use palpate_study::number;
 use plotters::chart::{ChartBuilder, ChartContext};
@@ -18,7 +17,6 @@ use plotters::coord::ranged1d::ValueFormatter;
 use plotters::element::{Circle, PathElement};
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, TRANSPARENT};
-use table::{Contacts, Finger, Touch, Vector};
 
 /// View direction, degrees: turned from +x to −y, then raised.
 const TURN: f64 = 62.0;
@@ -26,7 +24,7 @@ const RAISE: f64 = 36.0;
 /// Room for the labels of the axes, to the left and right of the box and below it.
 const BESIDE: i32 = 198;
 const BELOW: i32 = 48;
-/// Height that the box may take.
+/// Largest height of the box.
 const TALLEST: i32 = 1860;
 /// Length of a stroke along a normal, as a share of the larger horizontal side of the contacts.
 const STROKE: f64 = 0.09;
@@ -41,9 +39,9 @@ const APART: f64 = 192.0;
 /// A 3-D chart. Its x points right, y up and z away from the viewer, so y and z of the contacts are swapped.
 type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
-/// The figure that a plot asks for.
+/// Draws the contacts of one pass.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
-    let contacts = table::read(of.study.files())?;
+    let contacts = contact_table::read(of.study.files())?;
     let words = of.words(subtitle(of, &contacts), Vec::new());
     sheet::figure(words, WIDTH, |sheet| {
         sheet.key(SAMPLE, &key(&contacts))?;
@@ -103,7 +101,7 @@ fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
         let off = format!("{} {unit}", number::significant(off, 3));
         sample += &format!("; the readings are off by {} (rms)", off.trim_end());
     }
-    words::sentence(&object, &sample)
+    phrases::sentence(&object, &sample)
 }
 
 fn plural(count: usize, of: &str) -> String {

@@ -1,8 +1,8 @@
-//! Shares of every two of some things, as squares.
+//! Heat maps: a share for every pair of things, as squares.
 
+use super::chart::{Place, mesh};
 use super::drawing::Figure;
 use super::lettering::width;
-use super::panel::{Place, mesh};
 use super::scale::Scale;
 use super::sheet::{
     self, Drawn, EDGE, HAIR, LINE, Point, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
@@ -13,16 +13,16 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Squares of shares, as they are drawn.
+/// Heat maps to draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heat {
-    /// Name of the figure's files, without an ending.
+    /// Name of the figure's files, without extension.
     pub name: String,
     /// Title.
     pub title: String,
-    /// Line below the title, on that of which the shares are.
+    /// Line below the title, about the meaning of the shares.
     pub subtitle: String,
-    /// Field to which the names along both sides belong.
+    /// Label of the field whose values name the rows and columns.
     pub axis: String,
     /// The panels.
     pub panels: Vec<HeatPanel>,
@@ -30,25 +30,25 @@ pub struct Heat {
     pub notes: Vec<String>,
 }
 
-/// Shares of every two of some things.
+/// Share for every pair of things.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// Settings that are alike in all of them; may be empty.
+    /// Settings that all things share; may be empty.
     pub title: String,
     /// Names of the things.
     pub names: Vec<String>,
-    /// Shares from 0 to 1, row by row; `None` where there is none.
+    /// Shares from 0 to 1, row by row; `None` if there is none.
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
-/// Most things of a panel, and most panels, that make a picture.
-const MOST: usize = 40;
-const MOST_PANELS: usize = 24;
+/// Largest number of things in a panel, and of panels.
+const MAX_THINGS: usize = 40;
+const MAX_PANELS: usize = 24;
 /// Side of a square with a number, and of a square without a number.
 const LARGE: i32 = 222;
 const SMALL: i32 = 66;
-/// Panel of more things than this has no numbers in its squares.
-const MOST_NUMBERED: usize = 12;
+/// Largest number of things in a panel whose squares have numbers.
+const MAX_NUMBERED: usize = 12;
 /// Widest name.
 const NAME: i32 = 510;
 const GAP: i32 = 102;
@@ -56,14 +56,14 @@ const GAP: i32 = 102;
 const BESIDE: i32 = 12;
 /// Width of a sample in the key.
 const SAMPLE: i32 = 78;
-/// Share from which on a square is so dark that its number is white.
-const DARK: f64 = 0.6;
+/// Share above which a square is so dark that its number is white.
+const MIN_DARK: f64 = 0.6;
 /// Fill colour of squares without a share, and of squares with a share of 1. The blue also suits colour-blind readers
 /// and grey prints.
 const NONE: Colour = Colour(236, 236, 236);
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws shares as squares, darker the larger, with their number in percent where there are few.
+/// Draws shares as squares. Larger shares are darker. If there are few squares, each has its share in percent.
 ///
 /// ```
 /// use palpate_report::{Heat, HeatPanel, heat_figure};
@@ -88,22 +88,18 @@ const ALL: Colour = Colour(8, 48, 107);
 /// # Errors
 /// The picture is too large.
 pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
-    let most = heat
-        .panels
-        .iter()
-        .map(|panel| panel.names.len())
-        .max()
-        .unwrap_or(0);
-    if most > MOST || heat.panels.len() > MOST_PANELS {
+    let counts = heat.panels.iter().map(|panel| panel.names.len());
+    let most = counts.max().unwrap_or(0);
+    if most > MAX_THINGS || heat.panels.len() > MAX_PANELS {
         return Err(ReportError::Draw {
             path: format!("{}.svg", heat.name).into(),
             message: format!(
-                "{} panels of up to {most} things are no picture; at most {MOST_PANELS} of {MOST} are",
+                "{} panels of up to {most} things are no picture; at most {MAX_PANELS} of {MAX_THINGS} are",
                 heat.panels.len()
             ),
         });
     }
-    let side = if most > MOST_NUMBERED { SMALL } else { LARGE };
+    let side = if most > MAX_NUMBERED { SMALL } else { LARGE };
     let names = heat.panels.iter().flat_map(|panel| &panel.names);
     let widest = names.map(|name| width(name, TEXT).min(NAME)).max();
     let beside = widest.unwrap_or(0) + TICK_GAP;
@@ -111,12 +107,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     let columns = ((WIDTH - 2 * EDGE + GAP) / (wide + GAP)).max(1);
     let columns = columns.min(heat.panels.len().max(1) as i32);
     let total = (2 * EDGE + columns * (wide + GAP) - GAP).max(WIDTH);
-    let words = Words {
-        name: heat.name.clone(),
-        title: heat.title.clone(),
-        subtitle: heat.subtitle.clone(),
-        notes: heat.notes.clone(),
-    };
+    let words = Words::new(&heat.name, &heat.title, &heat.subtitle, &heat.notes);
     let shades = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| {
         let sample = Sample::ground(shade(Some(share)));
         (sample, format!("{} %", 100.0 * share))
@@ -169,7 +160,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
                 Rectangle::new(corners, FRAME.stroke_width(HAIR)),
             ])?;
             if let Some(share) = share.filter(|_| side == LARGE) {
-                let colour = if share >= DARK { WHITE } else { INK };
+                let colour = if share >= MIN_DARK { WHITE } else { INK };
                 let middle = squares.backend_coord(&(x, y));
                 sheet.text(&in_percent(share), middle, HPos::Center, colour)?;
             }
@@ -182,7 +173,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
     Ok(corner.1 + high + below)
 }
 
-/// Share in percent, which is 100 % only where it is 1.
+/// Share in percent; only a share of 1 becomes 100 %.
 fn in_percent(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 99.5 => format!("{percent:.0} %"),

@@ -1,30 +1,28 @@
-//! Statistics of `cells.csv` as lines.
+//! Figures of kind `lines`: statistics of `cells.csv`.
 
 use super::captions::{self, full_value, short_value};
 use super::drawing::Figure;
-use super::given::{self, Along, Points};
-use super::request::{Request, nearest};
+use super::reference_lines::{self, AxisScale, Points};
 use super::scale::{Scale, Spacing};
-use super::select::{Column, Selection};
+use super::selection::{Column, Request, Selection, nearest};
 use super::series::{self, Content, Line, Mark, Plot, Runs, SeriesKey, scales};
-use super::sheet::MARKER;
 use super::style::Style;
 use super::uncertainty;
 use crate::table::{Axis, same};
-use crate::{ReportError, words};
+use crate::{ReportError, phrases};
 use palpate_study::{Label, number};
 use std::collections::BTreeMap;
 
-/// The figure that a plot asks for.
+/// Draws the lines of a plot.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let selection = Selection::new(of)?;
     Lines::new(&selection)?.figure()
 }
 
-/// Share of failed trials above which a point stands for the survivors alone, and is marked so.
-const FEW_FAIL: f64 = 0.05;
+/// Share of failed trials above which a point is circled, because it represents only the trials that succeeded.
+const MAX_FAILED: f64 = 0.05;
 
-/// Points left out, by reason: how many, and of which series.
+/// Points that are not drawn: their number and series, by reason.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 /// A selection with the meaning of its columns.
@@ -97,11 +95,11 @@ impl<'a> Lines<'a> {
             }
         };
         let panels: Vec<Content> = values.into_iter().map(panel).collect();
-        let marks = given::marks(&of.plot.marks, self.along()).map_err(|why| of.bad(why))?;
+        let marks =
+            reference_lines::marks(&of.plot.marks, self.along()).map_err(|why| of.bad(why))?;
         let [x, y] = self.scales(&panels, &marks);
         let mut lines = panels.iter().flat_map(|panel| &panel.lines);
-        let is_circled = lines.any(|line| !line.circled.is_empty());
-        let mut lines = panels.iter().flat_map(|panel| &panel.lines);
+        let is_circled = lines.clone().any(|line| !line.circled.is_empty());
         let has_bars = lines.any(|line| !line.bars.is_empty());
         let words = of.words(self.subtitle(), self.notes(skipped, is_circled, has_bars));
         let series = SeriesKey {
@@ -109,15 +107,9 @@ impl<'a> Lines<'a> {
             ..self.key()
         };
         let plot = Plot {
-            x_label: self.x.text(),
-            y_label: self.y.text(),
-            x,
-            y,
-            panels,
             series,
             marks,
-            marker: MARKER,
-            key: Vec::new(),
+            ..Plot::new([self.x.text(), self.y.text()], [x, y], panels)
         };
         series::figure(words, vec![plot])
     }
@@ -218,7 +210,7 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// Intervals of the points that are drawn of `rows`, by the Monte Carlo error.
+    /// Intervals of the drawn points of `rows`, by the Monte Carlo error.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {
@@ -231,11 +223,11 @@ impl<'a> Lines<'a> {
         rows.iter().filter_map(bar).collect()
     }
 
-    /// Whether so many trials failed that the statistics of `row` tell of the others alone.
+    /// Whether so many trials failed that the statistics of `row` represent only the others.
     fn is_of_survivors(&self, row: usize) -> bool {
         let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
         let is_of_trials = !["failures", "trials"].contains(&self.of.y);
-        is_of_trials && count("failures") > FEW_FAIL * count("trials")
+        is_of_trials && count("failures") > MAX_FAILED * count("trials")
     }
 
     /// Place of `row` along x.
@@ -253,8 +245,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    fn along(&self) -> [Along; 2] {
-        let axis = |name, spacing, label: &Label| Along {
+    fn along(&self) -> [AxisScale; 2] {
+        let axis = |name, spacing, label: &Label| AxisScale {
             name,
             spacing,
             factor: label.factor,
@@ -293,7 +285,7 @@ impl<'a> Lines<'a> {
 
     fn key(&self) -> SeriesKey {
         let compare = self.of.of.plot.compare.as_deref();
-        let compared = compare.map(|name| [self.of.y, name].map(words::short_statistic).into());
+        let compared = compare.map(|name| [self.of.y, name].map(phrases::short_statistic).into());
         let Some(axis) = self.of.series else {
             return SeriesKey {
                 compared,
@@ -325,10 +317,10 @@ impl<'a> Lines<'a> {
         let trials = rows
             .iter()
             .filter_map(|row| table.statistic(*row, "trials"));
-        words::sentence(&fixed, &words::sample(trials, "point"))
+        phrases::sentence(&fixed, &phrases::sample(trials, "point"))
     }
 
-    /// Notes on the points that are not drawn or not counted, with reasons.
+    /// Notes on points that are not drawn, with reasons, on circles, bars and failed trials.
     fn notes(&self, skipped: Skipped<'_>, is_circled: bool, has_bars: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {
@@ -348,10 +340,7 @@ impl<'a> Lines<'a> {
         let failed = captions::failed(self.of.of.study, &self.of.rows);
         let survivors = is_circled
             .then(|| "Circled: points of which more than 5 % of the trials failed.".to_owned());
-        let bars = has_bars.then(|| {
-            "Bars, where longer than their marker: 95 % intervals by the number of trials."
-                .to_owned()
-        });
+        let bars = has_bars.then(|| uncertainty::BARS.to_owned());
         let notes = skipped.into_iter().map(note).chain(survivors);
         let notes = notes.chain(bars).chain(failed);
         notes.chain(captions::absent(&self.of.absent)).collect()
@@ -361,13 +350,17 @@ impl<'a> Lines<'a> {
 /// Label of the statistic of all rows.
 fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     let table = of.table;
-    let of_row = |row: &usize| words::statistic(name, &[table.quantity(*row)], table.unit(*row));
+    let of_row = |row: &usize| phrases::statistic(name, &[table.quantity(*row)], table.unit(*row));
     let first = of_row(&of.rows[0]);
     let mut others = of.rows.iter().map(of_row);
     match others.find(|other| other.unit != first.unit) {
         None => {
             let quantities = table.quantities().among(&of.rows);
-            Ok(words::statistic(name, &quantities, table.unit(of.rows[0])))
+            Ok(phrases::statistic(
+                name,
+                &quantities,
+                table.unit(of.rows[0]),
+            ))
         }
         Some(other) => Err(of.of.bad(format!(
             "{name} is in {} and in {}; choose one quantity",

@@ -1,22 +1,91 @@
-//! Pictures of one press: how its markers moved, and what the sensor reads of it.
+//! Figures of one press: the displacements of its markers, true and read.
 
-mod contact;
-mod profile;
+mod marker_table;
+mod outward;
 mod quiver;
-mod table;
 
 use super::drawing::Figure;
+use super::scale::{Scale, Spacing};
+use super::series::{self, Content, OPEN_MARKER, Plot, PointSet};
+use super::sheet::Words;
+use super::style::{Marker, Style};
 use crate::{Files, ReportError};
+use marker_table::{Displacement, Trace};
+use outward::outward;
+use palpate_study::label::{spoken_unit, with_unit};
 
-/// Draws a press from `trace.csv` and `readings.csv`, as `palpate trace` writes them: `quiver` shows the markers from
-/// above at their places on the skin, their displacements along it as arrows, true and read, and the normal displacement
-/// as a shade; `trace-profile` shows the normal displacement against the distance from the contact, and below it the
-/// component along the skin away from the contact, if it was read. A reading belongs to the marker at its place; markers
-/// without one are marked.
+/// Draws a press from the `trace.csv` and `readings.csv` of `palpate trace`. The figure `quiver` shows the markers from
+/// above, with arrows for their true and read displacements along the skin, and shades for the normal displacement. The
+/// figure `trace-profile` shows the normal displacement against the distance from the contact, and below it the component
+/// along the skin away from the contact, if it was read. A reading belongs to the marker at its place; markers without a
+/// reading are crossed.
 ///
 /// # Errors
-/// A table is absent or malformed, its lengths are in several units, or a reading is at no marker's place.
+/// A table is missing or malformed, its lengths are in several units, or a reading is not at the place of a marker.
 pub fn press_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
-    let trace = table::read(files)?;
-    Ok(vec![quiver::figure(&trace)?, profile::figure(&trace)?])
+    let trace = marker_table::read(files)?;
+    Ok(vec![quiver::figure(&trace)?, profile(&trace)?])
+}
+
+/// Draws the profile: the normal displacement, and below it the one along the skin.
+fn profile(trace: &Trace) -> Result<Figure, ReportError> {
+    let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
+    let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();
+    let x = Scale::around(Spacing::Linear, distances.iter().copied());
+    let normal = places(trace, |_, moved| Some(moved.normal));
+    let samples = normal.iter().map(|set| (set.label.clone(), set.style));
+    let samples = samples.collect();
+    let mut plots = vec![plot(normal, &x, label("displacement inward"))];
+    plots[0].series.points = samples;
+    if trace.reads_tangential {
+        let places_of = trace.markers.iter().map(|marker| marker.place);
+        let away = outward(&places_of.collect::<Vec<_>>(), &distances);
+        let along = places(trace, |at, moved| {
+            let ([x, y], [east, north]) = (moved.tangential?, away[at]?);
+            Some(x * east + y * north)
+        });
+        plots.push(plot(
+            along,
+            &x,
+            label("displacement along the skin, outward"),
+        ));
+    }
+    if let Some(last) = plots.last_mut() {
+        last.x_label = label("distance from the contact");
+    }
+    let title = "Displacement of the markers away from the contact";
+    let words = Words::new("trace-profile", title, &trace.subtitle(), &[]);
+    series::figure(words, plots)
+}
+
+/// Points of a component of each marker's displacement, true and read.
+fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
+    let markers = || trace.markers.iter().enumerate();
+    let truth =
+        markers().filter_map(|(at, marker)| Some((marker.radial, component(at, &marker.truth)?)));
+    let read = markers()
+        .filter_map(|(at, marker)| Some((marker.radial, component(at, marker.reading.as_ref()?)?)));
+    let set = |label: &str, index: usize, marker: Marker, at: Vec<(f64, f64)>| PointSet {
+        label: label.to_owned(),
+        style: Style {
+            marker,
+            ..Style::of(index)
+        },
+        size: OPEN_MARKER,
+        at,
+    };
+    vec![
+        set("truth", 0, Marker::Dash, truth.collect()),
+        set("reading", 1, Marker::Dot, read.collect()),
+    ]
+}
+
+fn plot(points: Vec<PointSet>, x: &Scale, y_label: String) -> Plot {
+    let values = points.iter().flat_map(|set| &set.at).map(|place| place.1);
+    let y = Scale::around(Spacing::Linear, values);
+    let content = Content {
+        points,
+        ..Content::default()
+    };
+    Plot::new([String::new(), y_label], [x.clone(), y], vec![content])
 }

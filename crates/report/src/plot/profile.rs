@@ -1,39 +1,37 @@
-//! Profiles of a press: the displacement of the skin along a radius, true and estimated.
+//! Figures of kind `profile`: true and estimated displacement of the skin along a radius.
 
 use super::captions::{full_value, short_value};
-use super::cells::{self, Chosen};
 use super::drawing::Figure;
-use super::given::{self, Along, Points};
-use super::request::{Request, nearest};
+use super::reference_lines::{self, AxisScale, Points};
 use super::scale::{Scale, Spacing};
+use super::selection::{self, CellSelection, Request, nearest};
 use super::series::{self, Content, Line, Plot, Runs, SeriesKey, scales};
 use super::style::{PLAIN, Style};
-use crate::group::distinct;
-use crate::records::Records;
+use crate::records::{Records, distinct};
 use crate::table::Axis;
-use crate::{ReportError, words};
+use crate::{ReportError, phrases};
 use palpate_study::Label;
 use palpate_study::config::Component;
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// Lines without markers are told apart by colour alone.
-const MOST_LINES: usize = PLAIN;
+/// Largest number of lines, which have no markers and differ only in colour.
+const MAX_LINES: usize = PLAIN;
 
-/// The figure that a plot asks for.
+/// Draws the profiles of a plot.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let component = of.plot.component.unwrap_or(Component::Normal);
     let profiles = read(of, component)?;
     let mapped: Vec<u64> = profiles.cells.iter().map(|profile| profile.cell).collect();
-    let Chosen { rows, notes } = cells::choose(of, &mapped)?;
+    let CellSelection { rows, notes } = selection::choose_cells(of, &mapped)?;
     let axes = Axes::of(of, &rows)?;
     let series = axes.series(&rows);
-    if series.len() > MOST_LINES {
+    if series.len() > MAX_LINES {
         let count = series.len();
         return Err(of.bad(format!(
-            "{count} lines are told apart by colour alone; choose at most {MOST_LINES} by `where`, or spread them over `panels`"
+            "{count} lines are told apart by colour alone; choose at most {MAX_LINES} by `where`, or spread them over `panels`"
         )));
     }
-    let along = ['x', 'y'].map(|name| Along {
+    let along = ['x', 'y'].map(|name| AxisScale {
         name,
         spacing: Spacing::Linear,
         factor: 1.0,
@@ -71,7 +69,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
             .map(|value| panel(Some(value)))
             .collect(),
     };
-    let marks = given::marks(&of.plot.marks, along).map_err(|why| of.bad(why))?;
+    let marks = reference_lines::marks(&of.plot.marks, along).map_err(|why| of.bad(why))?;
     let [x, y] = scales(&panels, &marks, |_, places| {
         Scale::around(Spacing::Linear, places)
     });
@@ -85,14 +83,12 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
         true => "true displacements, and the estimates of one trial each",
         false => "true displacements",
     };
-    let subtitle = words::sentence(&cells::in_common(of.study, &rows), of_what);
+    let subtitle = phrases::sentence(&selection::in_common(of.study, &rows), of_what);
     let named = series.iter().filter(|_| !axes.names.is_empty());
     let [x_unit, y_unit] = profiles.units.each_ref().map(|unit| spoken_unit(unit));
+    let labels = [("radial position", x_unit), (displacement, y_unit)];
+    let labels = labels.map(|(text, unit)| with_unit(text, &unit));
     let plot = Plot {
-        x_label: with_unit("radial position", &x_unit),
-        y_label: with_unit(displacement, &y_unit),
-        x,
-        y,
         series: SeriesKey {
             title: axes.title(),
             entries: named
@@ -101,34 +97,26 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
             compared: estimated.then(|| ("truth".to_owned(), "estimate".to_owned())),
             points: points.legend(),
         },
-        panels,
         marks,
         marker: 0.0,
-        key: Vec::new(),
+        ..Plot::new(labels, [x, y], panels)
     };
     series::figure(of.words(subtitle, notes), vec![plot])
 }
 
-/// The lines of one panel: what is true, then what is estimated. A truth that several cells share is drawn once, in
-/// nobody's colour.
+/// Lines of one panel: true ones, then estimated ones. A true line that several cells share is drawn once, in a neutral
+/// colour.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
-    let line = |style: Style, dashed: bool, runs: &Runs| Line {
-        style,
-        dashed,
-        runs: runs.clone(),
-        circled: Vec::new(),
-        bars: Vec::new(),
-    };
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {
         match truths.iter_mut().find(|known| known.runs == profile.truth) {
             Some(shared) => shared.style = Style::open(0),
-            None => truths.push(line(*style, false, &profile.truth)),
+            None => truths.push(Line::new(*style, false, profile.truth.clone())),
         }
     }
     let estimates = shown
         .iter()
-        .map(|(style, profile)| line(*style, true, &profile.estimate));
+        .map(|(style, profile)| Line::new(*style, true, profile.estimate.clone()));
     let all = truths.into_iter().chain(estimates);
     all.filter(|line| !line.runs.is_empty()).collect()
 }
@@ -140,9 +128,9 @@ struct Axes<'a> {
     names: Vec<&'a Axis>,
 }
 
-/// The cells of one colour, at most one in a panel.
+/// Cells with one colour, at most one in a panel.
 struct Series<'a> {
-    /// Values on the axes that tell the series apart.
+    /// Values on the axes on which the series differ.
     name: Vec<&'a str>,
     label: String,
     style: Style,
@@ -163,7 +151,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// Title over the names of the series: the words of the axis, if a single one tells them apart.
+    /// Title above the names of the series: the name of the axis, if they differ on a single one.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => Label::of_field(&axis.header).text(),
@@ -181,7 +169,7 @@ impl<'a> Axes<'a> {
                 all.push(Series { name, label, style });
             }
         }
-        // One axis of few values has a colour for each, the same in every plot of the study.
+        // If there is one axis with few values, each value has the same colour in every plot of the study.
         if let [axis] = self.names.as_slice()
             && axis.values().len() <= PLAIN
         {
@@ -206,7 +194,7 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// The look of the series of this label, or of this value if one axis tells them apart.
+/// Style of the series with this label, or with this value if the series differ on one axis.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);

@@ -1,9 +1,9 @@
-//! Feasible region of two fields: which values of one meet a target, over the values of the other.
+//! Figure of a feasible region: the values of two fields that meet a target together.
 
 use super::answer::{MEETS, MISSES, OPEN, Stretch};
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
-use super::series::{self, Content, Line, Plot, PointSet, SeriesKey};
+use super::series::{self, Content, Line, Plot, PointSet};
 use super::sheet::{Key, MARKER, STROKE, Sample, Words};
 use super::style::{Colour, INK, Marker, Style};
 use super::symbol::Symbol;
@@ -11,48 +11,48 @@ use crate::ReportError;
 use palpate_study::Label;
 use plotters::style::Color;
 
-/// Feasible region, as it is drawn.
+/// Feasible region to draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionMap {
-    /// Name of the figure's files, without an ending.
+    /// Name of the figure's files, without extension.
     pub name: String,
     /// Title.
     pub title: String,
-    /// Target, and what is sought.
+    /// Line below the title, about the target and the aim.
     pub subtitle: String,
     /// Lines below the picture.
     pub notes: Vec<String>,
-    /// Field across.
+    /// Field along x.
     pub x: RegionAxis,
-    /// Field up, which was searched.
+    /// Field along y, which was searched.
     pub y: RegionAxis,
     /// Panels, at least one.
     pub panels: Vec<RegionPanel>,
-    /// Words for the value that is marked in a panel, if one is.
+    /// Label of the best value, if one is marked.
     pub best: Option<String>,
 }
 
 /// Field along an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionAxis {
-    /// Words and unit.
+    /// Label and unit.
     pub label: Label,
     /// Whether the axis is logarithmic.
     pub is_log: bool,
-    /// Least and largest value of the range.
+    /// Smallest and largest value of the range.
     pub ends: (f64, f64),
-    /// Names of values that are listed; then values count them from 0.
+    /// Names of listed values; then a value is an index into them.
     pub names: Vec<String>,
 }
 
 /// Region at some values of further fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionPanel {
-    /// The further fields; may be empty.
+    /// Values of the further fields; may be empty.
     pub title: String,
     /// Columns in the order of x.
     pub columns: Vec<RegionStrip>,
-    /// Place of the best value, if it is here.
+    /// Place of the best value, if it is in this panel.
     pub best: Option<(f64, f64)>,
 }
 
@@ -61,7 +61,7 @@ pub struct RegionPanel {
 pub struct RegionStrip {
     /// The value.
     pub x: f64,
-    /// Values of y that meet the target, and those that miss it, ascending; what is between them is undecided.
+    /// Ranges of y that meet or miss the target, ascending; values between them are undecided.
     pub runs: Vec<Stretch>,
 }
 
@@ -77,11 +77,11 @@ const BEST: Style = Style {
 const BEST_SIZE: f64 = 36.0;
 /// Half the width of a column without neighbours, as a share of the panel's width.
 const ALONE: f64 = 0.03;
-/// A single value is widened to both sides by this share of the panel's height, so that it is visible.
-const THIN: f64 = 0.002;
+/// Share of the panel's height by which a single value is widened to both sides, so that it is visible.
+const HALF_HEIGHT: f64 = 0.002;
 
-/// Draws a feasible region: what meets the target on a blue ground, what is undecided on a grey one, and the target's
-/// contour, which is between them.
+/// Draws a feasible region: a blue background where values meet the target, a grey one where they are undecided, and the
+/// contour of the target between them.
 ///
 /// ```
 /// use palpate_report::{RegionAxis, RegionMap, RegionPanel, RegionStrip, Stretch, region_figure};
@@ -117,12 +117,7 @@ const THIN: f64 = 0.002;
 /// # Errors
 /// The picture is too large.
 pub fn region_figure(map: &RegionMap) -> Result<Figure, ReportError> {
-    let words = Words {
-        name: map.name.clone(),
-        title: map.title.clone(),
-        subtitle: map.subtitle.clone(),
-        notes: map.notes.clone(),
-    };
+    let words = Words::new(&map.name, &map.title, &map.subtitle, &map.notes);
     let [x, y] = [&map.x, &map.y].map(scale);
     let panel = |panel: &RegionPanel| {
         let columns = panel.columns.iter();
@@ -158,16 +153,12 @@ pub fn region_figure(map: &RegionMap) -> Result<Figure, ReportError> {
             points: best.into_iter().collect(),
         }
     };
+    let labels = [&map.x, &map.y].map(|axis| axis.label.text());
+    let panels = map.panels.iter().map(panel).collect();
     let plot = Plot {
-        x_label: map.x.label.text(),
-        y_label: map.y.label.text(),
-        panels: map.panels.iter().map(panel).collect(),
         key: key(map),
-        series: SeriesKey::default(),
-        marks: Vec::new(),
         marker: 0.7 * MARKER,
-        x: x.clone(),
-        y: y.clone(),
+        ..Plot::new(labels, [x.clone(), y.clone()], panels)
     };
     series::figure(words, vec![plot])
 }
@@ -276,7 +267,11 @@ impl Region<'_> {
     ) {
         let mut ground =
             |[low, high]: [f64; 2], [next_low, next_high]: [f64; 2], colour: Colour| {
-                let thin = if high - low < THIN { THIN } else { 0.0 };
+                let thin = if high - low < HALF_HEIGHT {
+                    HALF_HEIGHT
+                } else {
+                    0.0
+                };
                 let corners = [
                     (left, low - thin),
                     (right, next_low - thin),
@@ -316,11 +311,8 @@ impl Region<'_> {
                 let bars =
                     ends.map(|(at, ends)| (self.x.value(at), ends.map(|end| self.y.value(end))));
                 contours.push(Line {
-                    style: CROSSING,
-                    dashed: false,
-                    runs: vec![middles.collect()],
-                    circled: Vec::new(),
                     bars: bars.collect(),
+                    ..Line::new(CROSSING, false, vec![middles.collect()])
                 });
             }
         }

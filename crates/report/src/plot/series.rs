@@ -1,9 +1,8 @@
 //! Lines and points in panels on the same axes, with their legend and reference lines.
 
-use super::chart::{self, Chart, Legend};
+use super::chart::{self, Chart, Legend, Panel, bar, mesh};
 use super::drawing::Figure;
 use super::lettering::width;
-use super::panel::{Panel, bar, mesh};
 use super::scale::Scale;
 use super::sheet::{Drawn, Key, MARKER, Point, STROKE, Sample, TEXT, Words, dashed, letters};
 use super::style::{Colour, INK, Marker, QUIET, Style, WHITE, pale};
@@ -136,7 +135,36 @@ pub(crate) fn figure(words: Words, plots: Vec<Plot>) -> Result<Figure, ReportErr
     chart::figure(words, &charts)
 }
 
+impl Line {
+    /// Line without circled points and bars.
+    pub(crate) fn new(style: Style, dashed: bool, runs: Runs) -> Self {
+        Self {
+            style,
+            dashed,
+            runs,
+            circled: Vec::new(),
+            bars: Vec::new(),
+        }
+    }
+}
+
 impl Plot {
+    /// Plot without reference lines, legend and key. Labels and scales are of x and y.
+    pub(crate) fn new(labels: [String; 2], [x, y]: [Scale; 2], panels: Vec<Content>) -> Self {
+        let [x_label, y_label] = labels;
+        Self {
+            x_label,
+            y_label,
+            x,
+            y,
+            panels,
+            key: Key::new(),
+            series: SeriesKey::default(),
+            marks: Vec::new(),
+            marker: MARKER,
+        }
+    }
+
     fn chart(&self) -> Chart<'_> {
         Chart {
             x_label: self.x_label.clone(),

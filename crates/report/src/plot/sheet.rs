@@ -59,6 +59,17 @@ pub(crate) struct Words {
     pub(crate) notes: Vec<String>,
 }
 
+impl Words {
+    pub(crate) fn new(name: &str, title: &str, subtitle: &str, notes: &[String]) -> Self {
+        Self {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            subtitle: subtitle.to_owned(),
+            notes: notes.to_vec(),
+        }
+    }
+}
+
 /// A figure while it is drawn.
 pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
@@ -148,6 +159,11 @@ impl Sheet {
             .draw_text(text, &letters(TEXT, colour, anchor), place)
     }
 
+    /// Draws a line through some points.
+    pub(crate) fn path(&self, points: Vec<Point>, style: ShapeStyle) -> Drawn {
+        self.area.draw(&PathElement::new(points, style))
+    }
+
     /// Draws a text from `left` to the right, wrapped to lines at most `limit` wide.
     pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
         for line in wrap(text, TEXT, limit) {
@@ -186,7 +202,7 @@ impl Sheet {
         let ends = vec![(x, y), (x + wide, y)];
         match sample.line {
             Some(style) if sample.is_dashed => self.area.draw(&dashed(ends, style))?,
-            Some(style) => self.area.draw(&PathElement::new(ends, style))?,
+            Some(style) => self.path(ends, style)?,
             None => {}
         }
         if let Some(symbol) = sample.symbol {

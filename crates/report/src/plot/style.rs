@@ -1,4 +1,4 @@
-//! Colours, and markers of series: the Okabe–Ito palette, told apart by shape as well.
+//! Colours and markers of series: the Okabe–Ito palette, with a marker shape for each series.
 
 pub(crate) use plotters::style::RGBColor as Colour;
 
@@ -9,16 +9,16 @@ pub(crate) const GRID: Colour = Colour(210, 210, 210);
 pub(crate) const FAINT: Colour = Colour(238, 238, 238);
 pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 
-/// Ground below what stands in space.
+/// Floor of a figure in space.
 pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
 
-/// Boundary on coloured ground, as dark on every page.
+/// Boundary on a coloured background, dark also on a dark page.
 pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
-/// Ground of figures on a dark page.
+/// Background of figures on a dark page.
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
-/// Colours on white, and what stands for each on a dark page; the others are seen on both.
+/// Colours on white, each with the colour that replaces it on a dark page. Other colours are visible on both.
 pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
     let light = Colour(232, 232, 230);
     let neutral = [
@@ -47,7 +47,7 @@ pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
         .collect()
 }
 
-/// Okabe and Ito's colours that carry a line on white (their yellow does not).
+/// Okabe and Ito's colours, without their yellow, whose lines are invisible on white.
 const COLOURS: [Colour; 7] = [
     Colour(0, 114, 178),
     Colour(213, 94, 0),
@@ -58,7 +58,7 @@ const COLOURS: [Colour; 7] = [
     Colour(0, 0, 0),
 ];
 
-/// Number of lines that colours alone tell apart, without markers.
+/// Number of lines that differ by colour, without markers.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
 /// Shape of a marker.
@@ -72,9 +72,9 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small mark, never drawn open, for points so dense that larger marks would hide each other.
+    /// Small disc, never drawn open, for points so dense that larger markers would cover each other.
     Dot,
-    /// Level and never open: seen on both sides of a dot.
+    /// Level bar, never drawn open, visible on both sides of a dot.
     Dash,
 }
 
@@ -89,7 +89,7 @@ const MARKERS: [Marker; 8] = [
     Marker::Cross,
 ];
 
-/// Shapes that are still told apart when they are open.
+/// Shapes that still differ if they are drawn open.
 const OPEN: [Marker; 5] = [
     Marker::Diamond,
     Marker::Square,
@@ -98,10 +98,10 @@ const OPEN: [Marker; 5] = [
     Marker::Down,
 ];
 
-/// Colour of marks that belong to no series, or to several.
+/// Colour of markers that belong to no series, or to several.
 const NEUTRAL: Colour = Colour(60, 60, 60);
 
-/// The look of one series.
+/// Colour and marker of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Style {
     pub(crate) colour: Colour,
@@ -109,7 +109,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// The look of the `index`-th value of a study's axis; 56 in a row differ.
+    /// Style of the `index`-th value of a study's axis. The first 56 differ.
     pub(crate) fn of(index: usize) -> Self {
         Self {
             colour: COLOURS[index % COLOURS.len()],
@@ -117,7 +117,7 @@ impl Style {
         }
     }
 
-    /// The look of the `index`-th kind of open markers that belong to no series.
+    /// Style of the `index`-th kind of open markers that belong to no series.
     pub(crate) fn open(index: usize) -> Self {
         Self {
             colour: NEUTRAL,
@@ -149,9 +149,9 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight classes of shape in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0), by the names in
-/// files, each with its one colour everywhere. Red to blue is convex to concave, which colour-blind eyes tell
-/// apart; no two are equally light, which a grey print tells apart; none is the colour of a series.
+/// The eight classes of shape, by their names in files, in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0),
+/// each with its colour. Convex to concave is red to blue, which colour-blind readers can distinguish. All colours have
+/// different lightness, for grey prints, and none is the colour of a series.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_carries_a_line_does_so_on_dark_pages() {
+    fn colours_of_lines_are_visible_on_dark_pages() {
         let rules = on_dark();
         for (at, (white, _)) in rules.iter().enumerate() {
             assert!(
@@ -204,7 +204,7 @@ mod tests {
                 lightness(shown(colour)) > lightness(DARK) + 38.0,
                 "{colour:?}"
             );
-            // What is paler on white is darker here: it steps back on both.
+            // A colour that is paler on white is darker on a dark page, so that it is less prominent on both.
             let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");

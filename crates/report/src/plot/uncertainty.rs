@@ -1,8 +1,11 @@
-//! How far the trials behind a point leave its statistic open.
+//! 95 % intervals of statistics, from the Monte Carlo error of their trials.
 
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
 
+/// Note on the error bars of a figure.
+pub(crate) const BARS: &str =
+    "Bars, where longer than their marker: 95 % intervals by the number of trials.";
 /// Half-width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
@@ -11,11 +14,12 @@ pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
     [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
 }
 
-/// Ends of the 95 % interval of a statistic of `row` by its Monte Carlo error, in the unit of the table; `None` of what is
-/// known without trials, of fewer than two, and of a mean reported standard deviation, whose scatter no column tells.
+/// Ends of the 95 % interval of a statistic of `row` by its Monte Carlo error, in the unit of the table. `None` for a
+/// statistic without Monte Carlo error, for fewer than two trials, and for a mean reported standard deviation, because no
+/// column has its scatter.
 ///
-/// Of trials that observe several places it is that of the rms error for errors and for shares of places; for other
-/// statistics it is too wide, as if all places of a trial erred alike.
+/// If a trial observes several places, the intervals of errors and of shares of places count the trial once. The intervals
+/// of other statistics are too wide, as if all places of a trial had the same error.
 pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
     let statistic = Statistic::named(name)?;
     let of = |statistic: Statistic| table.statistic(row, statistic.name());
@@ -41,7 +45,7 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
                     mean,
                 )
         }
-        // Each place errs by 0 or by 1, so that the mean square error is the share of wrong ones.
+        // The error at each place is 0 or 1, so that the mean square error is the share of wrong places.
         Statistic::Mean | Statistic::Bias if is_share => {
             2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
         }
@@ -71,8 +75,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// Standard errors of the median and of the 5 and 95 % quantiles of a normal distribution, times the root of the number,
-/// over the distance between those quantiles.
+/// Standard errors of the median, and of the 5 and 95 % quantiles, of n normal numbers, times √n, divided by the distance
+/// between those quantiles.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
 const TAIL_PER_SPREAD: f64 = 0.642;
 
@@ -80,13 +84,13 @@ fn ratio(error: f64, of: f64) -> f64 {
     if of > 0.0 { error / of } else { 0.0 }
 }
 
-/// Standard error of the mean of sizes whose root mean square is `rms`.
+/// Standard error of the mean of magnitudes with the root mean square `rms`.
 fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }
 
-/// Standard error of a standard deviation: from the scatter of the squared errors where the bias is small, else as of a
-/// normal distribution.
+/// Standard error of a standard deviation: from the scatter of the squared errors if the bias is small, otherwise as for
+/// a normal distribution.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
         return Some(std / (2.0 * (count - 1.0)).sqrt());
@@ -96,7 +100,7 @@ fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f6
     Some((of_square * of_square - of_bias).max(0.0).sqrt() / (2.0 * std))
 }
 
-/// Wilson's interval of a share; `None` of a number that is none.
+/// Wilson's interval of a share; `None` for a number that is not from 0 to 1.
 fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
     if !(0.0..=1.0).contains(&share) {
         return None;
@@ -107,7 +111,7 @@ fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
         .max(0.0)
         .sqrt();
     let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
-    // Rounding must not take the ends off the share itself.
+    // Rounding must not move an end past the share itself.
     Some([low.clamp(0.0, share), high.clamp(share, 1.0)])
 }
 
@@ -116,7 +120,7 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// Interval of a statistic in a table of one row with these columns, of 100 trials.
+    /// Interval of a statistic in a table with one row, of 100 trials with these columns.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {
@@ -181,7 +185,7 @@ mod tests {
     #[test]
     fn shares_stay_shares() {
         use Statistic as S;
-        // A share p of right places: the mean square error is 1 − p, its standard deviation twice rms × its own.
+        // With a share p of correct places, the mean square error is 1 − p; its standard error is 2 · rms · std of rms.
         let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
         is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
         let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();
@@ -191,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_cannot_be_have_no_interval() {
+    fn impossible_numbers_have_no_interval() {
         use Statistic as S;
         for share in [4.0, -0.1, 1e300] {
             assert_eq!(
@@ -218,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn few_trials_leave_everything_open() {
+    fn fewer_than_two_trials_have_no_interval() {
         use Statistic as S;
         for gone in [99.0, 100.0] {
             let columns = [

@@ -1,35 +1,33 @@
 //! The search for the contact of a spherical tip.
 //!
-//! Seen from above, the contact `w` carries the tip's centre to `w + r n_xy(w)`. This map has no
-//! singularity at the silhouettes of closed objects, where heights do, and its derivative has the
-//! determinant `det(I + r S)`: it folds only where the object is as hollow as the tip is round.
+//! Seen from above, a contact at `w` puts the tip's centre at `w + r n_xy(w)`. Unlike heights, this map has no singularity
+//! at the silhouettes of closed objects. Its derivative has the determinant `det(I + r S)`, so it folds only if the
+//! object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::{Surface, SurfaceError};
 
-use super::foot::Foot;
-use super::relief::Relief;
-use super::touch::GlideError;
+use super::touch::{Foot, GlideError};
 
-/// Newton steps before giving up, and lengths tried of each.
-const STEPS: usize = 100;
-const HALVINGS: i32 = 40;
-/// A miss above this, relative to the lengths involved, is no contact.
+/// Largest number of Newton steps, and number of tried lengths of each step.
+const MAX_STEPS: usize = 100;
+const MAX_HALVINGS: i32 = 40;
+/// Largest miss of a contact, relative to the lengths involved.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// The next step tells the error of a contact, within a factor of 2 where it is small.
+/// The error of a contact is estimated from the next step. The estimate is right within this factor if the step is small.
 const STEP_SHARE: f64 = 0.5;
-/// Longest last step that tells the error of a contact, in radii of the tip; a longer one tells nothing.
-const LONGEST_LAST_STEP: f64 = 1e-3;
+/// Longest step, in radii of the tip, from which the error of a contact can be estimated.
+const MAX_LAST_STEP: f64 = 1e-3;
 /// Largest distance that counts as touching, as a share of the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// Clearance below which a search that makes no progress is taken to be at a fold of the offset surface.
+/// A search without progress is at a fold of the offset surface if the clearance is below this value.
 const FOLD: f64 = 1e-3;
-/// Vertical component of the object's unit normal below which the contact lies on its silhouette.
+/// A contact is on the object's silhouette if the vertical component of the unit normal is below this value.
 const SILHOUETTE: f64 = 1e-3;
 
-/// Places across a tip, in radii: eight on a ring of 0.85, and between them eight on one of 0.45.
+/// Places under a tip, in radii: eight on a ring of 0.85, and eight between them on a ring of 0.45.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
     // 0.45 times the cosine and the sine of 22.5°.
@@ -54,15 +52,19 @@ const PLACES: [[f64; 2]; 16] = {
     ]
 };
 
-/// A tip held above a place.
+/// Number of grid lines on each side of the middle of a relief.
+const HALF: usize = 12;
+const SIDE: usize = 2 * HALF + 1;
+
+/// A tip that is held above a place.
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
-    /// Largest error of a contact that is accepted, in radii of the tip.
+    /// Largest accepted error of a contact, in radii of the tip.
     pub(super) tolerance: f64,
-    /// Whether a contact that fits may not be the only one.
+    /// Whether there may be more than one fitting contact.
     pub(super) rugged: bool,
-    /// Place at which the tip's centre is held, seen from above.
+    /// Position of the tip's centre, seen from above.
     pub(super) centre: Vector2<f64>,
 }
 
@@ -70,23 +72,23 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // The order of rivals must not depend on the tolerance: the contact that they are compared with
-        // is found at least as accurately as rivals are told apart.
+        // The order of several contacts must not depend on the tolerance. So the first contact is at least as exact as the
+        // distance that separates contacts.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
             self.tolerance
         };
-        let first = self.settle(self.start()?, tolerance);
+        let first = self.converge(self.start()?, tolerance);
         match first {
-            Ok(foot) if self.fits(&foot) && !(self.rugged && self.rivalled(&foot)) => Ok(foot),
+            Ok(foot) if self.fits(&foot) && !(self.rugged && self.has_rivals(&foot)) => Ok(foot),
             Err(GlideError::ContactLost { .. }) => first,
-            _ => self.highest(first.and_then(|foot| self.settle(foot, 0.0))),
+            _ => self.highest(first.and_then(|foot| self.converge(foot, 0.0))),
         }
     }
 
-    /// Beneath the tip's centre; where there is nothing, at the part of the object nearest to a
-    /// place above; failing that, where the object is touched by default.
+    /// Start of the search: beneath the tip's centre; otherwise at the point of the object closest to a point above;
+    /// otherwise at the object's default contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
         let Err(off_domain) = beneath else {
@@ -106,46 +108,52 @@ impl<S: Surface> Search<'_, S> {
         Foot::at(self.object, self.object.contact_at(at.x, at.y)?)
     }
 
-    /// Horizontal displacement to the tip's centre from the place where a contact at `foot` would put it.
+    /// Horizontal displacement from the centre of a tip that touches at `foot` to the actual centre.
     fn miss(&self, foot: &Foot) -> Vector2<f64> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method from `foot`, each step halved until the miss shrinks, until the miss and the next
-    /// step along the object are within the tolerance, or rounding allows no more.
-    fn settle(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
+    /// Newton's method from `foot`. Each step is halved until the miss decreases. The method ends when the miss and the next
+    /// step along the object are within the tolerance, or at the limit of rounding errors.
+    fn converge(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             let lengths = self.centre.norm() + foot.point.coords.xy().norm();
             if miss.norm() <= f64::EPSILON * lengths {
                 return Ok(foot);
             }
             let close = miss.norm() <= ACCEPTED_MISS * (lengths + self.radius);
             let Some(step) = foot.step(self.radius, &miss) else {
-                return if close { Ok(foot) } else { Err(self.two()) };
+                return if close {
+                    Ok(foot)
+                } else {
+                    Err(self.two_contacts())
+                };
             };
             let far = (step.norm() / foot.normal.z).max(miss.norm());
-            if far <= (STEP_SHARE * tolerance).min(LONGEST_LAST_STEP) * self.radius {
+            if far <= (STEP_SHARE * tolerance).min(MAX_LAST_STEP) * self.radius {
                 return Ok(foot);
             }
             if close {
-                // Rounding allows one more step at most.
+                // Rounding errors allow at most one more step.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }
-            match self.descend(&foot, &miss, &step, HALVINGS) {
+            match self.descend(&foot, &miss, &step, MAX_HALVINGS) {
                 Ok(next) => (foot, miss) = next,
-                Err(_) if foot.clearance(self.radius) < FOLD => return Err(self.two()),
-                Err(Some(_)) if foot.normal.z < SILHOUETTE => return Err(self.lost()),
+                Err(_) if foot.clearance(self.radius) < FOLD => return Err(self.two_contacts()),
+                Err(Some(_)) if foot.normal.z < SILHOUETTE => {
+                    return Err(GlideError::contact_lost(self.radius, &self.centre));
+                }
                 Err(Some(edge)) => return Err(edge.into()),
                 Err(None) => break,
             }
         }
-        Err(self.unsettled(miss.norm()))
+        Err(self.no_convergence(miss.norm()))
     }
 
-    /// The longest of the step and its halves that misses by less; if there is none, the edge of the
-    /// object that was in the way, if there was one.
+    /// The longest of the step and its halves that decreases the miss. If there is none, the error is the edge of the object
+    /// that was reached, if any.
     fn descend(
         &self,
         foot: &Foot,
@@ -173,8 +181,7 @@ impl<S: Surface> Search<'_, S> {
         Err(edge)
     }
 
-    /// Whether the object is rounder than the tip is hollow at `foot`, so that the tip can rest
-    /// there.
+    /// Whether the tip fits into the object at `foot`.
     fn fits(&self, foot: &Foot) -> bool {
         foot.clearance(self.radius) > ACCEPTED_MISS
     }
@@ -185,9 +192,9 @@ impl<S: Surface> Search<'_, S> {
         PLACES.iter().map(place)
     }
 
-    /// Whether there may be a contact higher than that at `foot`: at one of those places the object
-    /// reaches into the tip, or is too hollow for it.
-    fn rivalled(&self, foot: &Foot) -> bool {
+    /// Whether there may be a higher contact than `foot`: at one of these places the object extends into the tip, or the tip
+    /// does not fit.
+    fn has_rivals(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
         let inside = self.radius * (1.0 - TOUCHING) - rounding;
@@ -196,12 +203,12 @@ impl<S: Surface> Search<'_, S> {
             .any(|place| !self.fits(&place) || (place.point - centre).norm() < inside)
     }
 
-    /// The contact with the highest tip among those near the tops of a relief, and `first`.
+    /// The contact with the highest tip, among `first` and the contacts near the tops of a relief.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
         let relief = Relief::under(self.object, self.centre, self.radius);
         let reached = relief
             .tops()
-            .filter_map(|at| self.settle(self.foot(at).ok()?, 0.0).ok());
+            .filter_map(|at| self.converge(self.foot(at).ok()?, 0.0).ok());
         let height = |foot: &Foot| foot.tip_centre(self.radius).z;
         let mut best: Option<Foot> = None;
         let mut tied = false;
@@ -215,38 +222,95 @@ impl<S: Surface> Search<'_, S> {
             };
             let rise = height(&foot) - height(&highest);
             if rise.abs() <= TOUCHING * self.radius {
-                let apart = (foot.point - highest.point).norm();
-                tied |= apart > TOUCHING.sqrt() * self.radius;
+                let distance = (foot.point - highest.point).norm();
+                tied |= distance > TOUCHING.sqrt() * self.radius;
             } else if rise > 0.0 {
                 (best, tied) = (Some(foot), false);
             }
         }
         let Some(best) = best else {
-            return Err(first.err().unwrap_or_else(|| self.two()));
+            return Err(first.err().unwrap_or_else(|| self.two_contacts()));
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // The highest place led to no contact: at an edge of the object, or on a spike.
+            // There is no contact at the highest place: it is at an edge of the object, or on a spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
-                _ => self.unsettled(hidden),
+                _ => self.no_convergence(hidden),
             })
         } else if tied {
-            Err(self.two())
+            Err(self.two_contacts())
         } else {
             Ok(best)
         }
     }
 
-    fn unsettled(&self, miss: f64) -> GlideError {
-        GlideError::unsettled(self.radius, &self.centre, miss)
+    fn no_convergence(&self, miss: f64) -> GlideError {
+        GlideError::no_convergence(self.radius, &self.centre, miss)
     }
 
-    fn two(&self) -> GlideError {
-        GlideError::two(self.radius, &self.centre)
+    fn two_contacts(&self) -> GlideError {
+        GlideError::two_contacts(self.radius, &self.centre)
+    }
+}
+
+/// Heights of the object under the tip on a square grid: at each place, the height of the tip's centre if the tip touches
+/// there; −∞ if the object has no such place. The first contact is the highest place.
+struct Relief {
+    centre: Vector2<f64>,
+    spacing: f64,
+    heights: [[f64; SIDE]; SIDE],
+}
+
+impl Relief {
+    /// The relief under a tip of `radius` above `centre`.
+    fn under<S: Surface>(object: &S, centre: Vector2<f64>, radius: f64) -> Self {
+        let mut relief = Self {
+            centre,
+            spacing: radius / HALF as f64,
+            heights: [[f64::NEG_INFINITY; SIDE]; SIDE],
+        };
+        for row in 0..SIDE {
+            for column in 0..SIDE {
+                let at = relief.place(row, column);
+                let aside = (at - centre).norm();
+                if aside <= radius
+                    && let Ok(place) = object.contact_at(at.x, at.y)
+                {
+                    let rise = (radius - aside) * (radius + aside);
+                    relief.heights[row][column] = place.z + rise.sqrt();
+                }
+            }
+        }
+        relief
     }
 
-    fn lost(&self) -> GlideError {
-        GlideError::lost(self.radius, &self.centre)
+    /// The height of the highest place.
+    fn summit(&self) -> f64 {
+        self.heights
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The places without a higher neighbour.
+    fn tops(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
+        let places = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
+        places
+            .filter(|&(row, column)| self.is_top(row, column))
+            .map(|(row, column)| self.place(row, column))
+    }
+
+    fn is_top(&self, row: usize, column: usize) -> bool {
+        let height = self.heights[row][column];
+        let around = |line: usize| line.saturating_sub(1)..(line + 2).min(SIDE);
+        height > f64::NEG_INFINITY
+            && around(row).all(|r| around(column).all(|c| self.heights[r][c] <= height))
+    }
+
+    fn place(&self, row: usize, column: usize) -> Vector2<f64> {
+        let step = |line: usize| line as f64 - HALF as f64;
+        self.centre + Vector2::new(step(column), step(row)) * self.spacing
     }
 }

@@ -130,7 +130,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
             roller => roller.unwrap(),
         };
         let taken = roller
-            .measured(&[roller.choice().model], FREE, rolls)
+            .measure(&[roller.choice().model], FREE, rolls)
             .remove(0);
         // A roll that leaves the object has no error.
         let Ok(err) = taken.outcome else { continue };
@@ -141,7 +141,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
         assert!(err <= bound, "{what} errs by {err:e} > {bound:e}");
 
-        let all = roller.measured(&models(), FREE, rolls);
+        let all = roller.measure(&models(), FREE, rolls);
         let adequate = all.iter().filter(|rung| error(rung) <= scene.tolerance);
         let cheapest = adequate.min_by_key(|rung| rung.evaluations).unwrap();
         let (paid, least) = (taken.evaluations, cheapest.evaluations);
@@ -191,7 +191,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
     let rolls = Rolls { rolls: &rolls };
     let roller = start(100.0, 1e-6);
     assert!(roller.choice().reason.contains("too long"));
-    let taken = roller.measured(&[roller.choice().model], FREE, rolls);
+    let taken = roller.measure(&[roller.choice().model], FREE, rolls);
     let err = error(&taken[0]);
     assert!(err <= 1e-6, "{err:e}");
     // Many short motions are no long roll.

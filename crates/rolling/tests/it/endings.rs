@@ -1,17 +1,14 @@
 //! Rolls that end early, and rolls that cannot begin.
 
 use nalgebra::Point3;
-use palpate_geometry::SurfaceError;
-use palpate_rolling::{Chart, InvalidRoll, Model, Motion, Probe, RollFault, Roller, Rolls};
+use palpate_geometry::{Shape, SurfaceError};
+use palpate_rolling::{
+    Chart, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Roller, Rolls,
+};
 
 use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roll, roller, saddle, sphere};
 
-fn refused(
-    radius: f64,
-    object: palpate_geometry::Shape,
-    model: Model,
-    motion: Motion,
-) -> InvalidRoll {
+fn refused(radius: f64, object: Shape, model: Model, motion: Motion) -> InvalidRoll {
     let rolls = vec![vec![motion]];
     let probe = Probe::new(radius).unwrap();
     Roller::new(probe, object, (0.0, 0.0), model, Rolls { rolls: &rolls }).unwrap_err()
@@ -68,25 +65,30 @@ fn conforming_on_the_way_is_located() {
     assert!(error.time_s > 0.0 && error.time_s < 10.0);
 }
 
+/// Errors of a roll, in both forms of the equations, that ends at a wall.
+fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
+    [Chart::Free, Chart::Montana(Default::default())].map(|chart| {
+        let model = Model::Dop853 {
+            tolerance: 1e-12,
+            chart,
+        };
+        let roller = roller(1.0, object, (0.0, 0.0), model, motion);
+        let error = roller.roll(&[motion]).unwrap_err();
+        let is_wall = matches!(
+            error.fault,
+            RollFault::Surface(SurfaceError::OffDomain { .. })
+        );
+        assert!(is_wall, "{error}");
+        error
+    })
+}
+
 #[test]
 fn a_wall_is_located() {
     // Rolling off a tilted plane: the logarithm ends at x = 1.
     let object = height_field("x + 0*ln(1 - x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
-    for chart in [Chart::Free, Chart::Montana(Default::default())] {
-        let model = Model::Dop853 {
-            tolerance: 1e-12,
-            chart,
-        };
-        let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
-        let error = roller.roll(&[motion]).unwrap_err();
-        assert!(
-            matches!(
-                error.fault,
-                RollFault::Surface(SurfaceError::OffDomain { .. })
-            ),
-            "{error}"
-        );
+    for error in errors_at_wall(&object, motion) {
         assert!((error.time_s - 2.0_f64.sqrt()).abs() < 1e-11, "{error}");
         assert!(
             (error.on_object - Point3::new(1.0, 0.0, 1.0)).norm() < 1e-11,
@@ -101,20 +103,7 @@ fn a_vertical_wall_is_located() {
     let object = height_field("sqrt(1 - x)", &[]);
     let theta = libm::atan(2.0_f64) + 0.5 * 5.0_f64.sqrt() + 0.25 * libm::asinh(2.0_f64);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
-    for chart in [Chart::Free, Chart::Montana(Default::default())] {
-        let model = Model::Dop853 {
-            tolerance: 1e-12,
-            chart,
-        };
-        let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
-        let error = roller.roll(&[motion]).unwrap_err();
-        assert!(
-            matches!(
-                error.fault,
-                RollFault::Surface(SurfaceError::OffDomain { .. })
-            ),
-            "{error}"
-        );
+    for error in errors_at_wall(&object, motion) {
         // A height tells the slope near a vertical wall only to the root of its own precision.
         assert!(
             (error.time_s - theta).abs() < 1e-5,

@@ -1,161 +1,110 @@
-//! Builds a [`PressScene`] from its config.
-
-mod calibrated;
-mod camera;
-mod discs;
-mod estimator;
-mod straining;
+//! Builds a [`PressScene`] from its config: its model, its sensor and its estimator.
 
 use std::sync::OnceLock;
 
-use palpate_press::{Body, Contact, Markers, PressError, Skin};
+use palpate_chromatouch::Departure;
+use palpate_estimators::{
+    ImageEstimator, ImageFitSetup, LAYOUT, MarkerSphere, PressFitError, PressFitSetup, baseline,
+    body_error, departure_stds, within, within_sensor,
+};
+use palpate_press::{
+    Body, Bounds, Contact, ForwardFit, MarkerDisplacement, Markers, PressError, Skin,
+};
+use palpate_sensing::GaussianError;
 use palpate_statistics::Number;
-
-use self::camera::CameraPlan;
-use self::discs::DiscMarkers;
-use self::estimator::EstimatorPlan;
-use super::ladder::{Choice, PressRungs};
-use super::parts::Parts;
-use super::pressed::Pressed;
-use super::readings::MarkerNoise;
-use super::scene::{PressScene, PressSensor, TruePress};
-use super::soft_body::SoftBody;
-use super::words;
-use palpate_estimators::{LAYOUT, MarkerSphere};
 use palpate_study::FieldError;
-use palpate_study::config::{CameraConfig, PressConfig, PressEstimatorConfig, PressSensorConfig};
+use palpate_study::config::{
+    CameraConfig, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig,
+    PressSensorConfig,
+};
+
+use super::camera_calibration::RestFrames;
+use super::camera_model::{AT_REST, SimulatedCamera};
+use super::reading::{CameraPressSensor, PressNoise, PressSensor};
+use super::trial::{PressCase, PressEstimator, PressScene, given_indentation_std};
+use super::truth::{DiscMarkers, PressGeometry, SoftBody, TruePress};
+use crate::cache::SharedModels;
+use crate::ladder::{Accuracy, Ladder, Rung};
 
 /// Error of displacements from a layer's tables, relative to the largest displacement.
-const OF_TABLES: f64 = 1e-7;
+const TABLE_ERROR: f64 = 1e-7;
 /// Number of markers for which a direct solution costs as much as a layer's table.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
-    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `parts`.
+    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `models`.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the field that makes no scene.
-    pub fn new(config: &PressConfig, seed: u64, parts: &Parts) -> Result<Self, FieldError> {
+    pub fn new(config: &PressConfig, seed: u64, models: &SharedModels) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
-        let pressed = Pressed::of(&config.object, &config.motion, sphere.radius)?;
-        let look = Look::of(&config.sensor);
-        let rungs = PressRungs::of(&config.model, &sphere, look.camera.is_some())?;
-        let choice = rungs.choice(&markers, &pressed)?;
-        let shared = tables(config, &choice, places.len());
-        let layer = |thickness, depth| match shared {
-            Some(_) => parts.layer(thickness, depth),
+        let geometry = PressGeometry::new(config, sphere.radius)?;
+        let camera = camera_config(&config.sensor);
+        let rungs = PressRungs::new(&config.model, &sphere, camera.is_some())?;
+        let choice = rungs.choice(&markers, &geometry)?;
+        let tables = layer_with_tables(config, &choice, places.len());
+        let layer = |thickness, depth| match tables {
+            Some(_) => models.layer(thickness, depth),
             None => Body::solved_layer(thickness, depth),
         };
-        let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
-        let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
-        let contact = body.contact(&markers, &pressed).and_then(|contact| {
-            let place = markers.skin().place(pressed.at);
+        let body = SoftBody::new(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
+        let (has_tangential, frames) = match &config.sensor {
+            PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
+            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
+                (camera.tangential, camera.frames)
+            }
+        };
+        let noise = PressNoise::new(&config.noise, frames, places.len(), seed)?;
+        let setup = PressSetup {
+            config,
+            model: &choice.model,
+            sphere: &sphere,
+            markers: &markers,
+            places: &places,
+            geometry: &geometry,
+            body: &body,
+            models,
+            seed,
+        };
+        let contact = body.contact(&markers, &geometry).and_then(|contact| {
+            let place = markers.skin().place(geometry.at);
             markers.see(&place, contact.radius).map(|()| contact)
         });
-        let truth = true_press(&body, &markers, &pressed, &contact);
-        let sensor = match look.camera {
-            None => PressSensor::Direct,
-            Some(camera) => PressSensor::Camera(match &truth {
-                Ok(_) => CameraPlan {
-                    sphere: &sphere,
-                    camera,
-                    is_rendered: look.is_rendered,
-                    noise: &config.noise,
-                    model: &choice.model,
-                    seed,
-                    places: &places,
-                    discs: DiscMarkers::of(&sphere, &choice.model, &markers, &body, parts)?,
-                    parts,
-                }
-                .press(&pressed)?
-                .map(Box::new),
-                // If the contact failed there is nothing to image: keep the contact's error.
-                Err(error) => Err(*error),
-            }),
+        let case = match &contact {
+            Ok(contact) => setup.case(contact, camera)?,
+            Err(error) => PressCase::NoPress(*error),
         };
-        let estimator = EstimatorPlan {
-            estimator: &config.estimator,
-            model: &config.model,
-            sphere: &sphere,
-            body: &body,
-            shared,
-            markers: &markers,
-            pressed: &pressed,
-            noise: &noise,
-            sensed: sensed_stds(&sensor),
-            sensor: &sensor,
-            of_sensor: config.noise.sensor.as_ref(),
-            rest_frames: look
-                .camera
-                .map_or(1, |camera| camera.calibration.rest_frames),
-            parts,
-        };
-        // With a camera, the errors of the readings are not known at this point.
+        // With a camera, the errors of the readings are not available at this point.
         let bounds = contact
-            .as_ref()
             .ok()
-            .filter(|_| matches!(sensor, PressSensor::Direct))
-            .and_then(|contact| estimator.bounds(contact, look.tangential));
-        let method = estimator.method()?;
-        let resolved = &PressConfig {
-            model: choice.model.clone(),
-            ..config.clone()
-        };
-        let needs = [
-            words::of_model(&choice, &pressed, markers.skin(), &contact),
-            words::of_readings(&noise, &sensor, look.tangential, places.len(), resolved),
-            words::of_estimator(resolved, &method),
-        ];
+            .filter(|_| camera.is_none())
+            .and_then(|contact| setup.bounds(&noise, &contact, has_tangential));
+        let estimator = setup.estimator(&noise, &case, tables)?;
         Ok(Self {
-            seed,
-            truth,
+            config: config.clone(),
+            choice,
             places,
-            pressed,
-            sensor,
-            tangential: look.tangential,
+            has_tangential,
             noise,
-            method,
+            case,
+            estimator,
             bounds,
             rungs,
-            needs: needs.concat(),
             exact: OnceLock::new(),
+            geometry,
             markers,
             body,
         })
     }
 }
 
-/// Settings of the readings of a press.
-struct Look<'a> {
-    /// The camera; `None` if the markers are read directly.
-    camera: Option<&'a CameraConfig>,
-    /// Whether the camera renders frames.
-    is_rendered: bool,
-    /// Whether displacements along the skin are read.
-    tangential: bool,
-    /// Number of readings that are averaged.
-    frames: u32,
-}
-
-impl<'a> Look<'a> {
-    fn of(config: &'a PressSensorConfig) -> Self {
-        let by = |camera: &'a CameraConfig, is_rendered: bool| Self {
-            camera: Some(camera),
-            is_rendered,
-            tangential: camera.tangential,
-            frames: camera.frames,
-        };
-        match config {
-            PressSensorConfig::Direct { tangential, frames } => Self {
-                camera: None,
-                is_rendered: false,
-                tangential: *tangential,
-                frames: *frames,
-            },
-            PressSensorConfig::Projected(camera) => by(camera, false),
-            PressSensorConfig::Rendered(camera) => by(camera, true),
-        }
+/// The camera of a config, and whether it renders frames; `None` if the markers are read directly.
+const fn camera_config(config: &PressSensorConfig) -> Option<(&CameraConfig, bool)> {
+    match config {
+        PressSensorConfig::Direct { .. } => None,
+        PressSensorConfig::Projected(camera) => Some((camera, false)),
+        PressSensorConfig::Rendered(camera) => Some((camera, true)),
     }
 }
 
@@ -178,35 +127,357 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
 
 /// Thickness of the layer, if its tables compute the true displacements: the fit shares them or there are many
 /// markers, and they are accurate enough for `auto`.
-fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
-    let of_model = config.model.thickness();
+fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
+    let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
-        && config.estimator.layer(of_model) == of_model;
-    let is_good = choice
+        && config.estimator.layer(thickness) == thickness;
+    let is_accurate = choice
         .tolerance
-        .is_none_or(|tolerance| tolerance >= OF_TABLES);
+        .is_none_or(|tolerance| tolerance >= TABLE_ERROR);
     let layer = choice.model.thickness();
-    layer.filter(|_| is_good && (is_shared || markers > MANY_MARKERS))
+    layer.filter(|_| is_accurate && (is_shared || markers > MANY_MARKERS))
 }
 
-/// The true contact, and the true displacements of the markers.
-fn true_press(
-    body: &SoftBody,
-    markers: &Markers,
-    pressed: &Pressed,
-    contact: &Result<Contact<'_>, PressError>,
-) -> Result<TruePress, PressError> {
-    let contact = contact.as_ref().map_err(|error| *error)?;
-    Ok(TruePress {
-        contact_radius: contact.radius,
-        markers: body.moved(markers, pressed, contact)?,
-    })
+/// Inputs from which the parts of a press are built.
+pub(super) struct PressSetup<'a> {
+    pub(super) config: &'a PressConfig,
+    /// Model of the body, never `auto`.
+    pub(super) model: &'a PressModelConfig,
+    pub(super) sphere: &'a MarkerSphere<'a>,
+    pub(super) markers: &'a Markers,
+    /// Chart coordinates of the markers.
+    pub(super) places: &'a [[f64; 2]],
+    pub(super) geometry: &'a PressGeometry,
+    body: &'a SoftBody,
+    pub(super) models: &'a SharedModels,
+    pub(super) seed: u64,
 }
 
-/// Standard deviations of a camera's normal and tangential displacements, from its calibration.
-fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
-    match sensor {
-        PressSensor::Camera(Ok(camera)) => camera.sensor.stds,
-        PressSensor::Camera(Err(_)) | PressSensor::Direct => [None; 2],
+impl PressSetup<'_> {
+    /// The true press of a contact and its sensor, or why there is no press.
+    fn case(
+        &self,
+        contact: &Contact<'_>,
+        camera: Option<(&CameraConfig, bool)>,
+    ) -> Result<PressCase, FieldError> {
+        let discs = camera.map(|camera| {
+            DiscMarkers::new(
+                self.sphere,
+                self.model,
+                self.markers,
+                self.body,
+                self.models,
+            )
+            .map(|discs| (camera, discs))
+        });
+        let discs = discs.transpose()?;
+        let only_discs = discs.as_ref().map(|(_, discs)| discs);
+        let truth = TruePress::new(self.body, self.markers, self.geometry, contact, only_discs);
+        let truth = match truth {
+            Ok(truth) => truth,
+            Err(error) => return Ok(PressCase::NoPress(error)),
+        };
+        let sensor = match &discs {
+            None => PressSensor::Direct,
+            Some((camera, discs)) => {
+                let sensor = CameraPressSensor::new(self, *camera, discs, &truth)?;
+                PressSensor::Camera(Box::new(sensor))
+            }
+        };
+        Ok(PressCase::Press { truth, sensor })
+    }
+
+    /// The estimator of the config; `tables` is the thickness of the body's layer, if fits can share its tables.
+    fn estimator(
+        &self,
+        noise: &PressNoise,
+        case: &PressCase,
+        tables: Option<f64>,
+    ) -> Result<PressEstimator, FieldError> {
+        let PressConfig {
+            estimator, model, ..
+        } = self.config;
+        match estimator.layer(model.thickness()) {
+            Some(thickness) => {
+                within_sensor("scene.estimator.thickness", thickness, self.sphere.radius)?;
+            }
+            None if matches!(estimator, PressEstimatorConfig::BondedLayer { .. }) => {
+                return Err(FieldError::at("scene.estimator", "`thickness` is missing"));
+            }
+            None => {}
+        }
+        let camera = case.camera();
+        let camera_stds = camera.map_or([None; 2], |camera| camera.calibration.stds);
+        let is_stated = estimator.priors().noise == NoiseKnown::Stated;
+        let stated = |error: GaussianError, camera_std: Option<f64>| {
+            let std = libm::hypot(error.std(), camera_std.unwrap_or(0.0));
+            Some(std).filter(|&std| is_stated && std > 0.0)
+        };
+        let setup = PressFitSetup {
+            estimator,
+            model,
+            body: &self.body.body,
+            shared: tables,
+            layer: &|thickness, depth| self.models.layer(thickness, depth),
+            markers: self.markers,
+            marker_depth: self.sphere.marker_depth,
+            calibrated_at: Some(self.geometry.indentation),
+            knows_indentation: given_indentation_std(estimator).is_some(),
+            stds: [
+                stated(noise.normal, camera_stds[0]),
+                stated(noise.tangential, camera_stds[1]),
+            ],
+        };
+        let fit = setup.fit();
+        if let Err(PressFitError::Setting(error)) = fit {
+            return Err(body_error("scene.estimator", error));
+        }
+        let images = match (camera, camera_config(&self.config.sensor)) {
+            (Some(sensor), Some((config, _))) => {
+                let frames = RestFrames::new(&sensor.camera, config.calibration.rest_frames);
+                self.image_estimator(&sensor.camera, &frames)?
+            }
+            _ => None,
+        };
+        Ok(match fit {
+            Ok(fit) => PressEstimator::Fit(fit, images),
+            Err(error) => PressEstimator::NoFit(error.into_inner()),
+        })
+    }
+
+    /// The fit of marker images; `None` if the config uses another estimator.
+    fn image_estimator(
+        &self,
+        camera: &SimulatedCamera,
+        frames: &RestFrames,
+    ) -> Result<Option<ImageEstimator>, FieldError> {
+        let noise = self.config.noise.sensor.as_ref();
+        let setup = ImageFitSetup {
+            estimator: &self.config.estimator,
+            model: &self.config.model,
+            sphere: self.sphere,
+            markers: self.markers,
+            optics: &camera.optics,
+            stds: noise.map_or([0.0; Departure::NUMBERS], departure_stds),
+            departure_prior: None,
+            layers: &|thickness, depths| self.models.layers(thickness, depths),
+        };
+        let Some(fit) = setup.fit()? else {
+            return Ok(None);
+        };
+        let rest = frames
+            .measurements(AT_REST)
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
+        let rest = rest.iter().map(|one| Some(one.as_ref()?.image()));
+        Ok(Some(ImageEstimator::new(fit, rest.collect())))
+    }
+
+    /// Cramér–Rao bounds for the readings, if the fit assumes the model's own body.
+    fn bounds(
+        &self,
+        noise: &PressNoise,
+        contact: &Contact<'_>,
+        has_tangential: bool,
+    ) -> Option<Bounds> {
+        let estimator = &self.config.estimator;
+        let priors = estimator.priors();
+        let drawn = |error: GaussianError| error.is_random().then(|| error.std());
+        let fit = ForwardFit {
+            baseline: baseline(priors.baseline),
+            gain: within(drawn(noise.gain).unwrap_or(priors.gain_std?)),
+            normal_std: drawn(noise.normal),
+            tangential_std: drawn(noise.tangential),
+            ..ForwardFit::new(self.body.body.clone())
+        };
+        let indentation_std = given_indentation_std(estimator)
+            .map(|std| drawn(noise.indentation.error).unwrap_or(std));
+        let at = self.geometry.at;
+        fit.bounds(self.markers, contact, at, has_tangential, indentation_std)
+    }
+}
+
+/// The model used, and why.
+#[derive(Clone, Debug)]
+pub(super) struct Choice {
+    /// Model in the form of a config: never `auto`.
+    pub(super) model: PressModelConfig,
+    pub(super) reason: String,
+    /// Tolerance of `auto`; `None` if the config names a model.
+    pub(super) tolerance: Option<f64>,
+}
+
+/// `auto` accepts no smaller tolerance: the solved layer is not more accurate.
+const SMALLEST_TOLERANCE: f64 = 1e-9;
+const LARGEST_TOLERANCE: f64 = 1.0;
+
+/// Models that can compute a press, and the depths at which their displacements are compared.
+#[derive(Clone, Debug)]
+pub(super) struct PressRungs {
+    /// Model of the config, which may be `auto`.
+    requested: PressModelConfig,
+    radius: f64,
+    /// Depth of the markers (midway between their discs) and, with a camera, of both discs.
+    depths: Vec<f64>,
+}
+
+impl PressRungs {
+    fn new(
+        requested: &PressModelConfig,
+        sphere: &MarkerSphere<'_>,
+        has_camera: bool,
+    ) -> Result<Self, FieldError> {
+        let mut depths = vec![sphere.marker_depth];
+        if has_camera {
+            let discs = sphere.disc_depths()?;
+            depths.extend([discs.magenta, discs.yellow]);
+        }
+        Ok(Self {
+            requested: requested.clone(),
+            radius: sphere.radius,
+            depths,
+        })
+    }
+
+    /// The model of a press: the one that the config names, or the choice of `auto`.
+    fn choice(&self, markers: &Markers, geometry: &PressGeometry) -> Result<Choice, FieldError> {
+        let PressModelConfig::Auto { tolerance, .. } = self.requested else {
+            return Ok(Choice {
+                model: self.requested.clone(),
+                reason: "named in the config".to_owned(),
+                tolerance: None,
+            });
+        };
+        if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&tolerance) {
+            let message = format!(
+                "is {tolerance:e}; must be from {SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}"
+            );
+            return Err(FieldError::at("scene.model.tolerance", message));
+        }
+        let rungs = self.measure(markers, geometry)?;
+        let reference = self.requested.reference();
+        let first = rungs.iter().find_map(|(model, accuracy)| {
+            let error = accuracy.error().filter(|&error| error <= tolerance)?;
+            Some((model, error))
+        });
+        let (model, reason) = match first {
+            Some((model, error)) if *model != reference => {
+                let reason = format!(
+                    "the cheapest that meets {tolerance:.0e}: errs by {error:.1e} of the largest displacement"
+                );
+                (model.clone(), reason)
+            }
+            _ => {
+                let cheaper = rungs.iter().rev().nth(1);
+                let reason = match cheaper.and_then(|(_, accuracy)| accuracy.error()) {
+                    Some(error) => {
+                        format!("the next cheaper errs by {error:.1e} of the largest displacement")
+                    }
+                    None => "there is no press to hold a cheaper one against".to_owned(),
+                };
+                (reference, reason)
+            }
+        };
+        Ok(Choice {
+            model,
+            reason,
+            tolerance: Some(tolerance),
+        })
+    }
+
+    /// All models, cheapest first; their errors are relative to the last one.
+    fn measure(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<(PressModelConfig, Accuracy)>, FieldError> {
+        let poisson = self.requested.poisson();
+        let layer = self.requested.thickness();
+        let layer = layer.map(|thickness| PressModelConfig::BondedLayer { thickness });
+        let models = [
+            PressModelConfig::Hertz { poisson },
+            PressModelConfig::HalfSpace { poisson },
+        ];
+        let models: Vec<PressModelConfig> = models.into_iter().chain(layer).collect();
+        let bodies: Vec<Vec<SoftBody>> = models
+            .iter()
+            .map(|model| self.bodies(model))
+            .collect::<Result<_, _>>()?;
+        let moved = bodies.iter().map(|bodies| {
+            let moved = bodies
+                .iter()
+                .map(|body| body.displacements(markers, geometry));
+            Ok(moved.collect::<Result<Vec<_>, PressError>>()?.concat())
+        });
+        let moved: Vec<Result<Vec<MarkerDisplacement>, PressError>> = moved.collect();
+        let reference = moved.last().cloned().unwrap_or(Ok(Vec::new()));
+        let accuracies = moved.iter().map(|moved| match (&reference, moved) {
+            (Err(error), _) | (_, Err(error)) => Accuracy::Impossible(error.to_string()),
+            (Ok(reference), Ok(moved)) => relative_error(moved, reference),
+        });
+        Ok(models.into_iter().zip(accuracies).collect())
+    }
+
+    /// The ladder of a press.
+    pub(super) fn ladder(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Ladder, FieldError> {
+        let choice = self.choice(markers, geometry)?;
+        let rungs = self.measure(markers, geometry)?.into_iter();
+        let rungs: Vec<Rung> = rungs
+            .map(|(model, accuracy)| Rung {
+                name: name(&model),
+                model: ModelConfig::Press(model),
+                accuracy,
+            })
+            .collect();
+        Ok(Ladder {
+            reference: Some(rungs.len() - 1),
+            ..Ladder::new(
+                rungs,
+                &ModelConfig::Press(choice.model),
+                choice.reason,
+                choice.tolerance,
+            )
+        })
+    }
+
+    /// Bodies of a model at all depths.
+    fn bodies(&self, model: &PressModelConfig) -> Result<Vec<SoftBody>, FieldError> {
+        let body = |&depth| SoftBody::new(model, self.radius, depth, Body::solved_layer);
+        self.depths.iter().map(body).collect()
+    }
+}
+
+/// Largest difference from the `reference`, relative to its largest displacement.
+fn relative_error(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> Accuracy {
+    let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
+    let differences = moved.iter().zip(reference).map(|(one, other)| {
+        let tangential = [0, 1].map(|axis| one.tangential[axis] - other.tangential[axis]);
+        size(one.normal - other.normal, tangential)
+    });
+    let sizes = reference.iter().map(|one| size(one.normal, one.tangential));
+    let (difference, size) = (differences.fold(0.0, f64::max), sizes.fold(0.0, f64::max));
+    let error = if difference > 0.0 {
+        difference / size
+    } else {
+        0.0
+    };
+    match error.is_finite() {
+        true => Accuracy::Error(error),
+        false => {
+            let reason = "no marker moves, so that no error is relative to it";
+            Accuracy::Impossible(reason.to_owned())
+        }
+    }
+}
+
+fn name(model: &PressModelConfig) -> String {
+    match model {
+        PressModelConfig::Auto { tolerance, .. } => format!("auto, tolerance {tolerance:e}"),
+        PressModelConfig::Hertz { .. } => "Hertz contact, at the surface".to_owned(),
+        PressModelConfig::HalfSpace { .. } => "half-space, at the markers' depth".to_owned(),
+        PressModelConfig::BondedLayer { .. } => "bonded layer, solved".to_owned(),
     }
 }

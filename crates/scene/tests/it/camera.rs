@@ -194,7 +194,7 @@ fn an_estimate_knows_what_its_camera_errs_by() {
 fn a_trace_has_what_the_camera_saw() {
     let press = scene(&text(r#"kind = "rendered", size_px = 265"#, ""));
     let trace = press.trace(None, LengthUnit::Mm).unwrap();
-    let seen = trace.seen.unwrap();
+    let seen = trace.camera.unwrap();
     assert_eq!(
         seen.markers.header.join(","),
         "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status"

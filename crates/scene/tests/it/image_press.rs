@@ -1,6 +1,6 @@
 //! Presses that are estimated from the markers' pictures.
 
-use palpate_scene::{Outcome, Parts, Scene, Scenes};
+use palpate_scene::{Outcome, Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
 
 /// A press by a camera on a ball of 40 mm with this noise, and further keys of its estimator.
@@ -28,7 +28,7 @@ fn text(sensor: &str, noise: &str, model: &str) -> String {
 fn scene(text: &str) -> Scene {
     let study = parse("pictures.toml", text).expect("a study");
     let cell = study.cell(0).expect("a cell");
-    let scene = study.estimable_scene_of(0, &cell, &Parts::default());
+    let scene = study.estimable_scene_of(0, &cell, &SharedModels::default());
     scene.expect("a scene")
 }
 
@@ -119,7 +119,7 @@ fn bounds_are_in_order() {
     let [quiet, noisy] = [2.0, 4.0].map(press);
     let [low, high] = [&quiet, &noisy].map(|press| press.pixel_std_bound().expect("frames"));
     assert!((high / low - 2.0).abs() < 1e-3, "{low} {high}");
-    let judged = noisy.judged_curvature(0).expect("an estimate");
+    let judged = noisy.curvature_score(0).expect("an estimate");
     let bound = judged.std_bound.expect("pictures");
     assert!(bound > high, "{bound} {high}");
     assert!(

@@ -23,8 +23,8 @@ fn roll(object: &str, contact: &str, model: &str) -> String {
 
 /// The rung that is taken errs by at most the tolerance, and no cheaper one does.
 fn keeps_its_word(ladder: &Ladder) {
-    let error = ladder.taken().outcome.as_ref().unwrap();
-    assert!(*error <= ladder.tolerance.unwrap(), "{ladder:#?}");
+    let error = ladder.taken().accuracy.error().unwrap();
+    assert!(error <= ladder.tolerance.unwrap(), "{ladder:#?}");
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     // The meridian cannot: its contact is no apex of a graph.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
-    assert!(meridian.outcome.is_err());
+    assert_eq!(meridian.accuracy.error(), None);
 }
 
 #[test]
@@ -56,13 +56,13 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
     let ladder = study.ladder(0).unwrap().unwrap();
     keeps_its_word(&ladder);
     let arc_length = |scene: &Scene| scene.truth(4).unwrap();
-    let error = |rung: &&Rung| rung.outcome.clone().unwrap_or(f64::INFINITY);
+    let error = |rung: &&Rung| rung.accuracy.error().unwrap_or(f64::INFINITY);
     let finest = |one: &&Rung, other: &&Rung| error(one).total_cmp(&error(other));
     let finest = ladder.rungs.iter().min_by(finest).unwrap();
     let truth = arc_length(&study.with_model(0, finest).unwrap());
     let mut judged = 0;
     for rung in &ladder.rungs {
-        let Ok(error) = rung.outcome else {
+        let Some(error) = rung.accuracy.error() else {
             assert!(study.with_model(0, rung).is_err(), "{}", rung.name);
             continue;
         };
@@ -124,7 +124,7 @@ fn glides_that_are_searched_for_err_by_less_than_their_tolerance() {
         keeps_its_word(&ladder);
         let model = ModelConfig::Glide(GlideModelConfig::Newton { tolerance });
         assert_eq!(ladder.taken().model, model);
-        assert!(ladder.rungs[0].outcome.is_err());
+        assert_eq!(ladder.rungs[0].accuracy.error(), None);
     }
     let study = config::parse("study.toml", &text(r#"model = { kind = "closed-form" }"#)).unwrap();
     let error = study.scene(0).unwrap_err();
@@ -159,7 +159,7 @@ fn taken(text: &str) -> (String, f64) {
     let ladder = ladder(text);
     keeps_its_word(&ladder);
     let rung = ladder.taken();
-    (rung.name.clone(), rung.outcome.clone().unwrap())
+    (rung.name.clone(), rung.accuracy.error().unwrap())
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     let [_, half_space, layer] = &ladder.rungs[..] else {
         panic!("{ladder:#?}");
     };
-    assert!(*half_space.outcome.as_ref().unwrap() < 2e-2 && layer.outcome == Ok(0.0));
+    assert!(half_space.accuracy.error().unwrap() < 2e-2 && layer.accuracy.error() == Some(0.0));
     let thick = press(0.01, &auto(20.0, 0.02), 1e-9, HALF_SPACE);
     assert!(taken(&thick).0.starts_with("half-space"));
 }

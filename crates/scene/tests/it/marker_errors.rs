@@ -51,13 +51,13 @@ impl Look {
 
     fn found(&mut self, frame: u64) -> Found {
         let mut noise = Stream::new(5, frame, Channel::Pixel);
-        let frame = self.optics.rendered(&self.motions, Some(&mut noise));
+        let frame = self.optics.render(&self.motions, Some(&mut noise));
         let found = self.finder.find(&frame.expect("a frame"));
         found.expect("markers")
     }
 
     fn projected(&self) -> Vec<[f64; 4]> {
-        let seen = self.optics.projected(&self.motions).expect("a projection");
+        let seen = self.optics.project(&self.motions).expect("a projection");
         let numbers = seen.into_iter().flatten().map(|seen| {
             let [x, y] = seen.centroid_px;
             [x, y, seen.hue_turns, libm::log(seen.size_px2)]

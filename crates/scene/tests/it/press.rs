@@ -170,8 +170,13 @@ fn noise_has_the_stated_size_and_frames_average_it() {
                 count += 1.0;
             }
         }
-        let told = (0..500).map(|trial| (press.told_indentation(Some(trial)) - 1.0).powi(2));
-        let indentation: f64 = told.sum::<f64>() / 500.0;
+        let stated = (0..500).map(|trial| {
+            let trace = press.trace(Some(trial), LengthUnit::Mm).unwrap();
+            let (_, text) = trace.what.split_once("indentation of ").unwrap();
+            let stated: f64 = text.split(' ').next().unwrap().parse().unwrap();
+            (stated - 1.0).powi(2)
+        });
+        let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
     // 4,620 draws: their standard deviation is good to 1 %, that of 500 to 3 %.
@@ -403,7 +408,7 @@ fn what_a_scene_needs_is_told() {
     );
     let surface = needs(PLANE, "1.0", "model = { kind = \"hertz\" }\n");
     assert!(
-        surface.contains("warning: the model moves markers as at the surface"),
+        surface.contains("warning: the model moves the markers as if they were at the surface"),
         "{surface}"
     );
     let frames = needs(

@@ -84,7 +84,7 @@ impl ConfigError {
 /// A problem in a part of the tree, before the text is at hand to show it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
-    pub(super) span: Option<Span>,
+    pub(super) span: Option<Range<usize>>,
     pub(super) path: String,
     pub(super) message: String,
 }
@@ -199,5 +199,27 @@ impl Source {
             format!("{}:{line_number}:{}", self.file, column + 1),
             details,
         )
+    }
+}
+
+/// A problem in a field of a config, without its location in a text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldError {
+    /// Path of the field, such as `scene.object.radius`.
+    pub path: String,
+    /// Problem in words.
+    pub message: String,
+    /// Byte range of the wrong part of the field's text.
+    pub part: Option<Range<usize>>,
+}
+
+impl FieldError {
+    /// An error of a whole field.
+    pub fn at(path: impl Into<String>, message: impl ToString) -> Self {
+        Self {
+            path: path.into(),
+            message: message.to_string(),
+            part: None,
+        }
     }
 }

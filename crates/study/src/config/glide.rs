@@ -1,14 +1,11 @@
 //! The config of a glide: fingers slide over a patch of an object, and the patch's curvature is estimated.
 
-mod estimator;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::glide_estimator::GlideEstimatorConfig;
 use super::object::ObjectConfig;
-use super::pads::{PadLayout, right_angle};
-
-pub use estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
+use super::roll::{PadLayout, right_angle};
 
 /// Fingers slide over an object in parallel vertical planes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

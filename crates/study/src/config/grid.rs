@@ -1,7 +1,8 @@
-//! The cells of a study: every combination of its axes' rows, the first axis slowest.
+//! The cells of a study: all combinations of its axes' rows. The first axis varies slowest.
 
 use super::error::Fault;
 use super::schema::{SCHEMA, alternatives};
+use super::study::StudyConfig;
 use super::sweep::{Axis, SweptValue, Target};
 use super::tree::{Node, Value};
 use super::validate::{self, kinds_with};
@@ -11,11 +12,11 @@ use super::validate::{self, kinds_with};
 pub(super) struct Grid {
     pub(super) base: Node,
     pub(super) axes: Vec<Axis>,
-    /// Fields of the config that a swept one stands in place of.
+    /// Fields of the config that swept fields replace.
     pub(super) replaced: Vec<Replaced>,
 }
 
-/// Field that states in another way what a swept one does.
+/// A field that is an alternative to a swept field.
 #[derive(Debug, Clone)]
 pub(super) struct Replaced {
     pub(super) path: String,
@@ -25,7 +26,8 @@ pub(super) struct Replaced {
 }
 
 impl Grid {
-    /// Cells of a config and axes; the config loses what cannot stand beside a swept field and is not swept itself.
+    /// The cells of a config and axes. Removes fields from the config that are alternatives to a swept field and are not
+    /// swept themselves.
     pub(super) fn new(mut base: Node, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
@@ -57,7 +59,7 @@ impl Grid {
         self.axes.iter().flat_map(|axis| &axis.targets)
     }
 
-    /// Fields that a cell sets, with its value for each, in the order of [`Grid::targets`].
+    /// The swept fields with their values in a cell, in the order of [`Grid::targets`].
     pub(super) fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, SweptValue)> {
         let rows = self.axes.iter().zip(self.rows_of(cell));
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
@@ -79,7 +81,7 @@ impl Grid {
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
     }
 
-    /// The swept values of a cell as results show them.
+    /// The swept values of a cell, as in results.
     pub(super) fn coordinates(&self, cell: usize) -> Vec<String> {
         self.settings(cell)
             .map(|(_, setting)| setting.text().into_owned())
@@ -94,7 +96,7 @@ impl Grid {
         pairs.collect::<Vec<_>>().join(", ")
     }
 
-    /// The axis that sets a field, and the field's place among those that it sets.
+    /// The axis that sets a field, and the field's index among the fields of this axis.
     pub(super) fn axis(&self, path: &str) -> Option<(&Axis, usize)> {
         self.axes.iter().find_map(|axis| {
             let place = axis.targets.iter().position(|target| target.path == path);
@@ -102,22 +104,57 @@ impl Grid {
         })
     }
 
-    /// The tree of a cell; or the tree as far as it came, with the fault of the path that names nothing.
+    /// The tree of a cell. If a path names no field, the error is the incomplete tree with the fault.
     pub(super) fn tree(&self, cell: usize) -> Result<Node, (Node, Fault)> {
         let mut tree = self.base.clone();
         for (target, setting) in self.settings(cell) {
             write_defaults(&mut tree, target);
             if let Err(reason) = tree.set(&target.path, setting.node, &target.span) {
-                let reason = left_out(&tree, &target.path).unwrap_or(reason);
+                let reason = missing_parent(&tree, &target.path).unwrap_or(reason);
                 let message = format!("the sweep path names nothing: {reason}");
                 return Err((tree, Fault::at(&target.span, message).under(&target.path)));
             }
         }
         Ok(tree)
     }
+
+    /// Whether no swept value is a table, a list or a `kind`. Then each value can be validated by itself.
+    pub(super) fn has_plain_values(&self) -> bool {
+        let mut targets = self.targets();
+        let is_plain =
+            |value: &SweptValue| !matches!(value.node.value, Value::Table(_) | Value::Array(_));
+        let is_kind = |path: &str| path.rsplit('.').next() == Some("kind");
+        !targets.any(|target| is_kind(&target.path))
+            && self.axes.iter().all(|axis| {
+                axis.is_range() || (0..axis.len()).all(|row| axis.row(row).iter().all(is_plain))
+            })
+    }
+
+    /// The config of a cell whose values have been validated one by one, if that is sufficient; `None` if the cell must be
+    /// validated by the schema. `base` is the tree of the grid.
+    pub(super) fn quick_config(&self, base: &toml::Value, cell: usize) -> Option<StudyConfig> {
+        let mut tree = base.clone();
+        for (target, setting) in self.settings(cell) {
+            let (parents, last) = target.path.rsplit_once('.').unwrap_or(("", &target.path));
+            let mut keys = parents.split('.').filter(|key| !key.is_empty());
+            let parent = keys.try_fold(&mut tree, |node, key| match node {
+                toml::Value::Table(table) => table.get_mut(key),
+                toml::Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
+                _ => None,
+            })?;
+            let value = setting.node.to_toml();
+            match parent {
+                toml::Value::Table(table) => drop(table.insert(last.to_owned(), value)),
+                toml::Value::Array(items) => *items.get_mut(last.parse::<usize>().ok()?)? = value,
+                _ => return None,
+            }
+        }
+        let config: StudyConfig = tree.try_into().ok()?;
+        config.scene.check().ok().map(|()| config)
+    }
 }
 
-/// Writes the tables and lists that a swept field lies in, as far as they are left out, with their defaults.
+/// Adds the missing tables and lists that contain a swept field, with their defaults.
 fn write_defaults(tree: &mut Node, target: &Target) {
     let path = &target.path;
     for (end, _) in path.match_indices('.') {
@@ -133,16 +170,16 @@ fn write_defaults(tree: &mut Node, target: &Target) {
         let Some(default) = Node::of_default(default, &target.span) else {
             return;
         };
-        // A parent that cannot be set is told with the field itself.
+        // If a parent cannot be set, setting the field itself reports the error.
         if tree.set(parent, default, &target.span).is_err() {
             return;
         }
     }
 }
 
-/// Reason, in words, why a path leads nowhere in a tree although the schema has it: a table that is left out and has no
-/// default, or that is of another kind, or a word.
-fn left_out(tree: &Node, path: &str) -> Option<String> {
+/// Reason why a path names no field of a tree although the schema has the field: its table is missing and has no default, or
+/// it is of another kind, or it is not a table.
+fn missing_parent(tree: &Node, path: &str) -> Option<String> {
     let is_table = |node: &Node| matches!(node.value, Value::Table(_) | Value::Array(_));
     let mut ends = path.match_indices('.').map(|(end, _)| end);
     let end = ends.find(|&end| !tree.at(&path[..end]).is_some_and(is_table))?;

@@ -1,7 +1,6 @@
 //! Reading of a study: from a file or a text to validated cells.
 
 use super::error::{ConfigError, Fault, Source};
-use super::flat::{is_flat, trusted};
 use super::grid::Grid;
 use super::plot::PlotConfig;
 use super::schema::SCHEMA;
@@ -9,14 +8,14 @@ use super::study::StudyConfig;
 use super::sweep::{Axis, SweptValue};
 use super::tree::{Node, Value};
 use super::{plot, sample, schema, sweep, tree, validate};
-use crate::limited::read_limited;
+use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
 use serde_json::Value as Json;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Largest config that is read, MiB.
-const MOST_MIB: u64 = 16;
+/// Largest size of a config, MiB.
+const MAX_MIB: u64 = 16;
 
 /// A study: a valid config. Its cells are valid too, as far as [`Study::sample`] says.
 #[derive(Debug, Clone)]
@@ -66,7 +65,7 @@ pub enum SweptKind {
 /// When the file cannot be read, is not UTF-8, or as [`parse`].
 pub fn load(path: &Path) -> Result<Study, ConfigError> {
     let file = path.display().to_string();
-    let bytes = read_limited(path, MOST_MIB).map_err(|error| {
+    let bytes = read_limited(path, MAX_MIB).map_err(|error| {
         let message = match error.kind() {
             ErrorKind::NotFound => "no such file".to_string(),
             ErrorKind::IsADirectory => "is a directory, not a config".to_string(),
@@ -175,7 +174,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
         config,
         paths,
         columns,
-        flat: is_flat(&grid).then(|| grid.base.to_toml()),
+        flat: grid.has_plain_values().then(|| grid.base.to_toml()),
         source,
         grid,
         sample,
@@ -404,7 +403,7 @@ impl Study {
             return Err(ConfigError::of_file(&self.source.file, message));
         }
         let base = self.flat.as_ref();
-        let mut config = match base.and_then(|base| trusted(base, &self.grid, number)) {
+        let mut config = match base.and_then(|base| self.grid.quick_config(base, number)) {
             Some(config) => config,
             None => checked(&self.source, &self.grid, number)?,
         };

@@ -2,11 +2,12 @@
 
 mod check;
 
-use super::output::Output;
 use super::validate::NAME;
 use crate::{Statistic, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::study::Output;
 use std::collections::BTreeMap;
 
 pub(super) use check::{check, check_alone};

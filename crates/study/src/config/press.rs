@@ -1,17 +1,10 @@
 //! The config of a press: a soft spherical fingertip with markers under its skin is pressed onto an object once.
 
-mod camera;
-mod estimator;
-mod layout;
-mod zero;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use camera::{CalibrationConfig, CameraConfig, NormalFrom, ShownMarkers};
-pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
-pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
-use zero::is_zero;
+use super::marker_sensor::{LayoutConfig, LayoutTable, PressProbeConfig, PressSensorConfig};
+use super::press_estimator::PressEstimatorConfig;
 
 /// A sensor is pressed onto an object, and the object's curvature is estimated from how its markers move.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -67,8 +60,8 @@ impl PressConfig {
                 "how a layer moves sideways is not modelled: must be 0, or the model a half-space",
             ));
         }
-        let is_seen = !matches!(self.sensor, PressSensorConfig::Direct { .. });
-        if matches!(self.estimator, PressEstimatorConfig::Image { .. }) && !is_seen {
+        let has_camera = !matches!(self.sensor, PressSensorConfig::Direct { .. });
+        if matches!(self.estimator, PressEstimatorConfig::Image { .. }) && !has_camera {
             return Err((
                 "scene.estimator",
                 "a fit of pictures needs a camera: let `scene.sensor` be `projected` or `rendered`",
@@ -86,10 +79,8 @@ impl PressConfig {
             _ => Ok(()),
         }
     }
-}
 
-impl PressConfig {
-    /// Discs strain where it is known by how much.
+    /// The discs may only strain if the strain of the skin is known.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
         if discs.as_ref().is_none_or(|discs| discs.strain == 0.0) {
@@ -111,7 +102,7 @@ impl PressConfig {
         Ok(())
     }
 
-    /// A sensor has the noise and the blemishes of its kind.
+    /// A sensor may only have the noise and the imperfections of its kind.
     fn check_sensor(&self) -> Result<(), (&'static str, &'static str)> {
         let noise = &self.noise;
         let of_pictures = [
@@ -160,61 +151,6 @@ impl PressConfig {
             }
         }
     }
-}
-
-/// The sensor that presses.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum PressProbeConfig {
-    /// A soft sphere with markers under its skin.
-    MarkerSphere {
-        /// Radius of the skin.
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-        radius: f64,
-        /// How far under the skin the markers lie, less than the radius; where a marker is made of two discs, the mean of their depths.
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        marker_depth: f64,
-        /// Places of the markers along the skin.
-        #[serde(default)]
-        layout: LayoutConfig,
-        /// The two discs that each marker is made of; a camera sees nothing else.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        discs: Option<DiscsConfig>,
-        /// Number of steps in which a gore's outline is drawn from the apex to the equator, on the flat pattern that
-        /// the skin is cut from.
-        #[serde(default = "outline")]
-        #[schemars(extend("minimum" = 1, "maximum" = 1000))]
-        outline_samples: u32,
-    },
-}
-
-fn outline() -> u32 {
-    24
-}
-
-/// The two discs that each marker is made of.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DiscsConfig {
-    /// Diameter of the magenta disc, the inner one.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-    pub magenta_diameter: f64,
-    /// Diameter of the yellow disc, the outer one.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-    pub yellow_diameter: f64,
-    /// How far the yellow disc lies above the magenta one; `marker_depth` is midway.
-    #[serde(default)]
-    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-    pub separation: f64,
-    /// How far the discs of a marker are apart along the skin by manufacture, at most, as a share of the yellow diameter; drawn once per seed.
-    #[serde(default)]
-    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
-    pub misalignment: f64,
-    /// Share of the skin's strain in a press that the discs take part in: 0 of rigid discs, 1 of discs as soft as the skin. They
-    /// stay circles, as much wider as their area grows; of an incompressible skin.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
-    pub strain: f64,
 }
 
 /// The object that is pressed on.
@@ -328,8 +264,8 @@ impl PressModelConfig {
         }
     }
 
-    /// Model that `auto` is held against: the layer where there is one, else the half-space. A model other than `auto`
-    /// is its own.
+    /// Model with which `auto` is compared: the layer if there is one, otherwise the half-space. Any other model is its own
+    /// reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -338,43 +274,6 @@ impl PressModelConfig {
             } => Self::BondedLayer { thickness },
             Self::Auto { poisson, .. } => Self::HalfSpace { poisson },
             ref named => named.clone(),
-        }
-    }
-}
-
-/// The sensor that reads the markers' displacements.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum PressSensorConfig {
-    /// Every marker's displacement is read, without a camera in between.
-    Direct {
-        /// Whether displacements along the skin are read too.
-        #[serde(default = "yes")]
-        tangential: bool,
-        /// How many readings are averaged, which divides the noise of displacements by its square root.
-        #[serde(default = "one")]
-        #[schemars(extend("minimum" = 1))]
-        frames: u32,
-    },
-    /// A camera in the sensor's centre, whose picture of each marker is computed without pixels.
-    Projected(CameraConfig),
-    /// A camera in the sensor's centre: frames are rendered, and the markers found and tracked in them.
-    Rendered(CameraConfig),
-}
-
-fn yes() -> bool {
-    true
-}
-
-fn one() -> u32 {
-    1
-}
-
-impl Default for PressSensorConfig {
-    fn default() -> Self {
-        Self::Direct {
-            tangential: yes(),
-            frames: one(),
         }
     }
 }

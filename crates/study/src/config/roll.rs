@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::object::ObjectConfig;
-use super::pads::{PadLayout, PadOffset, right_angle};
 
 /// A probe rolls on an object without sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -406,4 +405,33 @@ impl Default for RollEstimatorConfig {
     fn default() -> Self {
         Self::LeastSquares {}
     }
+}
+
+/// How pads are laid out on the probe.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadLayout {
+    /// A square grid in the arc lengths of the surface.
+    #[default]
+    Square,
+    /// A nearly uniform lattice over the cap.
+    Uniform,
+}
+
+/// Place of the first contact on the array of pads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadOffset {
+    /// The centre of a pad.
+    #[default]
+    Centred,
+    /// Anywhere within a pad, drawn for each roll.
+    Random,
+    /// Anywhere within a pad, drawn once per trial: all rolls of the trial start at the same place.
+    RandomPerTrial,
+}
+
+/// By default, pads cover half of the fingertip: up to this angle from its middle, degrees.
+pub(super) fn right_angle() -> f64 {
+    90.0
 }

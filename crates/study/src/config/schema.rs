@@ -1,6 +1,6 @@
 //! The JSON Schema of a config: what editors complete from, what configs are validated against, and where units stand.
 
-use super::length_unit::LengthUnit;
+use super::study::LengthUnit;
 use super::study::StudyConfig;
 use super::validate::{instead_of, kind_of};
 use schemars::JsonSchema;

@@ -1,12 +1,10 @@
-//! The top level of a study's config.
+//! The top level of a study's config, and the types that all scenes share.
 
-use super::fingertip::BareFingertipConfig;
-use super::glide::GlideConfig;
-use super::length_unit::LengthUnit;
-use super::output::Output;
+use super::glide::{GlideConfig, GlideModelConfig};
+use super::marker_sensor::BareFingertipConfig;
 use super::plot::PlotConfig;
-use super::press::PressConfig;
-use super::roll::RollConfig;
+use super::press::{PressConfig, PressModelConfig};
+use super::roll::{RollConfig, RollModelConfig};
 use super::sweep::SweepConfig;
 use super::validate::NAME;
 use crate::readings::ColumnNames;
@@ -141,13 +139,111 @@ impl SceneConfig {
         }
     }
 
-    /// Rules that join several fields; the error names the field and says what is wrong.
+    /// Checks the rules that concern several fields. The error is the field and the problem.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
             Self::Roll(roll) => roll.check(),
             Self::Glide(glide) => glide.check(),
             Self::Press(press) => press.check(),
             Self::Fingertip(_) => Ok(()),
+        }
+    }
+
+    /// The model; `None` for a scene without contact.
+    pub fn model(&self) -> Option<ModelConfig> {
+        match self {
+            Self::Roll(roll) => Some(ModelConfig::Roll(roll.model.clone())),
+            Self::Press(press) => Some(ModelConfig::Press(press.model.clone())),
+            Self::Glide(glide) => Some(ModelConfig::Glide(glide.model.clone())),
+            Self::Fingertip(_) => None,
+        }
+    }
+
+    /// The scene with another model. Estimator settings that default to the present model stay. `None` if the model is of
+    /// another kind of scene.
+    #[must_use]
+    pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
+        let mut scene = self.clone();
+        match (&mut scene, model) {
+            (Self::Roll(roll), ModelConfig::Roll(model)) => roll.model = model.clone(),
+            (Self::Glide(glide), ModelConfig::Glide(model)) => glide.model = model.clone(),
+            (Self::Press(press), ModelConfig::Press(model)) => {
+                let (thickness, poisson) = (press.model.thickness(), press.model.poisson());
+                press.estimator.keep(thickness, poisson);
+                press.model = model.clone();
+            }
+            _ => return None,
+        }
+        Some(scene)
+    }
+}
+
+/// How the truth of a scene is computed: the table `scene.model`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ModelConfig {
+    /// Model of a roll.
+    Roll(RollModelConfig),
+    /// Model of a glide.
+    Glide(GlideModelConfig),
+    /// Model of a press.
+    Press(PressModelConfig),
+}
+
+/// A kind of result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Output {
+    /// The table of cells and quantities.
+    Cells,
+    /// One noiseless pass of the first cell.
+    Trace,
+    /// The estimated curvatures over a patch; of a press, the true and the estimated displacement along a radius.
+    Map,
+}
+
+/// The unit of every length of a study. Curvatures are in its inverse.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LengthUnit {
+    /// Metre.
+    M,
+    /// Centimetre.
+    Cm,
+    /// Millimetre.
+    Mm,
+    /// Micrometre.
+    Um,
+    /// Lengths are multiples of a length that the study does not state.
+    #[default]
+    Unit,
+}
+
+impl LengthUnit {
+    /// The unit as in configs and column names.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::M => "m",
+            Self::Cm => "cm",
+            Self::Mm => "mm",
+            Self::Um => "um",
+            Self::Unit => "unit",
+        }
+    }
+
+    /// Factor from this unit to another: 1000 from metres to millimetres. `None` if only one of them is metric.
+    pub fn to(self, other: Self) -> Option<f64> {
+        let per_metre = |unit| match unit {
+            Self::M => Some(1.0),
+            Self::Cm => Some(1e2),
+            Self::Mm => Some(1e3),
+            Self::Um => Some(1e6),
+            Self::Unit => None,
+        };
+        match (per_metre(self), per_metre(other)) {
+            (Some(these), Some(others)) => Some(others / these),
+            (None, None) => Some(1.0),
+            _ => None,
         }
     }
 }

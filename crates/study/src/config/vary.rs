@@ -1,11 +1,10 @@
 //! Fields that take other values than a study's config says: those of `--vary` and `--set`.
 
+use super::config_output::to_toml;
 use super::error::{ConfigError, Source};
 use super::load::{Study, read};
-use super::output::Output;
-use super::resolved::to_toml;
 use super::schema::{SCHEMA, alternatives};
-use super::study::StudyConfig;
+use super::study::{Output, StudyConfig};
 use super::sweep::SweepConfig;
 use super::validate;
 use std::str::FromStr;

@@ -1,21 +1,22 @@
-//! Time that trials take, and from it that of a run.
+//! Time per trial, and the predicted time of a run.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
-use super::clock::Clock;
+use super::Clock;
+use crate::cell::{Cell, Trial};
 use crate::queue::JOB;
-use crate::runner::{Runner, SweepError};
-use crate::trial::{Cell, Trial};
+use crate::runner::Runner;
 
-/// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
+/// Longest and shortest time for which trials of a cell are timed; a single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
 const SHORTEST: Duration = Duration::from_millis(1);
 /// Time above which the waking of threads no longer matters, so that a measurement is not repeated.
 const SLOW: Duration = Duration::from_millis(100);
-/// Most trials of a cell that are timed together.
-const MOST_TIMED: u64 = 1 << 20;
-/// Time per trial of each of some cells, s, on one thread while the others are busy too.
+/// Largest number of trials of a cell that are timed together.
+const MAX_TIMED: u64 = 1 << 20;
+
+/// Time per trial of each cell, s, on one thread while the other threads are busy too.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -31,7 +32,7 @@ const MOST_TIMED: u64 = 1 << 20;
 /// }
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let start = Instant::now();
-/// let pace = Pace::of(&runner, &[&Sleeping], Duration::from_millis(5), &|| start.elapsed())?;
+/// let pace = Pace::of(&runner, &[&Sleeping], Duration::from_millis(5), &|| start.elapsed());
 /// assert!(pace.seconds_per_trial(0) >= 0.002);
 /// assert!(pace.run_seconds(&[100], runner.threads()) >= 0.2 / runner.threads().get() as f64);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -42,17 +43,9 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Times a few trials of as many cells as fit into about `limit`, spread evenly over all; at least one cell. A cell
-    /// that is not timed gets the largest time measured.
-    ///
-    /// # Errors
-    /// [`SweepError::TooManyTrials`] on more threads than trials can be counted on.
-    pub fn of<T: Trial>(
-        runner: &Runner,
-        cells: &[T],
-        limit: Duration,
-        clock: &Clock<'_>,
-    ) -> Result<Self, SweepError> {
+    /// Times a few trials of each of some cells, spread evenly over all, for about `limit`; at least one cell. Cells that
+    /// are not timed get the largest measured time.
+    pub fn of<T: Trial>(runner: &Runner, cells: &[T], limit: Duration, clock: &Clock<'_>) -> Self {
         let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
         let start = clock();
         let mut seconds = vec![None; cells.len()];
@@ -60,15 +53,13 @@ impl Pace {
             if clock().saturating_sub(start) >= limit && seconds.iter().any(Option::is_some) {
                 break;
             }
-            seconds[cell] = Some(seconds_per_trial(runner, &cells[cell], each, clock)?);
+            seconds[cell] = Some(seconds_per_trial(runner, &cells[cell], each, clock));
         }
         let dearest = seconds.iter().flatten().copied().fold(0.0, f64::max);
-        Ok(Self {
-            seconds: seconds
-                .into_iter()
-                .map(|one| one.unwrap_or(dearest))
-                .collect(),
-        })
+        let seconds = seconds.into_iter();
+        Self {
+            seconds: seconds.map(|one| one.unwrap_or(dearest)).collect(),
+        }
     }
 
     /// Seconds per trial of a cell, on one thread.
@@ -89,7 +80,7 @@ impl Pace {
     }
 
     /// Largest number of trials of each random cell, up to `most`, with which a run takes at most `seconds`; cells that
-    /// are not random run once. `None` where even one trial takes longer.
+    /// are not random run once. `None` if even one trial takes longer.
     pub(super) fn most_trials(
         &self,
         is_random: &[bool],
@@ -137,7 +128,7 @@ pub fn spread(count: usize) -> impl Iterator<Item = usize> {
 
 /// Seconds per trial of a cell, run by the runner on all threads at once.
 ///
-/// The number of trials doubles until they take `long_enough` or there are [`MOST_TIMED`] of them, even if the cell has
+/// The number of trials doubles until they take `long_enough` or there are [`MAX_TIMED`] of them, even if the cell has
 /// fewer: with few trials the waking of the threads would count for most of the time. The last number is run twice and
 /// the shorter time counts, unless it takes longer than [`SLOW`].
 fn seconds_per_trial(
@@ -145,21 +136,21 @@ fn seconds_per_trial(
     trial: &dyn Trial,
     long_enough: Duration,
     clock: &Clock<'_>,
-) -> Result<f64, SweepError> {
-    let time = |trials: u64| -> Result<Duration, SweepError> {
+) -> f64 {
+    let time = |trials: u64| {
         let start = clock();
         let timed = vec![Cell { trials, trial }; runner.threads().get()];
-        std::hint::black_box(runner.run(&timed, &|_| ())?);
-        Ok(clock().saturating_sub(start))
+        std::hint::black_box(runner.run(&timed, &|_| ()));
+        clock().saturating_sub(start)
     };
     let mut trials = 1;
     loop {
-        let mut elapsed = time(trials)?;
+        let mut elapsed = time(trials);
         if (long_enough..SLOW).contains(&elapsed) {
-            elapsed = elapsed.min(time(trials)?);
+            elapsed = elapsed.min(time(trials));
         }
-        if elapsed >= long_enough || trials >= MOST_TIMED {
-            return Ok(elapsed.as_secs_f64() / trials as f64);
+        if elapsed >= long_enough || trials >= MAX_TIMED {
+            return elapsed.as_secs_f64() / trials as f64;
         }
         trials *= 2;
     }
@@ -171,8 +162,8 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::record::Record;
     use crate::runner::RunOptions;
+    use crate::trial_record::Record;
 
     const ONE: NonZeroUsize = NonZeroUsize::MIN;
 
@@ -201,7 +192,6 @@ mod tests {
         let long_enough = Duration::from_millis(50);
         let start = Instant::now();
         let seconds = seconds_per_trial(&runner, &counted, long_enough, &|| start.elapsed());
-        let seconds = seconds.unwrap();
         assert!(seconds > 0.0);
         assert!(counted.0.into_inner() > 1000);
     }

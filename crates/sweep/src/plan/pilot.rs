@@ -1,25 +1,25 @@
-//! Prediction, from a pilot of some trials, of how many trials tell the error figures to a given accuracy.
+//! Number of trials for a given precision of the error figures, predicted from a pilot of some trials.
 //!
 //! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
 //! trial's squared error: m₄/m₂² − 1 where a trial has one error (from the fourth and second moments), 2 where that is
 //! Gaussian. The errors of one trial (those at all places of a patch) are dependent, and count as one.
 //!
-//! The result of a pilot depends on nothing but the numbers of its trials.
+//! The result of a pilot depends only on its trials.
 
-use crate::batches::{Batches, Growth};
+use crate::batch_statistics::{Batches, Growth};
+use crate::cell::Trial;
 use crate::runner::Runner;
 use crate::summary::CellStatistics;
-use crate::trial::Trial;
 
-/// Standard errors of v that are added to v, for caution.
+/// Number of its standard errors that is added to v as a safety margin.
 const MARGIN: f64 = 2.0;
-/// Relative standard error of v above which v is called doubtful: a few trials decide it.
-const DOUBTFUL: f64 = 0.5;
-/// Least share of the trials needed that the final pilot has.
-const SHARE: f64 = 1.0 / 16.0;
-/// Fewest and most trials of a first pilot.
-const FEWEST: u64 = 64;
-const FIRST: u64 = 1024;
+/// Relative standard error of v above which v is uncertain, because a few trials determine it.
+const MAX_RELATIVE_ERROR: f64 = 0.5;
+/// Trials of the final pilot, as a share of the trials needed.
+const PILOT_SHARE: f64 = 1.0 / 16.0;
+/// Range of the number of trials of a first pilot.
+const MIN_FIRST: u64 = 64;
+const MAX_FIRST: u64 = 1024;
 
 /// Results of a pilot, cell by cell.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub(super) struct CellPilot {
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
-    /// Error figures of each quantity; `None` where none was observed.
+    /// Error figures of each quantity; `None` if it was not observed.
     pub(super) figures: Vec<Option<Figure>>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Figure {
     pub(super) rms_error: f64,
     /// The relative variance v of a trial's squared error, increased by [`MARGIN`] of its own standard errors.
     variance: f64,
-    /// Whether a few trials decide v, as with errors of heavy tails.
+    /// Whether a few trials determine v, as with heavy-tailed errors.
     pub(super) is_doubtful: bool,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Need {
     /// Index of the cell among those of the pilot.
     pub(super) cell: usize,
     pub(super) quantity: usize,
-    /// Trials needed, those included that will fail.
+    /// Number of trials needed, including those that will fail.
     pub(super) trials: f64,
     pub(super) is_doubtful: bool,
 }
@@ -74,7 +74,7 @@ impl Pilot {
         hopeless: f64,
     ) -> Self {
         let first = (1.0 / (target * target)).ceil();
-        let first = (first as u64).clamp(FEWEST, FIRST).min(most);
+        let first = (first as u64).clamp(MIN_FIRST, MAX_FIRST).min(most);
         let mut batches = vec![Batches::from_trial(0); cells.len()];
         let mut until = vec![first; cells.len()];
         loop {
@@ -91,7 +91,7 @@ impl Pilot {
             let mut grows = false;
             for (until, cell) in until.iter_mut().zip(&pilot.cells) {
                 let need = cell.need(target).map_or(0.0, |(_, trials)| trials);
-                let wanted = (SHARE * need).ceil();
+                let wanted = (PILOT_SHARE * need).ceil();
                 if need <= hopeless && wanted > *until as f64 && *until < most {
                     *until = (wanted as u64).max(2 * *until).min(most);
                     grows = true;
@@ -104,7 +104,7 @@ impl Pilot {
     }
 
     /// Figure that needs the most trials for all figures to have a relative standard error of at most `target`; `None`
-    /// where no estimate errs.
+    /// if no estimate has an error.
     pub(super) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;
@@ -119,10 +119,10 @@ impl Pilot {
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
     }
 
-    /// Largest relative standard error of an error figure to be expected after `trials` trials; `None` where no
-    /// estimate errs.
+    /// Largest expected relative standard error of an error figure after `trials` trials; `None` if no estimate has an
+    /// error.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
-        // Needs go as 1/target².
+        // The number of trials needed is proportional to 1/target².
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
     }
@@ -161,7 +161,7 @@ impl CellPilot {
     }
 }
 
-/// Error figures of a quantity; `None` where it was not observed.
+/// Error figures of a quantity; `None` if it was not observed.
 fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Figure> {
     let rms_error = all.quantities[quantity].rms_error?;
     let estimate = batches.estimate(|all| Some(relative_variance(all, quantity)))?;
@@ -169,7 +169,7 @@ fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Fi
     Some(Figure {
         rms_error,
         variance: estimate.value + MARGIN * std,
-        is_doubtful: std > DOUBTFUL * estimate.value,
+        is_doubtful: std > MAX_RELATIVE_ERROR * estimate.value,
     })
 }
 

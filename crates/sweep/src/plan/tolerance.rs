@@ -15,9 +15,9 @@ pub struct Pass {
 /// Quantity of a noiseless pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassQuantity {
-    /// Magnitude against which a shift is held where no rms error is known, in the quantity's unit.
+    /// Magnitude with which a shift is compared if no rms error is known, in the quantity's unit.
     pub scale: f64,
-    /// Index of the same quantity in the cell's experiment, if it is there.
+    /// Index of the same quantity in the cell's experiment, if the experiment observes it.
     pub in_cell: Option<usize>,
 }
 
@@ -34,14 +34,14 @@ pub struct PassValue {
 
 /// Largest shift of a cell's estimates that the model may cause.
 pub(super) struct Allowance {
-    /// Allowed shift as a share of a quantity's rms error, or of its scale where there is no rms error.
+    /// Allowed shift as a share of a quantity's rms error, or of its scale if there is no rms error.
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment, where it is known; may be shorter.
+    /// Rms error of each quantity of the cell's experiment, if it is known; may be shorter.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 
-/// Largest of the `tolerances`, given largest first, with which the model shifts no estimate by more than is allowed, as
-/// held against the pass at the smallest tolerance. Cells without a pass are left out; `None` where that leaves no cell.
+/// Largest of the `tolerances`, sorted largest first, with which the model shifts no estimate by more than is allowed,
+/// compared with the pass at the smallest tolerance. Cells without a pass are left out; `None` if no cell has one.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],
@@ -54,19 +54,19 @@ pub(super) fn tolerance_for(
     let references: Vec<(usize, f64, Pass)> = (0..allowances.len()).filter_map(reference).collect();
     let smallest = references.iter().map(|(_, tolerance, _)| *tolerance);
     let smallest = smallest.reduce(f64::max)?;
-    let is_kept = |tolerance: f64| {
+    let is_met = |tolerance: f64| {
         references.iter().all(|(cell, _, reference)| {
             let pass = pass(*cell, tolerance);
-            pass.is_some_and(|pass| allowances[*cell].is_kept(&pass, reference))
+            pass.is_some_and(|pass| allowances[*cell].is_met(&pass, reference))
         })
     };
     let mut larger = tolerances.iter().copied().filter(|&one| one > smallest);
-    Some(larger.find(|&one| is_kept(one)).unwrap_or(smallest))
+    Some(larger.find(|&one| is_met(one)).unwrap_or(smallest))
 }
 
 impl Allowance {
     /// Whether no estimate and no truth of a pass differs from the reference by more than is allowed.
-    fn is_kept(&self, pass: &Pass, reference: &Pass) -> bool {
+    fn is_met(&self, pass: &Pass, reference: &Pass) -> bool {
         let allowed = |quantity: usize| {
             let PassQuantity { scale, in_cell } = reference.quantities[quantity];
             let rms = in_cell.and_then(|place| self.rms_errors.get(place).copied().flatten());
@@ -86,7 +86,7 @@ impl Allowance {
 mod tests {
     use super::*;
 
-    /// Pass of a model that errs by its tolerance; there is none below 1e-5.
+    /// Pass of a model whose error is its tolerance; there is no pass below 1e-5.
     fn pass(_: usize, tolerance: f64) -> Option<Pass> {
         let estimate = 2.0 + tolerance;
         let scale = 2.0;
@@ -102,14 +102,14 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_tolerance_that_shifts_little_is_taken() {
+    fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
         for (share, rms_error, expected) in [
-            // Of the truth, 2.
+            // Relative to the scale of 2.
             (0.1, None, 1e-1),
             (0.01, None, 1e-2),
             (0.01, Some(0.0), 1e-2),
-            // Of the rms error.
+            // Relative to the rms error.
             (0.01, Some(0.2), 1e-3),
             (1e-9, Some(0.2), 1e-5),
         ] {
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_without_a_pass_have_no_say() {
+    fn cells_without_a_pass_are_left_out() {
         let allowance = || Allowance {
             share: 0.01,
             rms_errors: Vec::new(),

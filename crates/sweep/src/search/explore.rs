@@ -1,68 +1,67 @@
-//! Search for the values at which a target is met: a scan, then ever closer looks about each crossing.
+//! Exploration of a range: a scan, then closer and closer values around each crossing of the limit.
 
-use super::curve::{Ask, Curves};
-use super::effort::Effort;
+use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
-use super::rules::{FIRST, MOST_LOOKS, Rules, SCANNED};
 use super::span::Span;
+use super::{Curves, ScoreRequest};
 
-/// Values among which is searched.
+/// Values among which a search looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Among {
+pub enum SearchRange {
     /// Numbers of a range.
     Span(Span),
-    /// So many values, each by itself.
+    /// This many listed values, each by itself.
     Listed(usize),
 }
 
 /// Reason why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// Every gap is as small as it is to be, and every value that was looked at lies on one side.
+pub enum EndReason {
+    /// Every gap is small enough, and the side of every tested value is decided.
     Known,
-    /// More trials, or looks, are not taken.
+    /// The largest number of trials or of looks at values was reached.
     Trials,
-    /// Time is up.
+    /// The time was used up.
     Time,
 }
 
-/// Share of the time after which nothing new is explored; the rest is for the verification.
-const EXPLORING: f64 = 0.6;
-/// Growth of trials where a value is open, and the most that a crossing may ask for; where there is no time for so much, it
-/// is halved, down to the least.
+/// Share of the time for the exploration; the rest is for the verification.
+const EXPLORATION_SHARE: f64 = 0.6;
+/// Growth of the number of trials at an undecided value, and the largest growth at a crossing. If there is no time for so
+/// many trials, the growth is halved, down to the least.
 const GROWTH: f64 = 4.0;
 const MOST_GROWTH: f64 = 16.0;
 const LEAST_GROWTH: f64 = 1.5;
-/// Part of a crossing's width above which the distance of two neighbours is halved.
-const COARSE: f64 = 0.34;
-/// Part of the gap that the values which stay open are to fill.
-const FILLED: f64 = 0.6;
+/// Distance of two neighbours, as a share of a crossing's width, above which it is halved.
+const MAX_SPACING: f64 = 0.34;
+/// Intended extent of the values that stay undecided, as a share of the gap.
+const UNDECIDED_SHARE: f64 = 0.6;
 
-/// Looks at values until their sides are known closely enough.
+/// Tests values until the limits of the target are located closely enough.
 pub(super) fn explore<C: Curves + ?Sized>(
     curves: &mut C,
-    among: Among,
+    among: SearchRange,
     rules: &Rules,
     effort: &mut Effort<'_>,
-) -> Result<(Points, Ended), C::Error> {
+) -> Result<(Points, EndReason), C::Error> {
     let cells = curves.cells();
     let mut points = Points::default();
     let values: Vec<f64> = match among {
-        Among::Span(span) => span.spread(SCANNED, rules.gap),
-        Among::Listed(count) => (0..count).map(|place| place as f64).collect(),
+        SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
+        SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // Twice, so that the second tells what trials take once their scenes are set up.
+    // Twice, so that the second round measures the time of trials without that of setting up their scenes.
     for trials in [FIRST / 2, FIRST] {
-        let mut asks: Vec<Ask> = Vec::new();
+        let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {
-            asks.extend((0..cells).map(|cell| Ask {
+            asks.extend((0..cells).map(|cell| ScoreRequest {
                 value,
                 cell,
                 trials: trials.min(rules.most_trials),
                 fresh: false,
             }));
         }
-        look(curves, &mut points, &asks, effort)?;
+        request(curves, &mut points, &asks, effort)?;
     }
     loop {
         let mut growth = MOST_GROWTH;
@@ -70,43 +69,47 @@ pub(super) fn explore<C: Curves + ?Sized>(
             let asks = round(&points, among, rules, growth);
             if asks.is_empty() {
                 let is_open = match among {
-                    Among::Listed(_) => points.sides(rules).contains(&None),
-                    Among::Span(span) => is_open(&points, &span, rules),
+                    SearchRange::Listed(_) => points.sides(rules).contains(&None),
+                    SearchRange::Span(span) => is_open(&points, &span, rules),
                 };
-                let ended = if is_open { Ended::Trials } else { Ended::Known };
+                let ended = if is_open {
+                    EndReason::Trials
+                } else {
+                    EndReason::Known
+                };
                 return Ok((points, ended));
             }
-            if effort.allows(points.added(&asks), EXPLORING) {
+            if effort.allows(points.added(&asks), EXPLORATION_SHARE) {
                 break asks;
             }
             growth *= 0.5;
             if growth < LEAST_GROWTH {
-                return Ok((points, Ended::Time));
+                return Ok((points, EndReason::Time));
             }
         };
         let mut values: Vec<f64> = asks.iter().map(|ask| ask.value).collect();
         values.dedup();
-        if points.looks + values.len() > MOST_LOOKS {
-            return Ok((points, Ended::Trials));
+        if points.looks + values.len() > MAX_LOOKS {
+            return Ok((points, EndReason::Trials));
         }
-        look(curves, &mut points, &asks, effort)?;
+        request(curves, &mut points, &asks, effort)?;
     }
 }
 
-/// Asks, and notes what is told.
-fn look<C: Curves + ?Sized>(
+/// Requests scores, and stores them.
+fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,
-    asks: &[Ask],
+    asks: &[ScoreRequest],
     effort: &mut Effort<'_>,
 ) -> Result<(), C::Error> {
     let cells = curves.cells();
-    let told = effort.timed(points.added(asks), || curves.look(asks))?;
-    points.take(asks, &told, cells);
+    let scores = effort.timed(points.added(asks), || curves.scores(asks))?;
+    points.store(asks, &scores, cells);
     Ok(())
 }
 
-/// Whether a value of a span is open that does not lie in a small gap of a crossing, or some gap is not small.
+/// Whether a value of a span is undecided outside of the small gaps, or a gap is too large.
 fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
     stretches(points, rules)
         .into_iter()
@@ -116,11 +119,11 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// Neighbouring values about which something is open.
+/// Neighbouring values about which something is undecided.
 enum Stretch {
-    /// Values that are open, from one place to another; those around them are on the same side, or none.
+    /// First and last undecided value. Their neighbours are on the same side, or there is no neighbour.
     Open(usize, usize),
-    /// Values between one place and another, which are on different sides.
+    /// Two values on different sides; those between them are undecided.
     Crossing(usize, usize),
 }
 
@@ -151,7 +154,7 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the values of a crossing, both its ends included, are close enough.
+/// Whether the ends of a crossing are close enough.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;
@@ -160,11 +163,11 @@ fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     is_close || crossing.len() == 2 && span.between(low.value, high.value, rules.gap).is_none()
 }
 
-/// Questions of the next round, in which trials grow at most so many times.
-fn round(points: &Points, among: Among, rules: &Rules, growth: f64) -> Vec<Ask> {
+/// Requests of the next round, in which the number of trials grows at most by the factor `growth`.
+fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec<ScoreRequest> {
     let mut asks = Vec::new();
     let all = &points.points;
-    let Among::Span(span) = among else {
+    let SearchRange::Span(span) = among else {
         let open = all.iter().filter(|point| point.side(rules).is_none());
         open.for_each(|point| point.grown(GROWTH.min(growth), rules, &mut asks));
         return asks;
@@ -186,9 +189,15 @@ fn round(points: &Points, among: Among, rules: &Rules, growth: f64) -> Vec<Ask> 
     asks
 }
 
-/// Asks for values within a crossing where its neighbours are far from each other, else for more trials of those that are
-/// open.
-fn closer(crossing: &[Point], span: &Span, rules: &Rules, growth: f64, asks: &mut Vec<Ask>) {
+/// Requests values within a crossing where neighbours are far from each other, or otherwise more trials of the undecided
+/// values.
+fn closer(
+    crossing: &[Point],
+    span: &Span,
+    rules: &Rules,
+    growth: f64,
+    asks: &mut Vec<ScoreRequest>,
+) {
     let [low, .., high] = crossing else {
         return;
     };
@@ -200,11 +209,11 @@ fn closer(crossing: &[Point], span: &Span, rules: &Rules, growth: f64, asks: &mu
     };
     let before = asks.len();
     for pair in crossing.windows(2) {
-        if share(&pair[1]) - share(&pair[0]) <= COARSE * wide {
+        if share(&pair[1]) - share(&pair[0]) <= MAX_SPACING * wide {
             continue;
         }
         if let Some(value) = span.between(pair[0].value, pair[1].value, rules.gap) {
-            asks.extend((0..low.cells.len()).map(|cell| Ask {
+            asks.extend((0..low.cells.len()).map(|cell| ScoreRequest {
                 value,
                 cell,
                 trials: trials(cell),
@@ -219,11 +228,11 @@ fn closer(crossing: &[Point], span: &Span, rules: &Rules, growth: f64, asks: &mu
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // Trials by which the values that stay open become as few as the gap has room for.
+    // Trials after which the values that stay undecided fit into the gap.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);
-    let wanted = open_wide / (FILLED * gap);
+    let wanted = open_wide / (UNDECIDED_SHARE * gap);
     let factor = (wanted * wanted).max(GROWTH).min(growth);
     open.iter()
         .for_each(|point| point.grown(factor, rules, asks));

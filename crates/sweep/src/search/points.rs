@@ -1,7 +1,7 @@
-//! Values that have been looked at.
+//! Values that a search has tested, with the scores of their cells.
 
-use super::curve::{Ask, Scores};
-use super::rules::Rules;
+use super::limits::Rules;
+use super::{ScoreRequest, Scores};
 
 /// Side of its target on which a value lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,37 +12,37 @@ pub enum Side {
     Misses,
 }
 
-/// Values that have been looked at, ascending.
+/// Tested values, ascending.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
-    /// Times that a value has been looked at.
+    /// Number of looks at values: requests for one value in one round.
     pub(super) looks: usize,
 }
 
-/// Value that has been looked at.
+/// Tested value.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) value: f64,
-    pub(super) cells: Vec<CellLook>,
+    pub(super) cells: Vec<CellScores>,
 }
 
-/// Cell at a value.
+/// Scores of a cell at a value.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CellLook {
-    /// Trials asked for.
+pub(super) struct CellScores {
+    /// Number of trials requested.
     pub(super) trials: u64,
     scores: Scores,
 }
 
-impl CellLook {
+impl CellScores {
     fn score(&self) -> f64 {
         self.scores[0].min(self.scores[1])
     }
 }
 
 impl Point {
-    /// Cell with the least score, and its condition that has it.
+    /// Cell and condition with the smallest score.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -52,13 +52,13 @@ impl Point {
         least.map_or((0, 0), |(place, _)| place)
     }
 
-    /// Least score of all cells.
+    /// Smallest score of all cells.
     pub(super) fn score(&self) -> f64 {
-        let scores = self.cells.iter().map(CellLook::score);
+        let scores = self.cells.iter().map(CellScores::score);
         scores.fold(f64::INFINITY, f64::min)
     }
 
-    /// Side on which it has been found; `None` where that is open.
+    /// Side on which it lies; `None` if that is undecided.
     pub(super) fn side(&self, rules: &Rules) -> Option<Side> {
         match self.score() {
             score if score >= rules.meets => Some(Side::Meets),
@@ -67,18 +67,18 @@ impl Point {
         }
     }
 
-    /// Most trials of a cell.
+    /// Largest number of trials of a cell.
     pub(super) fn trials(&self) -> u64 {
         let trials = self.cells.iter().map(|cell| cell.trials);
         trials.max().unwrap_or(0)
     }
 
-    /// Questions for so many times the trials, in the cells that leave the value open.
-    pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<Ask>) {
+    /// Adds requests for `factor` times the trials, in the cells that leave the value undecided.
+    pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {
                 let trials = (look.trials as f64 * factor).ceil() as u64;
-                asks.push(Ask {
+                asks.push(ScoreRequest {
                     value: self.value,
                     cell,
                     trials: trials.min(rules.most_trials),
@@ -90,8 +90,8 @@ impl Point {
 }
 
 impl Points {
-    /// Trials that the questions add to those of values and cells that have been looked at.
-    pub(super) fn added(&self, asks: &[Ask]) -> u64 {
+    /// Number of trials that some requests add.
+    pub(super) fn added(&self, asks: &[ScoreRequest]) -> u64 {
         let added = asks.iter().map(|ask| {
             let known = self.points.iter().find(|point| point.value == ask.value);
             let known = known.and_then(|point| point.cells.get(ask.cell));
@@ -101,10 +101,10 @@ impl Points {
         added.fold(0, u64::saturating_add)
     }
 
-    /// Notes what has been told.
-    pub(super) fn take(&mut self, asks: &[Ask], told: &[Scores], cells: usize) {
+    /// Stores the scores of some requests.
+    pub(super) fn store(&mut self, asks: &[ScoreRequest], scores: &[Scores], cells: usize) {
         let mut last = None;
-        for (ask, scores) in asks.iter().zip(told) {
+        for (ask, scores) in asks.iter().zip(scores) {
             if last != Some(ask.value) {
                 self.looks += 1;
                 last = Some(ask.value);
@@ -115,7 +115,7 @@ impl Points {
                 .get(place)
                 .is_some_and(|point| point.value == ask.value);
             if !is_known {
-                let cells = vec![CellLook::default(); cells];
+                let cells = vec![CellScores::default(); cells];
                 self.points.insert(
                     place,
                     Point {
@@ -124,10 +124,10 @@ impl Points {
                     },
                 );
             }
-            // A score that is no number tells nothing.
+            // A score of NaN decides nothing.
             let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
             if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
-                *cell = CellLook {
+                *cell = CellScores {
                     trials: ask.trials,
                     scores,
                 };

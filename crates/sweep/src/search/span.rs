@@ -1,15 +1,15 @@
-//! Numbers from one end to another, among which values are looked for.
+//! Range of a field in which a search looks for values.
 
 /// Range of a field.
 ///
 /// ```
 /// use palpate_sweep::Span;
 ///
-/// // Of positive ends far apart, ratios count.
+/// // If the ends are positive and far apart, a gap is a ratio.
 /// let pitch = Span::new(0.05, 2.0, false);
 /// assert!(pitch.is_log);
 /// assert_eq!(pitch.gap(0.4, 0.42), 0.42 / 0.4 - 1.0);
-/// // Else differences do, against half the range.
+/// // Otherwise it is a difference, relative to half the range.
 /// assert_eq!(Span::new(-1.0, 1.0, false).gap(0.0, 0.05), 0.05);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,29 +18,30 @@ pub struct Span {
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Whether values are spaced by ratios: where both ends are positive and the larger is more than eight times the other.
+    /// Whether values are spaced by ratios: if both ends are positive and the larger is more than eight times the other.
     pub is_log: bool,
     /// Whether only whole numbers are values.
     pub is_whole: bool,
 }
 
-/// Ratio of the ends above which ratios count.
-const FAR: f64 = 8.0;
-/// Digits that values have beyond those that tell a gap.
-const FINER: f64 = 8.0;
+/// Ratio of the ends above which values are spaced by ratios.
+const MIN_LOG_RATIO: f64 = 8.0;
+/// Resolution of the values: the gap divided by this.
+const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
-    /// Range from one finite number to another that is no smaller; of whole numbers, those within.
+    /// Range between two finite numbers, `from` ≤ `to`, of all numbers or of the whole numbers.
     pub fn new(from: f64, to: f64, is_whole: bool) -> Self {
         Self {
             from,
             to,
-            is_log: from > 0.0 && to / from > FAR,
+            is_log: from > 0.0 && to / from > MIN_LOG_RATIO,
             is_whole,
         }
     }
 
-    /// Distance of two values, the second not smaller: as a share of the first where ratios count, else of half the range.
+    /// Distance of two values, `low` ≤ `high`: relative to the first if values are spaced by ratios, otherwise to half the
+    /// range.
     pub fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,
@@ -49,7 +50,7 @@ impl Span {
         if gap.is_nan() { 0.0 } else { gap }
     }
 
-    /// Place of a value on the way from one end to the other, 0 to 1.
+    /// Position of a value between the ends, 0 to 1.
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),
@@ -63,7 +64,7 @@ impl Span {
         }
     }
 
-    /// Value at a place, with the few digits that tell gaps of this size.
+    /// Value at a position, rounded to the few digits that resolve gaps of this size.
     pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         let value = match self.is_log {
@@ -73,16 +74,15 @@ impl Span {
         if self.is_whole {
             return value.round().min(self.to.floor()).max(self.from.ceil());
         }
-        let told = match self.is_log {
+        let size = match self.is_log {
             true => gap * value,
             false => gap * (0.5 * self.to - 0.5 * self.from),
         };
-        rounded(value, told / FINER).clamp(self.from, self.to)
+        rounded(value, size / STEPS_PER_GAP).clamp(self.from, self.to)
     }
 
-    /// Values spread evenly from one end to the other, with the few digits that tell gaps of this size; each whole number,
-    /// where there are not more than twice as many. Of a range without any whole number there are none; else at least one, and
-    /// of other ranges both ends.
+    /// `count` values spread evenly over the range with both ends, rounded to the few digits that resolve gaps of this size.
+    /// A range of fewer than twice as many whole numbers returns all of them, and none if it has none.
     ///
     /// ```
     /// use palpate_sweep::Span;
@@ -111,15 +111,16 @@ impl Span {
         values
     }
 
-    /// Value midway between two, with the few digits that tell gaps of this size; `None` where there is none.
+    /// Value midway between two values, rounded to the few digits that resolve gaps of this size; `None` if rounding leaves
+    /// none between them.
     pub fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)
     }
 }
 
-/// Number with as many decimal digits as tell differences of `told`.
-fn rounded(value: f64, told: f64) -> f64 {
+/// Number rounded to the decimal place of `step`.
+fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());
         let exponent = text
@@ -127,10 +128,10 @@ fn rounded(value: f64, told: f64) -> f64 {
             .map(|(_, exponent)| exponent.parse::<i32>());
         exponent.and_then(Result::ok).unwrap_or(0)
     };
-    if value == 0.0 || !(told > 0.0 && told.is_finite()) {
+    if value == 0.0 || !(step > 0.0 && step.is_finite()) {
         return value;
     }
-    match usize::try_from(place(value) - place(told)) {
+    match usize::try_from(place(value) - place(step)) {
         Ok(digits) => format!("{value:.digits$e}").parse().unwrap_or(value),
         Err(_) => 0.0,
     }

@@ -1,37 +1,36 @@
-//! Verification of what a search has found, by trials that it has not seen.
+//! Verification of the runs that a search has found, by fresh trials.
 
-use super::curve::{Ask, Curves};
-use super::effort::Effort;
-use super::explore::Among;
+use super::explore::SearchRange;
+use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
 use super::points::{Points, Side};
-use super::rules::{ATTEMPTS, FRESH, Rules};
+use super::{Curves, ScoreRequest};
 
 /// Neighbouring values that lie on one side of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Least of them that has been verified, or the least of the range.
+    /// Smallest verified value, or the lower end of the range.
     pub from: f64,
-    /// Largest of them that has been verified, or the largest of the range.
+    /// Largest verified value, or the upper end of the range.
     pub to: f64,
     /// Side on which they lie.
     pub side: Side,
 }
 
-/// Places of neighbouring values on one side.
-struct Found {
+/// Neighbouring values on one side, before they are verified.
+struct Candidate {
     first: usize,
     last: usize,
     side: Side,
 }
 
-/// End of a run, which is to be verified.
+/// End of a run that must be verified.
 struct End {
     run: usize,
     kind: Kind,
-    /// Places that are tried one after the other, from the crossing on.
+    /// Values to try one after the other, starting at the crossing.
     places: Vec<usize>,
     attempt: u32,
-    /// Place that has been verified.
+    /// The verified value.
     verified: Option<usize>,
 }
 
@@ -39,20 +38,20 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The run is all there is: its weakest value stands for it.
+    /// The run fills the range: its value with the weakest score represents it.
     Weakest,
 }
 
-/// Verifies the ends of all runs of values that lie on one side. An end that fails is moved away from the crossing, and
-/// verified there. Gives the runs that are left, and how many ends were moved or given up.
+/// Verifies the ends of all runs of values on one side. An end that fails is moved away from the crossing, and verified
+/// there. Returns the verified runs, and the number of ends that were moved or given up.
 pub(super) fn verify<C: Curves + ?Sized>(
     curves: &mut C,
     points: &Points,
-    among: Among,
+    among: SearchRange,
     rules: &Rules,
     effort: &mut Effort<'_>,
 ) -> Result<(Vec<Run>, usize), C::Error> {
-    let found = found(points, among, rules);
+    let found = candidates(points, among, rules);
     let mut ends = ends(points, &found, among, rules);
     let count = ends.len();
     for attempt in 0..ATTEMPTS {
@@ -66,28 +65,24 @@ pub(super) fn verify<C: Curves + ?Sized>(
         if open.is_empty() {
             break;
         }
-        let asks = |part: f64| -> Vec<Ask> {
+        let asks = |part: f64| -> Vec<ScoreRequest> {
             let of_end = |&end: &usize| asks_of(&ends[end], &found, points, part);
             open.iter().flat_map(of_end).collect()
         };
-        let planned = asks(1.0)
-            .iter()
-            .map(|ask| ask.trials)
-            .fold(0, u64::saturating_add);
-        let asked = asks(effort.part(planned));
-        let trials = asked
-            .iter()
-            .map(|ask| ask.trials)
-            .fold(0, u64::saturating_add);
-        let told = effort.timed(trials, || curves.look(&asked))?;
-        let mut told = told.into_iter();
+        let trials = |asks: &[ScoreRequest]| {
+            let trials = asks.iter().map(|ask| ask.trials);
+            trials.fold(0, u64::saturating_add)
+        };
+        let asked = asks(effort.part(trials(&asks(1.0))));
+        let scores = effort.timed(trials(&asked), || curves.scores(&asked))?;
+        let mut all_scores = scores.into_iter();
         for end in open {
             let place = place_of(&ends[end]);
             let (side, count) = match found[ends[end].run].side {
                 Side::Meets => (Side::Meets, points.points[place].cells.len()),
                 Side::Misses => (Side::Misses, 1),
             };
-            let scores: Vec<_> = told.by_ref().take(count).collect();
+            let scores: Vec<_> = all_scores.by_ref().take(count).collect();
             let score = match side {
                 Side::Meets => scores
                     .iter()
@@ -106,24 +101,24 @@ pub(super) fn verify<C: Curves + ?Sized>(
     }
     let moved = |end: &&End| end.verified.is_none() || end.attempt > 1;
     let narrowed = ends.iter().filter(moved).count();
-    Ok((left(points, &found, &ends), narrowed))
+    Ok((verified_runs(points, &found, &ends), narrowed))
 }
 
-/// Place that an end is verified at now.
+/// Value at which an end is verified in the next attempt.
 fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Questions that verify an end: all cells where it is to meet the target, else the one that misses it most.
-fn asks_of(end: &End, found: &[Found], points: &Points, part: f64) -> Vec<Ask> {
+/// Requests that verify an end: of all cells if it meets the target, otherwise of the cell with the smallest score.
+fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // More of the same trials where there is nowhere to go.
+    // The weakest value cannot be moved: it gets more trials instead.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
     };
-    let ask = |cell: usize| Ask {
+    let ask = |cell: usize| ScoreRequest {
         value: point.value,
         cell,
         trials: ((point.cells[cell].trials as f64 * again * part) as u64).max(1),
@@ -135,18 +130,20 @@ fn asks_of(end: &End, found: &[Found], points: &Points, part: f64) -> Vec<Ask> {
     }
 }
 
-/// Neighbouring values on one side; listed values have no neighbours.
-fn found(points: &Points, among: Among, rules: &Rules) -> Vec<Found> {
-    let mut found: Vec<Found> = Vec::new();
+/// Runs of neighbouring values on one side; listed values have no neighbours.
+fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
+    let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {
         let Some(side) = side else { continue };
         match found.last_mut() {
             Some(run)
-                if matches!(among, Among::Span(_)) && run.side == side && run.last + 1 == place =>
+                if matches!(among, SearchRange::Span(_))
+                    && run.side == side
+                    && run.last + 1 == place =>
             {
                 run.last = place;
             }
-            _ => found.push(Found {
+            _ => found.push(Candidate {
                 first: place,
                 last: place,
                 side,
@@ -156,7 +153,7 @@ fn found(points: &Points, among: Among, rules: &Rules) -> Vec<Found> {
     found
 }
 
-fn ends(points: &Points, found: &[Found], among: Among, rules: &Rules) -> Vec<End> {
+fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules) -> Vec<End> {
     let end = |run: usize, kind: Kind, places: Vec<usize>| End {
         run,
         kind,
@@ -165,13 +162,13 @@ fn ends(points: &Points, found: &[Found], among: Among, rules: &Rules) -> Vec<En
         verified: None,
     };
     let mut ends = Vec::new();
-    for (run, Found { first, last, .. }) in found.iter().enumerate() {
-        let Among::Span(span) = among else {
+    for (run, Candidate { first, last, .. }) in found.iter().enumerate() {
+        let SearchRange::Span(span) = among else {
             ends.push(end(run, Kind::Weakest, vec![*first; ATTEMPTS as usize]));
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Places that are half a gap from each other.
+        // Only values at least half a gap from each other.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {
@@ -202,10 +199,10 @@ fn ends(points: &Points, found: &[Found], among: Among, rules: &Rules) -> Vec<En
     ends
 }
 
-/// Runs between their verified ends.
-fn left(points: &Points, found: &[Found], ends: &[End]) -> Vec<Run> {
+/// Runs between verified ends.
+fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run> {
     let value = |place: usize| points.points[place].value;
-    let run = |(number, found): (usize, &Found)| {
+    let run = |(number, found): (usize, &Candidate)| {
         let mut places = (found.first, found.last);
         for end in ends.iter().filter(|end| end.run == number) {
             let verified = end.verified?;

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use palpate_sweep::{
-    Among, Ask, Cell, Curves, NEGATIVE_STD, NOT_FINITE, Observation, Record, RunOptions, Scores,
-    Search, Side, Span, Summary, SweepError, UNKNOWN_QUANTITY, run, search,
+    Curves, NEGATIVE_STD, NOT_FINITE, Observation, Record, ScoreRequest, Scores, Search,
+    SearchRange, Side, Span, Summary, UNKNOWN_QUANTITY, search,
 };
 use proptest::prelude::*;
 
@@ -87,7 +87,10 @@ fn invalid_observations_fail_their_trial() {
         ([f64::NAN, 0.0, 0.0], 0, NOT_FINITE),
         ([0.0, f64::INFINITY, 0.0], 0, NOT_FINITE),
         ([f64::MAX, -f64::MAX, 0.0], 0, NOT_FINITE),
+        ([f64::INFINITY, f64::INFINITY, 0.0], 0, NOT_FINITE),
         ([0.0, 0.0, f64::NAN], 0, NOT_FINITE),
+        ([0.0, 0.0, f64::INFINITY], 0, NOT_FINITE),
+        ([0.0, 0.0, f64::NEG_INFINITY], 0, NOT_FINITE),
         ([0.0, 0.0, -5e-324], 0, NEGATIVE_STD),
         ([1.0, 1.0, 0.0], 1, UNKNOWN_QUANTITY),
         ([1.0, 1.0, 0.0], usize::MAX, UNKNOWN_QUANTITY),
@@ -113,14 +116,9 @@ fn invalid_observations_fail_their_trial() {
 }
 
 #[test]
-fn no_trials_define_nothing_and_too_many_are_refused() {
+fn no_statistic_is_defined_without_trials() {
     let none = summary(0, |_| observation(1.0, 1.0, None));
     assert_eq!(none, Summary::default());
-    let trial = &observing(|_| observation(1.0, 1.0, None));
-    let trials = u64::MAX;
-    let cells = [Cell { trials, trial }; 2];
-    let error = run(&cells, &RunOptions::default(), &|_| ()).unwrap_err();
-    assert!(matches!(error, SweepError::TooManyTrials { .. }), "{error}");
 }
 
 /// Meets its target below 1; its scores grow with the number of trials.
@@ -133,9 +131,9 @@ impl Curves for BelowOne {
         1
     }
 
-    fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
-        let score = |ask: &Ask| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
-        Ok(asked.iter().map(score).collect())
+    fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+        let score = |ask: &ScoreRequest| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
+        Ok(requests.iter().map(score).collect())
     }
 }
 
@@ -143,7 +141,7 @@ impl Curves for BelowOne {
 fn no_claim_is_wrong_whatever_its_probability_may_be() {
     for wrong in [5e-324, 0.05, 1.0 - f64::EPSILON, 0.0, -1.0, 2.0, f64::NAN] {
         let search_it = Search {
-            among: Among::Span(Span::new(0.1, 10.0, false)),
+            among: SearchRange::Span(Span::new(0.1, 10.0, false)),
             gap: 0.2,
             most_trials: 1 << 16,
             budget: None,
@@ -154,7 +152,7 @@ fn no_claim_is_wrong_whatever_its_probability_may_be() {
             Side::Meets => run.to < 1.0,
             Side::Misses => run.from > 1.0,
         });
-        assert!(is_right && found.looked.len() >= 16, "{wrong}: {found:?}");
+        assert!(is_right && found.tested.len() >= 16, "{wrong}: {found:?}");
         assert!(wrong != 0.05 || found.runs.len() == 2, "{found:?}");
     }
 }

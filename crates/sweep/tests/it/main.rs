@@ -11,8 +11,13 @@ mod statistics;
 mod tasks;
 
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
-use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Runner, Trial, run};
+use palpate_sweep::{
+    Cell, CellStatistics, Observation, Record, RunOptions, Runner, StoppingRule, Sweep, SweepError,
+    SweepOutput, Task, Trial,
+};
 
 /// A trial made of a function.
 struct Function<F> {
@@ -54,11 +59,7 @@ fn observation(estimate: f64, truth: f64, std: Option<f64>) -> Observation {
 }
 
 fn run_with(threads: usize, cells: &[Cell]) -> Vec<CellStatistics> {
-    let options = RunOptions {
-        threads: NonZeroUsize::new(threads),
-        ..RunOptions::default()
-    };
-    run(cells, &options, &|_| ()).expect("a machine that gives threads")
+    runner(threads).run(cells, &|_| ())
 }
 
 fn runner(threads: usize) -> Runner {
@@ -74,6 +75,73 @@ fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
     let mut cells = run_with(2, &[Cell { trials, trial }]);
     assert_eq!(cells.len(), 1);
     cells.remove(0)
+}
+
+/// Tasks whose experiments a function of the cell sets up.
+struct Tasks<F> {
+    tasks: Vec<Task>,
+    set_up: F,
+    rule: Option<StoppingRule>,
+}
+
+impl<F> Tasks<F> {
+    /// One task per cell, with these numbers of trials.
+    fn new(trials: &[u64], set_up: F) -> Self {
+        let task = |(cell, &trials)| Task {
+            cell,
+            trials,
+            may_stop: false,
+        };
+        Self {
+            tasks: trials.iter().enumerate().map(task).collect(),
+            set_up,
+            rule: None,
+        }
+    }
+}
+
+impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Tasks<F> {
+    type Trial = T;
+    type Result = CellStatistics;
+    type Error = E;
+
+    fn tasks(&self) -> u64 {
+        self.tasks.len() as u64
+    }
+
+    fn task(&self, number: u64) -> Task {
+        self.tasks[number as usize]
+    }
+
+    fn set_up(&self, cell: usize) -> Result<T, E> {
+        (self.set_up)(cell)
+    }
+
+    fn stopping_rule(&self, _trial: &T) -> Option<StoppingRule> {
+        self.rule
+    }
+
+    fn finish(&self, _cell: usize, _trial: &T, statistics: CellStatistics) -> CellStatistics {
+        statistics
+    }
+}
+
+/// Results of all tasks, which come in their order.
+fn streamed<S: Sweep<Result = CellStatistics>>(
+    threads: usize,
+    sweep: &S,
+    cancelled: &AtomicBool,
+) -> Result<Vec<CellStatistics>, SweepError<S::Error>> {
+    let mut all = Vec::new();
+    let mut take = |number, output| {
+        assert_eq!(number, all.len() as u64);
+        if let SweepOutput::Result(cell) = output {
+            all.push(cell);
+        }
+        ControlFlow::Continue(())
+    };
+    runner(threads).stream(sweep, cancelled, &|_| (), &mut take)?;
+    Ok(all)
 }
 
 /// Independent numbers in (0, 1), a function of their index (SplitMix64).

@@ -1,12 +1,12 @@
 //! Probabilities of right order against closed forms, and the coverage of their intervals.
 
 use palpate_statistics::normal_tail;
-use palpate_sweep::{Order, Repeats, Told, both_above, in_order, repeats};
+use palpate_sweep::{Order, Repeats, TrialMeans, both_above, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};
 
-/// Trials that tell a normal number of this mean and standard deviation 1.
-fn normals(seed: u64, count: u64, mean: f64) -> Vec<Told> {
+/// Trials whose estimates are normal, with this mean and standard deviation 1.
+fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
     (0..count)
         .map(|trial| Some((mean + normal((seed << 32) + trial), mean)))
         .collect()
@@ -46,9 +46,9 @@ fn intervals_hold_the_probability_in_95_of_100() {
 #[test]
 fn unequal_samples_and_failures() {
     // Each trial succeeds with the probability 0.9.
-    let some = |seed: u64, count: u64, mean: f64| -> Vec<Told> {
-        let told = normals(seed, count, mean).into_iter().enumerate();
-        told.map(|(trial, told)| told.filter(|_| uniform((seed << 33) + trial as u64) < 0.9))
+    let some = |seed: u64, count: u64, mean: f64| -> Vec<TrialMeans> {
+        let all = normals(seed, count, mean).into_iter().enumerate();
+        all.map(|(trial, means)| means.filter(|_| uniform((seed << 33) + trial as u64) < 0.9))
             .collect()
     };
     let probability = 0.81 * normal_tail(-1.0 / 2.0_f64.sqrt());
@@ -71,53 +71,37 @@ fn both_must_be_above_the_limit() {
     assert!(covered > 0.925, "{covered}");
 }
 
+/// Repeats of two normal experiments with these means.
+fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Repeats {
+    let [one, other] = [0, 1].map(|place| normals(seed + place, count, means[place as usize]));
+    repeats(&one, &other, limit, 0.95)
+}
+
 #[test]
 fn repeats_are_those_of_normal_means() {
     // Φ(√(n/2) d) ≥ 0.95: n = 2 (1.645/d)².
     for (distance, expected) in [(4.0, 1), (1.0, 6), (0.5, 22)] {
-        let found = repeats(
-            &normals(1, 40_000, 0.0),
-            &normals(2, 40_000, distance),
-            None,
-            0.95,
-        );
-        let Repeats::Found(found) = found else {
-            panic!("{distance}: {found:?}")
+        let Repeats::Found(found) = repeats_of(1, 40_000, [0.0, distance], None) else {
+            panic!("{distance}")
         };
         let off = found.abs_diff(expected) as f64;
         assert!(off <= 1.0 + 0.1 * expected as f64, "{distance}: {found}");
     }
-    let Repeats::About(found) = repeats(
-        &normals(3, 40_000, 0.0),
-        &normals(4, 40_000, 0.1),
-        None,
-        0.95,
-    ) else {
+    let Repeats::About(found) = repeats_of(3, 40_000, [0.0, 0.1], None) else {
         panic!("too many for groups")
     };
     assert!(found.abs_diff(541) < 200, "{found}");
-    assert_eq!(
-        repeats(&normals(5, 1000, 1.0), &normals(6, 1000, 0.0), None, 0.95),
-        Repeats::Never
-    );
-    assert_eq!(
-        repeats(&normals(7, 100, 0.0), &normals(8, 100, 0.0), None, 0.95),
-        Repeats::Unknown
-    );
+    assert_eq!(repeats_of(5, 1000, [1.0, 0.0], None), Repeats::Never);
+    assert_eq!(repeats_of(7, 100, [0.0; 2], None), Repeats::Unknown);
     // Both above the limit: Φ(√n d)² ≥ 0.95.
-    let found = repeats(
-        &normals(9, 40_000, 0.5),
-        &normals(10, 40_000, 0.5),
-        Some(0.0),
-        0.95,
-    );
+    let found = repeats_of(9, 40_000, [0.5; 2], Some(0.0));
     assert!(matches!(found, Repeats::Found(14..=17)), "{found:?}");
 }
 
 #[test]
-fn nothing_random_nothing_told_and_nothing_at_all() {
+fn exact_failed_and_missing_trials_are_sound() {
     let exact = |value: f64| vec![Some((value, value))];
-    let order = |low: &[Told], high: &[Told]| {
+    let order = |low: &[TrialMeans], high: &[TrialMeans]| {
         let Order {
             probability,
             low,
@@ -131,35 +115,32 @@ fn nothing_random_nothing_told_and_nothing_at_all() {
     assert_eq!(order(&[], &[]), (0.0, 0.0, 1.0));
     let (probability, low, high) = order(&normals(1, 100, -50.0), &exact(2.0));
     assert!(probability == 1.0 && low > 0.95 && high == 1.0, "{low}");
-    assert_eq!(
-        repeats(&exact(2.0), &exact(2.0), None, 0.95),
-        Repeats::Never
-    );
-    assert_eq!(
-        repeats(&[None; 50], &exact(2.0), None, 0.95),
-        Repeats::Never
-    );
-    assert_eq!(repeats(&[], &[], None, 0.95), Repeats::Never);
+    for (one, other) in [
+        (exact(2.0), exact(2.0)),
+        (vec![None; 50], exact(2.0)),
+        (vec![], vec![]),
+    ] {
+        assert_eq!(repeats(&one, &other, None, 0.95), Repeats::Never);
+    }
     for extreme in [f64::MAX, f64::MIN, 5e-324] {
-        let wide: Vec<Told> = (0..600)
+        let wide: Vec<TrialMeans> = (0..600)
             .map(|trial| Some((if trial % 2 == 0 { extreme } else { -extreme }, 0.0)))
             .collect();
-        let Order {
-            probability,
-            low,
-            high,
-        } = in_order(&wide, &normals(1, 600, 0.0));
+        let (probability, low, high) = order(&wide, &normals(1, 600, 0.0));
         assert!(low <= probability && probability <= high, "{extreme:e}");
         let _ = repeats(&wide, &normals(1, 600, 0.0), None, 0.95);
     }
 }
 
 #[test]
-fn trials_tell_their_means() {
+fn means_of_trials() {
     let trial = observing(|trial| observation(trial as f64, 1.0, None));
-    let told = runner(2).told(&trial, 0, 5..8);
-    assert_eq!(told, [Some((5.0, 1.0)), Some((6.0, 1.0)), Some((7.0, 1.0))]);
-    assert_eq!(runner(1).told(&trial, 7, 0..1), [None]);
+    let means = runner(2).trial_means(&trial, 0, 5..8);
+    assert_eq!(
+        means,
+        [Some((5.0, 1.0)), Some((6.0, 1.0)), Some((7.0, 1.0))]
+    );
+    assert_eq!(runner(1).trial_means(&trial, 7, 0..1), [None]);
     let failing = observing(|_| observation(f64::NAN, 1.0, None));
-    assert_eq!(runner(1).told(&failing, 0, 0..2), [None, None]);
+    assert_eq!(runner(1).trial_means(&failing, 0, 0..2), [None, None]);
 }

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use palpate_sweep::{
-    Among, Ask, Batches, Curves, Ended, Growth, Looked, Record, Run, Runner, Scores, Search,
-    Searched, Side, Span, Trial, search, share_at_most,
+    Batches, Curves, EndReason, Growth, Record, Run, Runner, ScoreRequest, Scores, Search,
+    SearchRange, SearchResult, Side, Span, TestedValue, Trial, search, share_at_most,
 };
 
 use crate::{normal, observation, runner, uniform};
@@ -73,8 +73,8 @@ impl Curves for Noise<'_> {
         self.cells.len()
     }
 
-    fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
-        let score = |ask: &Ask| {
+    fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+        let score = |ask: &ScoreRequest| {
             let (scale, fails) = self.cells[ask.cell](ask.value);
             let trial = Noisy {
                 seed: self.seed,
@@ -99,11 +99,11 @@ impl Curves for Noise<'_> {
             let failed = batches.statistics().failed();
             [of_rms, share_at_most(failed, batches.trials(), 0.05)]
         };
-        Ok(asked.iter().map(score).collect())
+        Ok(requests.iter().map(score).collect())
     }
 }
 
-fn searched(curve: &mut Noise<'_>, among: Among, most_trials: u64) -> Searched {
+fn searched(curve: &mut Noise<'_>, among: SearchRange, most_trials: u64) -> SearchResult {
     let settings = Search {
         among,
         gap: 0.05,
@@ -115,12 +115,12 @@ fn searched(curve: &mut Noise<'_>, among: Among, most_trials: u64) -> Searched {
     found
 }
 
-fn span(from: f64, to: f64) -> Among {
-    Among::Span(Span::new(from, to, false))
+fn span(from: f64, to: f64) -> SearchRange {
+    SearchRange::Span(Span::new(from, to, false))
 }
 
 /// Sides of the runs, and whether the ends of each are right.
-fn judged(found: &Searched, curve: &Noise<'_>) -> (Vec<Side>, bool) {
+fn judged(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
         curve.meets(run.from) == is && curve.meets(run.to) == is
@@ -142,7 +142,7 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         assert_eq!(sides, [Side::Meets, Side::Misses], "{seed}");
         let gap = found.runs[1].from / found.runs[0].to - 1.0;
         assert!(
-            found.ended == Ended::Known && (gap <= 0.05 || found.narrowed > 0),
+            found.ended == EndReason::Known && (gap <= 0.05 || found.narrowed > 0),
             "{gap}"
         );
         right += u32::from(is_right);
@@ -163,7 +163,7 @@ fn noise_alone_never_splits_what_is_exactly_at_the_limit() {
         let found = searched(&mut curve, span(0.1, 10.0), 1 << 12);
         assert_eq!(
             (found.runs.as_slice(), found.ended),
-            (&[][..], Ended::Trials),
+            (&[][..], EndReason::Trials),
             "{seed}"
         );
     }
@@ -217,8 +217,8 @@ fn the_worst_cell_decides() {
         judged(&found, &curve),
         (vec![Side::Meets, Side::Misses], true)
     );
-    let misses = |looked: &&Looked| looked.side == Some(Side::Misses);
-    let mut missing = found.looked.iter().filter(misses);
+    let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
+    let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
     // Cells that tell nothing are not asked again.
     let easy = curve
@@ -275,7 +275,7 @@ fn everything_fails() {
 fn whole_numbers_and_lists() {
     let runner = runner(2);
     let mut curve = Noise::new(&runner, 7, &[|x| (10.5 / x, 0.0)]);
-    let among = Among::Span(Span::new(2.0, 40.0, true));
+    let among = SearchRange::Span(Span::new(2.0, 40.0, true));
     let found = searched(&mut curve, among, MOST);
     let ends = found.runs.iter().map(|run| (run.from, run.to, run.side));
     let expected = [(2.0, 10.0, Side::Misses), (11.0, 40.0, Side::Meets)];
@@ -283,8 +283,8 @@ fn whole_numbers_and_lists() {
 
     let scales: Curve = |place| ([0.5, 2.0, 1.0, 0.9][place as usize], 0.0);
     let mut curve = Noise::new(&runner, 8, &[scales]);
-    let found = searched(&mut curve, Among::Listed(4), 1 << 16);
-    let sides: Vec<_> = found.looked.iter().map(|looked| looked.side).collect();
+    let found = searched(&mut curve, SearchRange::Listed(4), 1 << 16);
+    let sides: Vec<_> = found.tested.iter().map(|looked| looked.side).collect();
     assert_eq!(
         sides,
         [
@@ -294,7 +294,7 @@ fn whole_numbers_and_lists() {
             Some(Side::Meets)
         ]
     );
-    assert_eq!((found.runs.len(), found.ended), (3, Ended::Trials));
+    assert_eq!((found.runs.len(), found.ended), (3, EndReason::Trials));
 }
 
 #[test]
@@ -308,10 +308,10 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
         fn cells(&self) -> usize {
             1
         }
-        fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
-            let limit = |ask: &Ask| if ask.fresh { self.fresh_below } else { 1.0 };
-            let score = |ask: &Ask| [if ask.value < limit(ask) { 40.0 } else { -40.0 }; 2];
-            Ok(asked.iter().map(score).collect())
+        fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+            let limit = |ask: &ScoreRequest| if ask.fresh { self.fresh_below } else { 1.0 };
+            let score = |ask: &ScoreRequest| [if ask.value < limit(ask) { 40.0 } else { -40.0 }; 2];
+            Ok(requests.iter().map(score).collect())
         }
     }
     let settings = Search {
@@ -348,8 +348,8 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
         fn cells(&self) -> usize {
             self.0.cells()
         }
-        fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
-            let told = self.0.look(asked);
+        fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+            let told = self.0.scores(requests);
             self.1.store(self.0.trials, Ordering::Relaxed);
             told
         }
@@ -377,7 +377,7 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
         gaps.push((found.runs[1].from / found.runs[0].to - 1.0, found.ended));
     }
     assert!(
-        gaps[0].1 == Ended::Time && gaps[2].1 == Ended::Known,
+        gaps[0].1 == EndReason::Time && gaps[2].1 == EndReason::Known,
         "{gaps:?}"
     );
     assert!(gaps[0].0 > gaps[1].0 && gaps[1].0 > gaps[2].0, "{gaps:?}");

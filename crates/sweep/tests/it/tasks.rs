@@ -2,15 +2,15 @@
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate_sweep::{
-    BLOCK, CellStatistics, Observation, Record, Stop, Sweep, SweepError, Taken, Task, Trial,
-    Watched,
+    BLOCK, CellStatistics, Observation, Record, StoppingRule, StoppingStatistic, Sweep, SweepError,
+    SweepOutput, Trial,
 };
 
-use crate::{normal, observation, runner};
+use crate::{Tasks, normal, observation, runner, streamed};
 
 /// Several quantities, varied truths, verdicts and failures; each trial takes a while.
 struct Rich {
@@ -57,77 +57,22 @@ impl Trial for Rich {
     }
 }
 
-/// Tasks with an experiment of one kind in all cells.
-struct Tasks<F> {
-    tasks: Vec<Task>,
-    experiment: F,
-    stop: Option<Stop>,
-}
-
-impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
-    type Trial = T;
-    type Result = CellStatistics;
-    type Error = Infallible;
-
-    fn tasks(&self) -> u64 {
-        self.tasks.len() as u64
-    }
-
-    fn task(&self, number: u64) -> Task {
-        self.tasks[number as usize]
-    }
-
-    fn set_up(&self, _cell: usize) -> Result<T, Infallible> {
-        Ok((self.experiment)())
-    }
-
-    fn stop(&self, _trial: &T) -> Option<Stop> {
-        self.stop
-    }
-
-    fn finish(&self, _cell: usize, _trial: &T, statistics: CellStatistics) -> CellStatistics {
-        statistics
-    }
-}
-
 fn statistics(
     threads: usize,
     sweep: &impl Sweep<Result = CellStatistics, Error = Infallible>,
 ) -> Vec<CellStatistics> {
-    let mut all = Vec::new();
-    let never = AtomicBool::new(false);
-    let mut take = |number, taken| {
-        assert_eq!(number, all.len() as u64);
-        if let Taken::Result(cell) = taken {
-            all.push(cell);
-        }
-        ControlFlow::Continue(())
-    };
-    runner(threads)
-        .stream(sweep, &never, &|_| (), &mut take)
-        .unwrap();
-    all
+    streamed(threads, sweep, &AtomicBool::new(false)).unwrap()
 }
 
-/// One task per cell, with these numbers of trials.
-fn tasks(trials: &[u64]) -> Vec<Task> {
-    let task = |(cell, &trials)| Task {
-        cell,
-        trials,
-        may_stop: false,
-    };
-    trials.iter().enumerate().map(task).collect()
-}
+type Infallibly<T> = Result<T, Infallible>;
 
-fn rich(wait_us: u64, places: u64, trials: u64) -> Tasks<impl Fn() -> Rich + Sync> {
-    Tasks {
-        tasks: tasks(&[trials, 3, trials / 2]),
-        experiment: move || Rich {
-            wait: Duration::from_micros(wait_us),
-            places,
-        },
-        stop: None,
-    }
+fn rich(
+    wait_us: u64,
+    places: u64,
+    trials: u64,
+) -> Tasks<impl Fn(usize) -> Infallibly<Rich> + Sync> {
+    let wait = Duration::from_micros(wait_us);
+    Tasks::new(&[trials, 3, trials / 2], move |_| Ok(Rich { wait, places }))
 }
 
 #[test]
@@ -146,28 +91,28 @@ fn slices_of_blocks_leave_no_trace() {
     }
 }
 
-#[test]
-fn one_trial_tells_all_where_nothing_is_random() {
-    struct Still(AtomicU64);
-    impl Trial for Still {
-        fn quantities(&self) -> usize {
-            1
-        }
-        fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
-            self.0.fetch_add(1, Ordering::Relaxed);
-            record.observe(0, observation(3.0, 2.0, None));
-            Ok(())
-        }
-        fn is_random(&self) -> bool {
-            false
-        }
+/// Experiment that is not random.
+struct Still;
+
+impl Trial for Still {
+    fn quantities(&self) -> usize {
+        1
     }
+
+    fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        record.observe(0, observation(3.0, 2.0, None));
+        Ok(())
+    }
+
+    fn is_random(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn an_experiment_that_is_not_random_has_one_trial() {
     for trials in [1, 5000, 1_000_000] {
-        let sweep = Tasks {
-            tasks: tasks(&[trials]),
-            experiment: || Still(AtomicU64::new(0)),
-            stop: None,
-        };
+        let sweep = Tasks::new(&[trials], |_| Ok(Still));
         let cell = statistics(2, &sweep).remove(0);
         assert_eq!(cell.trials, 1);
         let summary = cell.quantities[0];
@@ -202,27 +147,27 @@ impl Trial for Places {
 }
 
 /// Trials that a cell of these has until the rule ends it.
-fn trials(statistic: Watched, places: u64, are_same: bool, scale: f64, min_trials: u64) -> u64 {
-    let stop = Stop {
+fn trials(
+    statistic: StoppingStatistic,
+    places: u64,
+    are_same: bool,
+    scale: f64,
+    min_trials: u64,
+) -> u64 {
+    let rule = StoppingRule {
         quantity: 0,
         statistic,
         relative_standard_error: 0.01,
         min_trials,
     };
-    let task = |cell| Task {
-        cell,
-        trials: 100_000,
-        may_stop: true,
-    };
-    let sweep = Tasks {
-        tasks: (0..3).map(task).collect(),
-        experiment: move || Places {
+    let set_up = move |_| {
+        Ok(Places {
             places,
             are_same,
             scale,
-        },
-        stop: Some(stop),
+        })
     };
+    let sweep = ruled_by(rule, 3, 100_000, set_up);
     let all = statistics(2, &sweep);
     assert_eq!(format!("{:?}", all[0]), format!("{:?}", all[2]));
     all[0].trials
@@ -233,40 +178,43 @@ fn a_cell_ends_when_its_statistic_is_known() {
     // Relative standard errors of N Gaussian errors: 1/√(2N) of their rms, √(π/2 − 1)/√N of their mean magnitude, and
     // 0.1/√N of a mean that is ten standard deviations from 0.
     for scale in [1.0, 1e-200, 1e200] {
-        assert_eq!(trials(Watched::RmsError, 1, true, scale, 0), 8 * BLOCK);
-        assert_eq!(trials(Watched::MeanAbsError, 1, true, scale, 0), 8 * BLOCK);
-        assert_eq!(trials(Watched::Mean, 1, true, scale, 0), BLOCK);
+        assert_eq!(
+            trials(StoppingStatistic::RmsError, 1, true, scale, 0),
+            8 * BLOCK
+        );
+        assert_eq!(
+            trials(StoppingStatistic::MeanAbsError, 1, true, scale, 0),
+            8 * BLOCK
+        );
+        assert_eq!(trials(StoppingStatistic::Mean, 1, true, scale, 0), BLOCK);
     }
-    assert_eq!(trials(Watched::Mean, 1, true, 1.0, 3000), 4 * BLOCK);
-    assert_eq!(trials(Watched::RmsError, 1, true, 1.0, 1_000_000), 100_000);
+    assert_eq!(
+        trials(StoppingStatistic::Mean, 1, true, 1.0, 3000),
+        4 * BLOCK
+    );
+    assert_eq!(
+        trials(StoppingStatistic::RmsError, 1, true, 1.0, 1_000_000),
+        100_000
+    );
 }
 
-/// Cells of [`Rich`], each of which ends by a rule.
-fn ruled(
-    cells: usize,
-    wait_us: u64,
-    places: u64,
-    max: u64,
-    error: f64,
-) -> Tasks<impl Fn() -> Rich + Sync> {
-    let task = |cell| Task {
-        cell,
-        trials: max,
-        may_stop: true,
+/// Cells of at most `trials` trials, each of which a rule may end.
+fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Tasks<F> {
+    let mut sweep = Tasks::new(&vec![trials; cells], set_up);
+    sweep.tasks.iter_mut().for_each(|task| task.may_stop = true);
+    sweep.rule = Some(rule);
+    sweep
+}
+
+/// Such cells, which a rule ends at this relative standard error of the rms error.
+fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
+    let rule = StoppingRule {
+        quantity: 0,
+        statistic: StoppingStatistic::RmsError,
+        relative_standard_error: error,
+        min_trials: 0,
     };
-    Tasks {
-        tasks: (0..cells).map(task).collect(),
-        experiment: move || Rich {
-            wait: Duration::from_micros(wait_us),
-            places,
-        },
-        stop: Some(Stop {
-            quantity: 0,
-            statistic: Watched::RmsError,
-            relative_standard_error: error,
-            min_trials: 0,
-        }),
-    }
+    ruled_by(rule, cells, trials, set_up)
 }
 
 #[test]
@@ -282,10 +230,14 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
         (1, 700, 0.0),
     ] {
         // The cells before the last are run by one thread each.
-        let alone = statistics(1, &ruled(2, 0, places, max, error));
+        let rich = |wait_us| {
+            let wait = Duration::from_micros(wait_us);
+            move |_| Ok(Rich { wait, places })
+        };
+        let alone = statistics(1, &ruled(2, max, error, rich(0)));
         assert_eq!(format!("{:?}", alone[0]), format!("{:?}", alone[1]));
         for (threads, wait_us) in [(1, 100), (2, 0), (3, 20), (3, 100)] {
-            let shared = statistics(threads, &ruled(1, wait_us, places, max, error));
+            let shared = statistics(threads, &ruled(1, max, error, rich(wait_us)));
             assert_eq!(
                 format!("{shared:?}"),
                 format!("{:?}", &alone[..1]),
@@ -310,12 +262,7 @@ fn threads_share_a_cell_with_a_rule() {
         }
     }
     let time = |threads| {
-        let rich = ruled(1, 0, 1, 4096, 0.02);
-        let sweep = Tasks {
-            tasks: rich.tasks,
-            experiment: || Sleeps,
-            stop: rich.stop,
-        };
+        let sweep = ruled(1, 4096, 0.02, |_| Ok(Sleeps));
         let start = Instant::now();
         assert_eq!(statistics(threads, &sweep)[0].trials, 2 * BLOCK);
         start.elapsed().as_secs_f64()
@@ -325,25 +272,7 @@ fn threads_share_a_cell_with_a_rule() {
 
 #[test]
 fn a_cell_with_a_rule_in_which_nothing_is_random_has_one_trial() {
-    struct Still;
-    impl Trial for Still {
-        fn quantities(&self) -> usize {
-            1
-        }
-        fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
-            record.observe(0, observation(3.0, 2.0, None));
-            Ok(())
-        }
-        fn is_random(&self) -> bool {
-            false
-        }
-    }
-    let rich = ruled(2, 0, 1, u64::MAX, 0.01);
-    let sweep = Tasks {
-        tasks: rich.tasks,
-        experiment: || Still,
-        stop: rich.stop,
-    };
+    let sweep = ruled(2, u64::MAX, 0.01, |_| Ok(Still));
     for threads in [1, 3] {
         let all = statistics(threads, &sweep);
         assert_eq!((all[0].trials, &all[0]), (1, &all[1]));
@@ -352,15 +281,21 @@ fn a_cell_with_a_rule_in_which_nothing_is_random_has_one_trial() {
 
 #[test]
 fn observations_of_one_trial_count_as_one_where_they_go_together() {
-    assert_eq!(trials(Watched::RmsError, 16, true, 1.0, 0), 8 * BLOCK);
+    assert_eq!(
+        trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
+        8 * BLOCK
+    );
     // Independent ones tell more: 1/√(2 · 16 N).
-    assert_eq!(trials(Watched::RmsError, 16, false, 1.0, 0), BLOCK);
+    assert_eq!(
+        trials(StoppingStatistic::RmsError, 16, false, 1.0, 0),
+        BLOCK
+    );
 }
 
 #[test]
 fn a_sweep_that_is_left_off_has_given_the_first_results() {
     let mut taken = 0;
-    let take = &mut |_: u64, _: Taken<CellStatistics>| {
+    let take = &mut |_: u64, _: SweepOutput<CellStatistics>| {
         taken += 1;
         match taken {
             2 => ControlFlow::Break(()),
@@ -373,7 +308,7 @@ fn a_sweep_that_is_left_off_has_given_the_first_results() {
 
     let cancelled = AtomicBool::new(false);
     let mut taken = 0;
-    let take = &mut |_: u64, _: Taken<CellStatistics>| {
+    let take = &mut |_: u64, _: SweepOutput<CellStatistics>| {
         taken += 1;
         cancelled.store(true, Ordering::Relaxed);
         ControlFlow::Continue(())
@@ -396,12 +331,5 @@ fn a_panic_of_one_thread_ends_them_all() {
             Ok(())
         }
     }
-    statistics(
-        3,
-        &Tasks {
-            tasks: tasks(&[1_000_000; 200]),
-            experiment: || Panics,
-            stop: None,
-        },
-    );
+    statistics(3, &Tasks::new(&[1_000_000; 200], |_| Ok(Panics)));
 }

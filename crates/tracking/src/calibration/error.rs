@@ -4,7 +4,7 @@ use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Why there is no calibration, or why one does not apply.
+/// Reasons why there is no calibration, or why it does not apply.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
@@ -13,28 +13,28 @@ pub enum CalibrationError {
     TooFewPoints {
         /// Name of the things counted: points or parts.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: usize,
-        /// How many it takes.
+        /// The smallest number.
         needed: usize,
     },
-    /// All points show the same displacement.
+    /// All points have the same displacement.
     #[error(
         "all {count} points have a {what} displacement of {displacement}; a slope needs at least two",
         displacement = Number(*displacement)
     )]
     OneDisplacement {
-        /// Normal or tangential.
+        /// Kind of displacement: normal or tangential.
         what: &'static str,
         /// The displacement, length.
         displacement: f64,
-        /// Points.
+        /// Number of points.
         count: usize,
     },
     /// A number is not finite.
     #[error("point {point} (counting from 0): a number is not finite, or beyond 1e100")]
     NotFinite {
-        /// Which point.
+        /// Index of the point.
         point: usize,
     },
     /// The signal does not change with the displacement.
@@ -43,17 +43,17 @@ pub enum CalibrationError {
         /// Name of the signal.
         what: &'static str,
     },
-    /// A number of a calibration or of a camera makes no sense, or leaves the range of doubles.
+    /// A number of a calibration or of a camera is out of its range.
     #[error("{what} is {value}; it must be {needed}", value = Number(*value))]
     OutOfRange {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
         /// Its value.
         value: f64,
         /// Allowed values, in words.
         needed: &'static str,
     },
-    /// The calibration is of a sensor with another number of markers.
+    /// The calibration belongs to a sensor with another number of markers.
     #[error(
         "the calibration is of a sensor with {calibrated} markers; the frame at rest shows {found}"
     )]
@@ -66,6 +66,14 @@ pub enum CalibrationError {
 }
 
 impl CalibrationError {
+    pub(crate) const fn out_of_range(what: &'static str, value: f64, needed: &'static str) -> Self {
+        Self::OutOfRange {
+            what,
+            value,
+            needed,
+        }
+    }
+
     /// The stable name.
     pub fn name(&self) -> &'static str {
         self.into()

@@ -1,22 +1,21 @@
-//! Tangential displacements, from the shift of the centroid.
+//! Calibration of tangential displacements by the shift of the centroid.
 
 use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use super::normal::range;
 
-/// A marker whose tangential displacement is known.
+/// A marker with a known tangential displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralPoint {
-    /// Displacement along the skin, length, along the axes of its place.
+    /// Displacement along the skin, length, along the axes at the marker's place.
     pub tangential: [f64; 2],
     /// Shift along the same axes, px: f times the angle.
     pub shift_px: [f64; 2],
-    /// Inward displacement, length, where it is known.
+    /// Inward displacement, length, if it is known.
     pub normal: Option<f64>,
 }
 
-/// How far the centroid shifts per length of tangential displacement, as a function of the normal displacement u:
-/// p₀ + p₁ u.
+/// Shift of the centroid per length of tangential displacement, as a function of the normal displacement u: p₀ + p₁ u.
 ///
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
@@ -38,22 +37,22 @@ pub struct LateralCalibration {
     pub px_per_length: f64,
     /// Standard error of p₀.
     pub px_per_length_std: Option<f64>,
-    /// p₁, px per length squared; `None` where there were fewer than two normal displacements.
+    /// p₁, px per length squared; `None` with fewer than two different normal displacements.
     pub per_indentation: Option<f64>,
     /// Standard error of p₁.
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals over p₀ + p₁ u, length.
     pub residual_rms: f64,
-    /// Standard deviation of the residuals over p₀ + p₁ u, length: the root of the sum of their squares over the number
-    /// of points less the number of unknowns; `None` where that is 0.
+    /// Standard deviation of the residuals over p₀ + p₁ u, length, from the degrees of freedom; `None` without degrees of
+    /// freedom.
     pub residual_std: Option<f64>,
     /// The line through rest, p₁ = 0.
     pub line: Line,
-    /// The line with an intercept, for comparison; `None` where it is not known.
+    /// The line with an intercept, for comparison; `None` if it is unknown.
     pub with_intercept: Option<Line>,
-    /// The smallest and the largest tangential displacement that it was fitted to, length.
+    /// Smallest and largest tangential displacement of the fit, length.
     pub range: [f64; 2],
-    /// The smallest and the largest normal displacement among them; beyond these, the nearer one counts.
+    /// Smallest and largest normal displacement of the fit, length. Outside of this range the nearer end is used.
     pub normal_range: [f64; 2],
 }
 
@@ -66,8 +65,8 @@ impl LateralCalibration {
     /// Fits the shift along the known displacement to its length.
     ///
     /// # Errors
-    /// [`CalibrationError`]: fewer than two points, all of one displacement, numbers that are not finite, a centroid that
-    /// never shifts or shifts backward within the range of normal displacements.
+    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for a
+    /// centroid that does not shift or shifts backward within the range of normal displacements.
     pub fn fit(points: &[LateralPoint]) -> Result<Self, CalibrationError> {
         let numbers: Vec<[f64; 5]> = points
             .iter()
@@ -111,7 +110,7 @@ impl LateralCalibration {
         calibration.checked()
     }
 
-    /// px per length of tangential displacement of a marker that was displaced inward by `normal`.
+    /// Slope, px per length, for a marker with the inward displacement `normal`.
     pub fn slope(&self, normal: f64) -> f64 {
         let [low, high] = self.normal_range;
         let normal = normal.max(low).min(high);
@@ -142,22 +141,21 @@ impl LateralCalibration {
         let mut all = numbers.into_iter().chain(optional.into_iter().flatten());
         if let Some(value) = all.find(|number| !number.is_finite()) {
             let what = "a number of the lateral calibration";
-            return Err(CalibrationError::OutOfRange {
-                what,
-                value,
-                needed: "finite",
-            });
+            return Err(CalibrationError::out_of_range(what, value, "finite"));
         }
         match self.normal_range.map(|end| self.slope(end)) {
             [at_low, at_high] if at_low.is_normal() && at_low * at_high > 0.0 => Ok(self),
             [at_low, at_high] if at_low.is_finite() && at_high.is_finite() => {
                 Err(CalibrationError::NoSlope { what: WORDS.signal })
             }
-            [at_low, _] => Err(CalibrationError::OutOfRange {
-                what: "px per length",
-                value: at_low,
-                needed: "finite over all calibrated indentations",
-            }),
+            [at_low, _] => {
+                let needed = "finite over all calibrated indentations";
+                Err(CalibrationError::out_of_range(
+                    "px per length",
+                    at_low,
+                    needed,
+                ))
+            }
         }
     }
 }
@@ -184,7 +182,7 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// `None` where the normal displacements do not tell the two apart.
+    /// `None` if the normal displacements do not determine both coefficients.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))
@@ -267,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn one_indentation_tells_one_number() {
+    fn one_indentation_determines_one_number() {
         let points = [0.1, 0.2, 0.4].map(|tangential| LateralPoint {
             tangential: [0.0, tangential],
             shift_px: [0.3, 7.0 * tangential],

@@ -1,11 +1,11 @@
-//! A straight line through points of a known displacement.
+//! A straight line through points with known displacements.
 
 use super::CalibrationError;
 
 /// Largest number that can be squared and summed without overflow.
 const LARGEST: f64 = 1e100;
 
-/// A least-squares line: a signal (hue in turns, px, …) over the displacement that is known.
+/// A least-squares line: a signal (hue in turns, px, …) over the known displacement.
 ///
 /// ```
 /// use palpate_tracking::Line;
@@ -21,17 +21,16 @@ const LARGEST: f64 = 1e100;
 pub struct Line {
     /// Signal per length.
     pub slope: f64,
-    /// Its standard error; `None` where there are no more points than unknowns.
+    /// Standard error of the slope; `None` without degrees of freedom.
     pub slope_std: Option<f64>,
-    /// The signal without displacement; `None` of a line that is drawn through rest, where it is 0.
+    /// The signal without displacement; `None` for a line through rest, where it is 0.
     pub intercept: Option<f64>,
-    /// The share of the signal's variance about its mean that the line explains; below 0 where a line through rest is
-    /// worse than the mean.
+    /// Share of the signal's variance that the line explains; below 0 if a line through rest is worse than the mean.
     pub r_squared: f64,
     /// Root mean square of the signal's residuals over the slope, length.
     pub residual_rms: f64,
-    /// Standard deviation of the signal's residuals over the slope, length: the root of the sum of their squares over
-    /// the number of points less the number of unknowns; `None` where that is 0.
+    /// Standard deviation of the signal's residuals over the slope, length, from the degrees of freedom; `None` without
+    /// degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points.
     pub count: usize,
@@ -47,8 +46,7 @@ pub(super) struct Words {
 }
 
 impl Line {
-    /// The line of a normal displacement's points, (displacement, signal), with an intercept: as the 2020 paper draws
-    /// its Fig. 6b and c.
+    /// The line through points (displacement, signal), with an intercept, as in Fig. 6b and c of the 2020 paper.
     ///
     /// # Errors
     /// [`CalibrationError`]: fewer than two points, all of one displacement, a signal that never changes.
@@ -56,10 +54,10 @@ impl Line {
         fit(points, true, Words::default())
     }
 
-    /// The line through rest: a marker whose sight did not change was not displaced.
+    /// The line through rest: without a change of the signal there is no displacement.
     ///
     /// # Errors
-    /// As [`Line::with_intercept`].
+    /// Errors of [`Line::with_intercept`].
     pub fn through_rest(points: &[[f64; 2]]) -> Result<Self, CalibrationError> {
         fit(points, false, Words::default())
     }
@@ -85,10 +83,9 @@ pub(super) fn fit(
     let scaled = || points.iter().map(|[x, y]| [x / length, y / signal]);
     let mean = |axis: usize| scaled().map(|point| point[axis]).sum::<f64>() / count;
     let [mean_x, mean_y] = [mean(0), mean(1)];
-    let [x_0, y_0] = if has_intercept {
-        [mean_x, mean_y]
-    } else {
-        [0.0, 0.0]
+    let [x_0, y_0] = match has_intercept {
+        true => [mean_x, mean_y],
+        false => [0.0; 2],
     };
     let sum = |of: &dyn Fn([f64; 2]) -> f64| scaled().map(of).sum::<f64>();
     let squares = sum(&|[x, _]| (x - x_0).powi(2));
@@ -98,7 +95,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // A slope so small explains no more than the mean alone: there is none.
+    // A line with such a small slope explains no more than the mean.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }
@@ -115,35 +112,26 @@ pub(super) fn fit(
 }
 
 impl Line {
-    /// A line all of whose numbers are finite, with a slope.
+    /// Checks that all numbers of the line are finite and that it has a slope.
     pub(super) fn checked(self) -> Result<Self, CalibrationError> {
         let optional = [self.slope_std, self.intercept, self.residual_std];
-        let bad = |what, value, needed| {
-            Err(CalibrationError::OutOfRange {
-                what,
-                value,
-                needed,
-            })
-        };
         if !self.slope.is_normal() {
-            return bad(
+            let needed = "finite and further from 0 than 1e-300";
+            return Err(CalibrationError::out_of_range(
                 "a line's slope",
                 self.slope,
-                "finite and further from 0 than 1e-300",
-            );
+                needed,
+            ));
         }
         let others = [self.r_squared, self.residual_rms].into_iter();
-        match others
-            .chain(optional.into_iter().flatten())
-            .find(|number| !number.is_finite())
-        {
-            Some(number) => bad("a number of a line", number, "finite"),
-            None => Ok(self),
-        }
+        let mut numbers = others.chain(optional.into_iter().flatten());
+        let bad = |value| CalibrationError::out_of_range("a number of a line", value, "finite");
+        let infinite = numbers.find(|number| !number.is_finite());
+        infinite.map_or(Ok(self), |value| Err(bad(value)))
     }
 }
 
-/// The largest displacement and the largest signal, of points that allow a slope.
+/// The largest displacement and the largest signal of points that determine a slope.
 fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
     finite(points.iter().map(|point| &point[..]))?;
     if points.len() < 2 {
@@ -171,7 +159,7 @@ fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError
     }))
 }
 
-/// Refuses the first point with a number that cannot be reckoned with.
+/// Checks that all numbers can be used in sums of squares.
 pub(super) fn finite<'a>(
     mut points: impl Iterator<Item = &'a [f64]>,
 ) -> Result<(), CalibrationError> {

@@ -1,4 +1,4 @@
-//! Normal displacements, from hue and size.
+//! Calibration of normal displacements by hue and size.
 
 use std::collections::BTreeMap;
 
@@ -9,18 +9,18 @@ use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use crate::Change;
 
-/// Feature of a marker's picture that tells its normal displacement.
+/// Feature of a marker's image from which its normal displacement is computed.
 #[derive(Clone, Copy, Debug, Default, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Its mean hue: the overlap of the two discs, and so the difference between the displacements at their depths.
+    /// Mean hue. It depends on the overlap of the two discs, and so on the difference of the displacements at their depths.
     #[default]
     Hue,
-    /// Its size: with a camera in the sensor's centre, a disc that moves inward by u from the distance ρ looks larger by
-    /// ρ/(ρ - u). So the nearness 1 - 1/e^growth is u/ρ: proportional to the displacement itself.
+    /// Size. For a camera in the sensor's centre, the image of a disc that moves inward by u from the distance ρ grows by
+    /// ρ/(ρ - u). So the nearness 1 - 1/e^growth is u/ρ, in proportion to the displacement.
     Size,
-    /// Hue and nearness with the weights that fit the known displacements best. The two sense different things, so what
-    /// they tell differs with the shape of the contact.
+    /// Hue and nearness, with the weights that fit the known displacements best. The two features depend on different
+    /// displacements, so the result depends on the shape of the contact.
     Both,
 }
 
@@ -45,10 +45,10 @@ impl NormalFrom {
     }
 }
 
-/// A marker whose normal displacement is known.
+/// A marker with a known normal displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalPoint {
-    /// Which marker of the sensor, where it is known.
+    /// Index of the marker in the sensor, if it is known.
     pub marker: Option<usize>,
     /// Inward displacement, length.
     pub normal: f64,
@@ -58,45 +58,45 @@ pub struct NormalPoint {
     pub growth: f64,
 }
 
-/// How normal displacement follows from a marker's sight: signal / slope x gain, where the signal is the weighted sum of
-/// the change of hue and the nearness.
+/// Calibration of the normal displacement: signal / slope x gain. The signal is the weighted sum of the change of hue and the
+/// nearness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
-    /// Feature that displacements are read from.
+    /// Feature from which displacements are computed.
     pub from: NormalFrom,
-    /// The weights of hue (per turn) and of nearness in the signal. From hue alone they are 1 and 0, so that the signal
-    /// is in turns; from both, the signal is a length.
+    /// Weights of hue (per turn) and of nearness in the signal. For hue alone they are 1 and 0, and the signal is in turns. For
+    /// both features, the signal is a length.
     pub weights: [f64; 2],
-    /// The line through rest from which displacements are read.
+    /// The line through rest from which displacements are computed.
     pub line: Line,
-    /// The line with an intercept, for comparison; `None` where it is not known.
+    /// The line with an intercept, for comparison; `None` if it is unknown.
     pub with_intercept: Option<Line>,
-    /// The smallest and the largest displacement that it was fitted to, length.
+    /// Smallest and largest displacement of the fit, length.
     pub range: [f64; 2],
-    /// Markers that have a slope of their own, by number.
+    /// Markers with a slope of their own, sorted by index.
     pub gains: Vec<MarkerGain>,
-    /// Whether the markers' own slopes count.
+    /// Whether the markers' own slopes are used.
     pub uses_gains: bool,
 }
 
 /// The slope of one marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerGain {
-    /// Which marker of the sensor.
+    /// Index of the marker in the sensor.
     pub marker: usize,
-    /// The slope of all markers over its own.
+    /// Slope of all markers divided by that of this marker.
     pub gain: f64,
     /// Its own line through rest.
     pub line: Line,
 }
 
 impl NormalCalibration {
-    /// Fits the slope of all points; and that of each marker with at least three different displacements whose slope is
-    /// at least twice its standard error, which are used only after [`NormalCalibration::per_marker`].
+    /// Fits the slope of all points. Also fits the slope of each marker that has at least three different displacements and a
+    /// slope of at least twice its standard error. These are only used after [`NormalCalibration::per_marker`].
     ///
     /// # Errors
-    /// [`CalibrationError`]: fewer than two points, all of one displacement, numbers that are not finite, a sight that
-    /// never changes.
+    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for a
+    /// signal that never changes.
     pub fn fit(points: &[NormalPoint], from: NormalFrom) -> Result<Self, CalibrationError> {
         let numbers: Vec<[f64; 3]> = points
             .iter()
@@ -125,7 +125,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// Lets the markers' own slopes count where they are known.
+    /// Uses the markers' own slopes where they are known.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
@@ -133,7 +133,7 @@ impl NormalCalibration {
         }
     }
 
-    /// The signal of a change of sight.
+    /// The signal of a change.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }
@@ -158,17 +158,13 @@ impl NormalCalibration {
         let range = self.range.map(|end| ("an end of the range", end));
         let mut numbers = weights.into_iter().chain(range).chain(gains);
         match numbers.find(|(_, number)| !number.is_finite()) {
-            Some((what, value)) => Err(CalibrationError::OutOfRange {
-                what,
-                value,
-                needed: "finite",
-            }),
+            Some((what, value)) => Err(CalibrationError::out_of_range(what, value, "finite")),
             None => Ok(self),
         }
     }
 }
 
-/// The share of its distance from the camera by which a marker came nearer: 1 - 1/e^growth.
+/// Relative decrease of a marker's distance from the camera: 1 - 1/e^growth.
 fn nearness(growth: f64) -> f64 {
     -libm::expm1(-growth)
 }
@@ -186,8 +182,8 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue and nearness whose sum is the known displacement in the least squares; of the shortest ones where
-/// the two always change together. Zero where neither changes.
+/// The weights of hue and nearness whose weighted sum fits the known displacement best. If both always change together, these
+/// are the weights of least norm. They are zero if neither changes.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers

@@ -7,4 +7,4 @@ mod field;
 mod finder;
 mod matching;
 
-use palpate_testkit::frames;
+use palpate_testkit as frames;

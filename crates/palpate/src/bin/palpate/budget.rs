@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use palpate::config::SceneConfig;
-use palpate::{ConfigError, Goal, Plan, PlanError, RunOptions, Runner, SHARE_OF_MODEL, Study};
+use palpate::{ConfigError, Goal, MODEL_ERROR_SHARE, Plan, PlanError, RunOptions, Runner, Study};
 
 use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
@@ -68,7 +68,6 @@ fn refused(
     };
     match error {
         PlanError::SetUp(error) => Failure::usage(error),
-        PlanError::Timing(error) => Failure::work(error),
         PlanError::AllFail(failing) => at(failing.cell, "scene", error),
         PlanError::TooManyTrials { cell, .. } => at(cell, "trials", error),
         PlanError::DoesNotFit {
@@ -94,7 +93,7 @@ fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
         None => Some("trials  1: no cell is random".to_owned()),
     };
     let shift = target.map_or_else(String::new, |target| {
-        let share = percent(SHARE_OF_MODEL * target);
+        let share = percent(MODEL_ERROR_SHARE * target);
         format!(": shifts no estimate by more than {share} of its rms error")
     });
     let model = shown(&study.config.scene).filter(|_| plan.chooses_model);

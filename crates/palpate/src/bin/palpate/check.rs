@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use palpate::config::ModelConfig;
-use palpate::{Check, Cost, Family, Ladder, Rungs, Tested, load};
+use palpate::{Accuracy, Check, Cost, Family, Ladder, Rungs, Tested, load};
 
 use crate::answers::tell_swept;
 use crate::budget::runner;
@@ -171,12 +171,12 @@ fn measured(ladder: &Ladder, costs: &[(usize, Option<Cost>)]) -> impl Iterator<I
         let cost = cost.map_or_else(String::new, |cost| {
             words(cost, of_taken.filter(|_| !is_taken))
         });
-        let said = match &ladder.rungs[place].outcome {
-            Err(why) => format!("cannot: {why}"),
-            Ok(_) if ladder.reference == Some(place) => {
+        let said = match &ladder.rungs[place].accuracy {
+            Accuracy::Impossible(why) => format!("cannot: {why}"),
+            Accuracy::Error(_) if ladder.reference == Some(place) => {
                 format!("what errors are held against{cost}")
             }
-            Ok(error) => format!("error {error:.1e}{cost}"),
+            Accuracy::Error(error) => format!("error {error:.1e}{cost}"),
         };
         format!("  {mark} {:width$}  {said}", name(place))
     })

@@ -21,7 +21,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let of_study = StudyId::new(&study.config.name, &resolved(&study));
     let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
     let mut drawn = Vec::new();
-    if trace.seen.is_some() {
+    if trace.camera.is_some() {
         let tables = [
             (TRACE, trace.contacts.to_csv()),
             (READINGS, trace.readings.to_csv()),
@@ -50,7 +50,7 @@ pub(crate) fn files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failu
         (TRACE, trace.contacts.to_csv().into_bytes()),
         (READINGS, trace.readings.to_csv().into_bytes()),
     ];
-    if let Some(seen) = &trace.seen {
+    if let Some(seen) = &trace.camera {
         files.push((MARKERS, seen.markers.to_csv().into_bytes()));
         for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
             files.push((name, output::png(frame)?));

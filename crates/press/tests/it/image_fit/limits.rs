@@ -1,6 +1,6 @@
 //! Sensors of any size, presses at the resolution limit of pictures, and the names of errors.
 
-use palpate_press::{KnownPress, Rest};
+use palpate_press::{CalibrationPress, Rest};
 
 use super::*;
 
@@ -97,8 +97,8 @@ impl Press {
     }
 
     /// The press with its true parameters, for these errors of the camera model.
-    fn known(&self, common: &[f64; 5]) -> KnownPress {
-        KnownPress {
+    fn known(&self, common: &[f64; 5]) -> CalibrationPress {
+        CalibrationPress {
             seen: self.seen(common, &self.moved()),
             relative_curvature: self.relative_curvature(),
             at: [self.x * self.unit, 0.0],
@@ -288,7 +288,7 @@ fn bounds_are_in_proportion_to_units_and_errors() {
 
 #[test]
 fn impossible_known_presses_have_named_errors() {
-    let by = |change: &dyn Fn(&mut KnownPress)| {
+    let by = |change: &dyn Fn(&mut CalibrationPress)| {
         let mut known = PRESS.known(&EXACT);
         change(&mut known);
         let press = Press {

@@ -1,9 +1,9 @@
-//! The markers from above, with their displacements along the skin as arrows.
+//! Figure of the markers from above, with arrows for their displacements along the skin.
 
-use super::table::{Marker, Trace};
+use super::marker_table::{Marker, Trace};
 use crate::ReportError;
+use crate::plot::chart::{Panel, Place, mesh};
 use crate::plot::drawing::Figure;
-use crate::plot::panel::{Panel, Place, mesh};
 use crate::plot::scale::{Scale, Spacing, round_step};
 use crate::plot::sheet::{
     self, Drawn, EDGE, HAIR, LINE, Point, SAMPLE_GAP, Sample, Sheet, TEXT, TICK_GAP, WIDTH, Words,
@@ -11,16 +11,16 @@ use crate::plot::sheet::{
 use crate::plot::style::{Colour, FRAME, INK, Marker as Shape, Style, WHITE, mixed};
 use crate::plot::symbol::{Placed, Symbol};
 use palpate_study::label::{spoken_unit, with_unit};
-use plotters::element::{Circle, PathElement, Polygon, Rectangle};
+use plotters::element::{Circle, Polygon, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 /// Room for the key, and between it and the box.
 const KEY: i32 = 720;
 const GAP: i32 = 90;
-/// Displacements smaller than this are none.
-const LEAST: f64 = 1e-290;
-/// Widths of the arrows: the read one lies on the true one.
+/// Smallest displacement that counts as a displacement.
+const MIN_DISPLACEMENT: f64 = 1e-290;
+/// Widths of the arrows. The arrow of the reading is drawn over the true one.
 const TRUE: f64 = 15.0;
 const READ: f64 = 6.0;
 /// Length of a sample in the key.
@@ -28,18 +28,14 @@ const SAMPLE: i32 = 120;
 /// The strip of shades in the key.
 const STRIP: Point = (78, 570);
 const SHADES: i32 = 95;
-/// Shades of the least and of the largest displacement. Arrows are still visible on both.
+/// Shades of the smallest and the largest displacement. Arrows are visible on both.
 const LIGHT: Colour = Colour(252, 252, 252);
 const DARK: Colour = Colour(130, 130, 130);
 
 /// The markers and the key.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
-    let words = Words {
-        name: "quiver".to_owned(),
-        title: "Displacement of the markers along the skin".to_owned(),
-        subtitle: trace.subtitle(),
-        notes: Vec::new(),
-    };
+    let title = "Displacement of the markers along the skin";
+    let words = Words::new("quiver", title, &trace.subtitle(), &[]);
     let [x, y] = scales(trace);
     let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
@@ -56,7 +52,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
         shade: Scale::around(Spacing::Linear, normals).with_ticks(5),
         radius: (0.17 * apart).clamp(6.0, 33.0),
         longest,
-        stretch: (longest > LEAST).then(|| (0.8 * apart).clamp(36.0, 210.0) / longest),
+        stretch: (longest > MIN_DISPLACEMENT).then(|| (0.8 * apart).clamp(36.0, 210.0) / longest),
     };
     sheet::figure(words, WIDTH, |sheet| {
         sheet.top += 60;
@@ -200,10 +196,7 @@ impl Quiver<'_> {
             .draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))?;
         for tick in self.shade.ticks() {
             let y = bottom - (self.shade.place(tick.at) * f64::from(STRIP.1)) as i32;
-            let mark = [(right, y), (right + 15, y)];
-            sheet
-                .area
-                .draw(&PathElement::new(mark, FRAME.stroke_width(HAIR)))?;
+            sheet.path(vec![(right, y), (right + 15, y)], FRAME.stroke_width(HAIR))?;
             sheet.text(&tick.label, (right + 30, y), HPos::Left, INK)?;
         }
         Ok(())
@@ -227,7 +220,7 @@ fn lost(size: f64) -> Symbol {
     Symbol::new(style, size)
 }
 
-/// An arrow; one too short to be seen is not drawn.
+/// Draws an arrow, unless it is too short to be visible.
 fn arrow(
     sheet: &Sheet,
     (x, y): Point,
@@ -247,9 +240,8 @@ fn arrow(
             y + (forward * south + aside * east).round() as i32,
         )
     };
-    let shaft = [(x, y), at(length - 0.8 * head, 0.0)];
-    let shaft = PathElement::new(shaft, colour.stroke_width(wide as u32));
-    sheet.area.draw(&shaft)?;
+    let shaft = vec![(x, y), at(length - 0.8 * head, 0.0)];
+    sheet.path(shaft, colour.stroke_width(wide as u32))?;
     let half = 0.42 * head.max(wide);
     let tip = [
         at(length, 0.0),

@@ -3,7 +3,7 @@
 use super::{PlotKind, STATISTICS, STD_BOUND};
 use crate::config::error::Fault;
 use crate::config::grid::Grid;
-use crate::config::output::Output;
+use crate::config::study::Output;
 use crate::config::tree::{Entry, Node, Value, suggest};
 use serde::Deserialize;
 use serde::de::IntoDeserializer;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use palpate::{Finished, Simulation, SweepError, Taken, Warnings};
+use palpate::{Finished, Simulation, SweepError, SweepOutput, Warnings};
 
 use crate::failure::Failure;
 use crate::journal::{self, CellRecord, Found, Header, Journal, Totals, TrialRows};
@@ -178,10 +178,10 @@ impl<'s, 'a> Ongoing<'s, 'a> {
     }
 
     /// Notes what a task gave.
-    fn take(&mut self, number: u64, taken: Taken<CellRecord>) -> Result<(), anyhow::Error> {
+    fn take(&mut self, number: u64, taken: SweepOutput<CellRecord>) -> Result<(), anyhow::Error> {
         match taken {
-            Taken::Note(rows) => return self.trials(number, &rows),
-            Taken::Result(mut record) => {
+            SweepOutput::TrialRows(rows) => return self.trials(number, &rows),
+            SweepOutput::Result(mut record) => {
                 record.rows[3] = std::mem::take(&mut self.rows);
                 self.cell(record)?;
             }

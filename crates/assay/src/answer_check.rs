@@ -1,0 +1,249 @@
+//! Check of answers: boundaries from `palpate design` against a reference with 100 times the trials, and probabilities from
+//! `palpate distinguish` against pairs of fresh trials.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use palpate::{
+    Answer, Order, Question, RunOptions, Runner, SceneTrial, Scenes, Side, design, distinguish,
+    parse,
+};
+use serde::Serialize;
+
+use crate::answer_scenes::{DESIGNS, Design, OBJECTS, Objects};
+
+const DESIGN: &str = "design";
+const DISTINGUISH: &str = "distinguish";
+/// Gap of a reference relative to that of a design. A tenth of the gap takes 100 times the trials.
+const REFERENCE_GAP: f64 = 0.1;
+const REFERENCE_SEED: u64 = 1_000_003;
+/// Number of the first fresh trial, and the distance between the first trials of two objects.
+const FRESH: u64 = 1 << 50;
+const APART: u64 = 1 << 40;
+/// Half-width of a 95 % interval, in standard errors.
+const HALF_WIDTH_95: f64 = 1.96;
+
+/// Size of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// Number of seeds for each scene.
+    pub seeds: u64,
+    /// Number of pairs of trials for each probability.
+    pub pairs: u64,
+    /// Only scenes whose names contain these words.
+    pub only: &'a str,
+}
+
+/// Number of answers to a scene, and number of the correct ones.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Score {
+    /// `design` or `distinguish`.
+    pub command: &'static str,
+    /// Name of the scene.
+    pub scene: &'static str,
+    /// Number of answers.
+    pub cases: u64,
+    /// Number of correct answers.
+    pub right: u64,
+}
+
+/// Scores of all scenes. `report` gets each as soon as it is computed.
+///
+/// # Errors
+/// If a scene cannot be set up.
+pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score>> {
+    let runner = Runner::new(&RunOptions::default())?;
+    let mut scores = Vec::new();
+    let mut push = |score: Score| {
+        report(&score);
+        scores.push(score);
+    };
+    for scene in DESIGNS
+        .iter()
+        .filter(|scene| scene.name.contains(options.only))
+    {
+        push(design_score(scene, &runner, options.seeds)?);
+    }
+    for scene in OBJECTS
+        .iter()
+        .filter(|scene| scene.name.contains(options.only))
+    {
+        push(distinguish_score(scene, &runner, options)?);
+    }
+    Ok(scores)
+}
+
+/// Fails if too few answers are correct: 183 of 200 designs and 16 of 20 of each scene; 19 of 20 probabilities.
+///
+/// An answer is correct with 95 %. Then at least 183 of 200 are correct with 98.8 %, and at least 16 of 20 with 99.7 %.
+///
+/// # Errors
+/// If too few are correct.
+pub fn check(scores: &[Score]) -> Result<()> {
+    let of = |command: &str| {
+        let scores = scores.iter().filter(|score| score.command == command);
+        scores.fold((0, 0), |(cases, right), score| {
+            (cases + score.cases, right + score.right)
+        })
+    };
+    let ((cases, right), (pairs, pairs_right)) = (of(DESIGN), of(DISTINGUISH));
+    ensure!(
+        200 * right >= 183 * cases,
+        "design: {right} of {cases} answers are right"
+    );
+    ensure!(
+        20 * pairs_right >= 19 * pairs,
+        "distinguish: {pairs_right} of {pairs} probabilities are within their intervals"
+    );
+    for score in scores.iter().filter(|score| score.command == DESIGN) {
+        let Score {
+            scene,
+            cases,
+            right,
+            ..
+        } = score;
+        ensure!(20 * right >= 16 * cases, "{scene}: {right} of {cases}");
+    }
+    Ok(())
+}
+
+/// Compares designs of a scene, one for each seed, with a reference.
+fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
+    let ask = |seed: u64, gap: f64| -> Result<Answer> {
+        let mut study = parse(scene.name, scene.config)?;
+        study.override_seed(seed)?;
+        let mut question = Question::new(scene.target.parse()?, scene.vary.parse()?);
+        question.gap = gap;
+        question.most_trials = 1 << 32;
+        let start = Instant::now();
+        let answer = design(&study, &question, runner, &|| start.elapsed(), &|_, _| ());
+        answer.with_context(|| scene.name)
+    };
+    let reference = ask(REFERENCE_SEED, scene.gap * REFERENCE_GAP)?;
+    let mut right = 0;
+    for seed in 0..seeds {
+        right += u64::from(is_right_design(&ask(seed, scene.gap)?, &reference));
+    }
+    Ok(Score {
+        command: DESIGN,
+        scene: scene.name,
+        cases: seeds,
+        right,
+    })
+}
+
+/// Whether an answer has values on both sides of the target, and the reference puts no end of a run on the other side.
+fn is_right_design(answer: &Answer, reference: &Answer) -> bool {
+    let is_wrong = |value: f64, side: Side| {
+        let mut runs = reference.runs.iter();
+        runs.any(|run| run.side != side && (run.from..=run.to).contains(&value))
+    };
+    let mut ends = answer
+        .runs
+        .iter()
+        .flat_map(|run| [(run.from, run.side), (run.to, run.side)]);
+    [Side::Meets, Side::Misses].map(|side| answer.on(side).next().is_some()) == [true; 2]
+        && !ends.any(|(value, side)| is_wrong(value, side))
+}
+
+/// Compares the probability of each pair of objects, for each seed, with its share of pairs of fresh trials.
+fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
+    let (config, radii) = (scene.config, scene.radii);
+    let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
+    let mut study = parse(scene.name, &format!("{config}{sweep}"))?;
+    study.override_trials(scene.trials)?;
+    let mut fresh = Vec::new();
+    for cell in 0..study.cell_count() {
+        let trial = SceneTrial::new(study.estimable_scene(cell)?);
+        let mut names = trial.scene.quantities().iter();
+        let place = names.position(|one| one.name == scene.quantity);
+        let place = place.with_context(|| format!("{} has no {}", scene.name, scene.quantity))?;
+        let first = FRESH + cell as u64 * APART;
+        fresh.push(runner.trial_means(&trial, place, first..first + options.pairs));
+    }
+    let mut score = Score {
+        command: DISTINGUISH,
+        scene: scene.name,
+        cases: 0,
+        right: 0,
+    };
+    for seed in 0..options.seeds {
+        study.override_seed(seed)?;
+        let answer = distinguish(&study, Some(scene.quantity), 0.95, runner, &|_, _| ())?;
+        for group in &answer.groups {
+            for pair in &group.pairs {
+                let order = pair.order;
+                let order = order.with_context(|| format!("{} has twins", scene.name))?;
+                let [low, high] =
+                    [pair.first, pair.second].map(|one| &fresh[group.objects[one].cell]);
+                let is_in_order = |(low, high): &(&Option<(f64, f64)>, &Option<(f64, f64)>)| {
+                    low.zip(**high)
+                        .is_some_and(|((low, _), (high, _))| low < high)
+                };
+                let in_order = low.iter().zip(high).filter(is_in_order).count();
+                let share = in_order as f64 / low.len().max(1) as f64;
+                score.cases += 1;
+                score.right += u64::from(is_right_order(order, share, low.len()));
+            }
+        }
+    }
+    Ok(score)
+}
+
+/// Whether a probability and the share of fresh pairs differ by no more than the interval of the probability and the
+/// standard error of the share. The share is the same for every seed, so its error must count.
+fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
+    let side = match share < order.probability {
+        true => order.probability - order.low,
+        false => order.high - order.probability,
+    };
+    let square_error = HALF_WIDTH_95 * HALF_WIDTH_95 * share * (1.0 - share) / pairs.max(1) as f64;
+    let difference = share - order.probability;
+    difference * difference <= side * side + square_error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_few_right_answers_are_an_error() {
+        let score = |command, right| Score {
+            command,
+            scene: "a",
+            cases: 20,
+            right,
+        };
+        let of = |design, distinguish| {
+            check(&[score("design", design), score("distinguish", distinguish)])
+        };
+        assert!(of(19, 19).is_ok());
+        for (design, distinguish) in [(18, 20), (20, 18)] {
+            assert!(of(design, distinguish).is_err());
+        }
+        let mut many = vec![score("design", 20); 9];
+        many.push(score("design", 15));
+        assert!(check(&many).is_err());
+    }
+
+    #[test]
+    fn the_share_of_pairs_may_have_an_error() {
+        let order = Order {
+            probability: 0.5,
+            low: 0.4,
+            high: 0.52,
+        };
+        let many = 1 << 40;
+        for (share, pairs, right) in [
+            (0.401, many, true),
+            (0.399, many, false),
+            (0.519, many, true),
+            (0.521, many, false),
+            // A standard error of 0.005 on 0.02: 0.0223 together.
+            (0.522, 10_000, true),
+            (0.5225, 10_000, false),
+        ] {
+            assert_eq!(is_right_order(order, share, pairs), right, "{share}");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Check of `auto`: the model that it chooses errs by at most the tolerance, and takes at most twice the instructions of the
+//! cheapest model within the tolerance.
+//!
+//! | kind | computation that is counted | error | reference | competing models |
+//! |---|---|---|---|---|
+//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | every chart-free setting of every rung |
+//! | glide | the touches of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
+//! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
+//!
+//! The setup of a scene is not counted. A competing model of a roll is not counted either if it evaluates the contact
+//! equations more than three times as often as the chosen one: the work around an evaluation differs by a factor of at most
+//! 2.1 between methods.
+
+mod auto_choice;
+mod auto_scenes;
+mod competing_models;
+
+use std::path::Path;
+
+use anyhow::{Result, anyhow, bail};
+
+use crate::csv_table::{self, or_empty};
+use crate::timing::{self, Evaluation};
+use auto_choice::MAX_COST_RATIO;
+pub use auto_choice::{AutoChoice, SCENES};
+pub use auto_scenes::{Kind, config_text};
+pub use competing_models::CompetingModel;
+
+/// The choices on all scenes, kind by kind.
+///
+/// # Errors
+/// As [`AutoChoice::new`].
+pub fn choices() -> Result<Vec<AutoChoice>> {
+    let of_kind = |kind| (0..SCENES).map(move |number| AutoChoice::new(kind, number));
+    Kind::ALL.into_iter().flat_map(of_kind).collect()
+}
+
+/// Checks all scenes, writes `promise.csv`, and returns a summary. `counted` as in [`timing::instructions`].
+///
+/// # Errors
+/// If a choice fails the check, after the table is written; if counting fails, or the table cannot be written.
+pub fn run(out: &Path, counted: bool) -> Result<String> {
+    let choices = choices()?;
+    let evaluations: Vec<Evaluation> = choices
+        .iter()
+        .map(AutoChoice::evaluations)
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    if counted {
+        timing::count(evaluations);
+        return Ok(String::new());
+    }
+    let scales: Vec<u32> = evaluations.iter().map(Evaluation::scale).collect();
+    let Some(counts) = timing::instructions(&scales)? else {
+        bail!("{}", timing::NO_VALGRIND);
+    };
+    let mut counts = counts.into_iter();
+    let verdicts: Vec<Verdict<'_>> = choices
+        .iter()
+        .map(|choice| Verdict::new(choice, counts.by_ref()))
+        .collect();
+    write(&verdicts, out)?;
+    summary(&verdicts).map_err(|summary| anyhow!("{summary}: see {}", out.display()))
+}
+
+/// A choice and its costs.
+struct Verdict<'a> {
+    choice: &'a AutoChoice,
+    /// Instructions of the chosen model.
+    taken: u64,
+    /// The cheapest model within the tolerance, and its instructions.
+    cheapest: Option<(usize, u64)>,
+}
+
+impl<'a> Verdict<'a> {
+    /// Takes a count for each of the choice's [`AutoChoice::counted`] models.
+    fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
+        let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
+        let taken = counted.iter().find(|(place, _)| *place == choice.taken);
+        let adequate = counted
+            .iter()
+            .filter(|(place, _)| choice.is_adequate(*place));
+        Self {
+            choice,
+            taken: taken.map_or(0, |(_, count)| *count),
+            cheapest: adequate.min_by_key(|(_, count)| *count).copied(),
+        }
+    }
+
+    fn ratio(&self) -> Option<f64> {
+        let (_, least) = self.cheapest?;
+        Some(self.taken as f64 / least.max(1) as f64)
+    }
+
+    fn passes(&self) -> bool {
+        self.choice.errs_within() && self.ratio().is_some_and(|ratio| ratio <= MAX_COST_RATIO)
+    }
+}
+
+/// Writes the table.
+fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
+    let row = |verdict: &Verdict<'_>| {
+        let Verdict {
+            choice, cheapest, ..
+        } = verdict;
+        let cheapest_name = cheapest.map(|(place, _)| choice.models[place].rung.name.clone());
+        let error = match &choice.taken().accuracy {
+            palpate::Accuracy::Error(error) => format!("{error:e}"),
+            palpate::Accuracy::Impossible(why) => why.clone(),
+        };
+        let passes = if verdict.passes() { "yes" } else { "no" };
+        [
+            ("kind", choice.kind.name().to_owned()),
+            ("scene", choice.number.to_string()),
+            ("tolerance", format!("{:e}", choice.tolerance)),
+            ("taken", choice.taken().name.clone()),
+            ("error", error),
+            ("judged_by", choice.truth.to_owned()),
+            ("competitors", choice.competitors().to_string()),
+            ("instructions", verdict.taken.to_string()),
+            ("cheapest_adequate", cheapest_name.unwrap_or_default()),
+            (
+                "cheapest_instructions",
+                or_empty(*cheapest, |(_, count)| count.to_string()),
+            ),
+            (
+                "ratio",
+                or_empty(verdict.ratio(), |ratio| format!("{ratio:.3}")),
+            ),
+            ("kept", passes.to_owned()),
+        ]
+    };
+    csv_table::write(out, verdicts.iter().map(row))
+}
+
+/// Number of scenes of each kind that pass, that have competing models, and whose reference is another computation; and
+/// the largest ratio of costs. It is an error if a scene fails.
+fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
+    let of_kind = Kind::ALL.map(|kind| {
+        let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);
+        let count = |holds: &dyn Fn(&Verdict<'_>) -> bool| of().filter(|one| holds(one)).count();
+        let passed = count(&|one| one.passes());
+        let with_competitors = count(&|one| one.choice.competitors() > 0);
+        let independent = count(&|one| one.choice.has_independent_truth());
+        let dearest = of().filter_map(Verdict::ratio).fold(0.0, f64::max);
+        format!(
+            "{passed} of {SCENES} {} pass, {with_competitors} have another adequate model, {independent} have an \
+             independent reference, at most {dearest:.2} times the cheapest",
+            kind.plural()
+        )
+    });
+    let summary = format!("auto: {}", of_kind.join("; "));
+    match verdicts.iter().all(Verdict::passes) {
+        true => Ok(summary),
+        false => Err(summary),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_most_twice_the_cheapest_passes() {
+        let choice = AutoChoice::new(Kind::Glide, 0).unwrap();
+        assert!(choice.competitors() > 0);
+        let passes = |taken: u64| {
+            let count = |place| if place == choice.taken { taken } else { 100 };
+            let verdict = Verdict::new(&choice, &mut choice.counted().map(count));
+            summary(&[verdict]).is_ok()
+        };
+        assert!([50, 200].into_iter().all(passes));
+        assert!(!passes(201));
+    }
+}

@@ -1,0 +1,186 @@
+//! Contacts in closed form: at the end of rolls of the unit sphere, and of round fingertips.
+//!
+//! `palpate-rolling` computes most of them in another way, so they are an independent check. A tip of radius r that
+//! touches from above at p, with the outward normal n, has its centre at p + r n: on the offset surface. One unknown of the
+//! contact remains, which is found by bisection or by iterating the equation.
+
+use nalgebra::{Point3, Vector3};
+
+/// Contact at the end of a roll.
+pub struct RollEnd {
+    /// Contact point on the object.
+    pub on_object: Point3<f64>,
+    /// Contact point on the probe.
+    pub on_probe: Point3<f64>,
+    /// Length of the contact's path, equal on object and probe.
+    pub path: f64,
+}
+
+impl RollEnd {
+    /// End of a roll by `angle_rad` = θ in this direction, from the top of a ball centred at the origin. On a ball of
+    /// radius R the contact moves by s = θ/(1 + 1/R), along great circles of ball and probe.
+    pub fn on_ball(radius: f64, direction: f64, angle_rad: f64) -> Self {
+        let path = angle_rad / (1.0 + radius.recip());
+        let (sine, cosine) = libm::sincos(path / radius);
+        Self::new(direction, path, [radius * sine, radius * cosine])
+    }
+
+    /// End of a roll by `angle_rad` = θ from the apex of z = −c r², where θ = α + s, α is the angle of the slope at
+    /// the end, and s the length of the parabola up to it.
+    pub fn on_paraboloid(c: f64, direction: f64, angle_rad: f64) -> Self {
+        let length = |r: f64| {
+            let slope = 2.0 * c * r;
+            0.5 * r * libm::hypot(slope, 1.0) + libm::asinh(slope) / (4.0 * c)
+        };
+        let turned = |r: f64| libm::atan(2.0 * c * r) + length(r);
+        let r = bisected(0.0, angle_rad, |r| turned(r) < angle_rad);
+        Self::new(direction, length(r), [r, -c * r * r])
+    }
+
+    /// End of a roll in the plane of a meridian. `path` is the length of the contact's path. `distance` (from the
+    /// axis) and `height` locate the last contact point on the object.
+    fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
+        let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
+        let (sine, cosine) = libm::sincos(path);
+        Self {
+            on_object: Point3::from(ahead * distance + Vector3::z() * height),
+            on_probe: Point3::from(ahead * sine - Vector3::z() * cosine),
+            path,
+        }
+    }
+}
+
+/// Contact of a tip on a ball about the origin.
+pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
+    let [x, y] = centre.map(|part| part * ball / (ball + tip));
+    [x, y, (ball * ball - x * x - y * y).sqrt()]
+}
+
+/// Contact of a tip on z = k x² + l y², if the tip is more curved than a hollow. With s = √(1 + 4 (k²x² + l²y²)) its centre
+/// is x (1 − 2kr/s), y (1 − 2lr/s); s is found by bisection.
+pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
+    let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
+    let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
+    // In a hollow, the farthest contact is that at s = 1.
+    let most = square(at(1.0)).max(square([x, y])).sqrt();
+    let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
+    [x, y, k * x * x + l * y * y]
+}
+
+/// Contact of a tip on an ellipsoid. With g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; g is
+/// found by bisection. NaN if the tip misses the ellipsoid.
+pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
+    let squares = semi_axes.map(|axis| axis * axis);
+    let at = |g: f64| {
+        let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
+        let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
+        let height = 1.0 - x * x / squares[0] - y * y / squares[1];
+        // A larger g moves the point outwards.
+        (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
+    };
+    let is_less = |g: f64| {
+        at(g).is_some_and(|point| {
+            let parts = [0, 1, 2].map(|axis| point[axis] / squares[axis]);
+            g * g < parts.iter().map(|part| part * part).sum()
+        })
+    };
+    // g lies between the reciprocals of the longest and the shortest axis.
+    let longest = semi_axes.into_iter().fold(0.0, f64::max);
+    let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
+    let g = bisected(0.5 / longest, 2.0 / shortest, is_less);
+    at(g).unwrap_or([f64::NAN; 3])
+}
+
+/// Contact of a tip on z = a sin(x/l) cos(y/l), less curved than the tip everywhere. Iterates `p = centre − r n(p)` from the
+/// centre.
+pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
+    let mut contact = centre;
+    for _ in 0..100 {
+        let [(sin_x, cos_x), (sin_y, cos_y)] = contact.map(|part| libm::sincos(part / l));
+        let slope = [a / l * cos_x * cos_y, -a / l * sin_x * sin_y];
+        let steep = (1.0 + slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+        contact = [0, 1].map(|axis| centre[axis] + tip * slope[axis] / steep);
+    }
+    let [x, y] = contact;
+    [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
+}
+
+/// The largest number, to the last bit, below which a condition holds.
+fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    while let middle = 0.5 * (low + high)
+        && low < middle
+        && middle < high
+    {
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLACES: [[f64; 2]; 5] = [[0.0, 0.0], [0.4, 0.0], [0.0, -0.7], [-0.5, 0.6], [1.1, 0.9]];
+
+    /// Checks that the contact is on the object, and the tip's centre at its radius along the normal.
+    #[track_caller]
+    fn check_contact(
+        tip: f64,
+        contact: impl Fn([f64; 2]) -> [f64; 3],
+        level: impl Fn([f64; 3]) -> f64,
+        gradient: impl Fn([f64; 3]) -> [f64; 3],
+    ) {
+        for [x, y] in PLACES {
+            let [px, py, pz] = contact([x, y]);
+            let normal = gradient([px, py, pz]);
+            let size = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let off = libm::hypot(
+                px + tip * normal[0] / size - x,
+                py + tip * normal[1] / size - y,
+            );
+            assert!(off < 1e-14, "{x} {y}: {off:e}");
+            let height = level([px, py, pz]);
+            assert!(height.abs() < 1e-14, "{x} {y}: {height:e}");
+            assert!(pz + tip * normal[2] / size > pz, "{x} {y}: from below");
+        }
+    }
+
+    #[test]
+    fn the_centre_of_a_tip_is_its_radius_along_the_normal() {
+        check_contact(
+            0.5,
+            |centre| tip_on_ball(2.0, 0.5, centre),
+            |[x, y, z]| (x * x + y * y + z * z) / 4.0 - 1.0,
+            |point| point,
+        );
+        for [k, l] in [[-0.3, -0.3], [0.4, -0.4], [0.45, 0.2]] {
+            check_contact(
+                0.8,
+                |centre| tip_on_quadric([k, l], 0.8, centre),
+                |[x, y, z]| z - k * x * x - l * y * y,
+                |[x, y, _]| [-2.0 * k * x, -2.0 * l * y, 1.0],
+            );
+        }
+        for [a, b, c] in [[2.0, 1.5, 1.0], [1.5, 1.5, 3.0]] {
+            check_contact(
+                1.0,
+                |centre| tip_on_ellipsoid([a, b, c], 1.0, centre),
+                |[x, y, z]| (x / a).powi(2) + (y / b).powi(2) + (z / c).powi(2) - 1.0,
+                |[x, y, z]| [x / (a * a), y / (b * b), z / (c * c)],
+            );
+        }
+        check_contact(
+            0.5,
+            |centre| tip_on_waves([0.1, 0.7], 0.5, centre),
+            |[x, y, z]| z - 0.1 * libm::sin(x / 0.7) * libm::cos(y / 0.7),
+            |[x, y, _]| {
+                let [(sin_x, cos_x), (sin_y, cos_y)] = [x, y].map(|part| libm::sincos(part / 0.7));
+                [-cos_x * cos_y / 7.0, sin_x * sin_y / 7.0, 1.0]
+            },
+        );
+    }
+}

@@ -1,0 +1,235 @@
+//! Displacements under a frictionless rigid paraboloid, by quadrature over wavenumbers. They are the reference for
+//! `palpate-press`, and use none of its closed forms, series and tables.
+//!
+//! The pressure has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt. At depth z it causes the displacements
+//! C_r ∫ Q N J₀(kr) dk inward and C_r ∫ Q R J₁(kr) dk outward:
+//!
+//! | body | N | R |
+//! |---|---|---|
+//! | half-space | (1 + kz/(2 − 2ν)) e^{−kz} | (kz − 1 + 2ν)/(2 − 2ν) e^{−kz} |
+//! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x likewise |
+//!
+//! Lengths of the layer are in units of its thickness, with the wavenumber H and x = H(1 − z). For the layer, only the
+//! difference from the half-space is summed over wavenumbers; the half-space's part is summed over the contact. On a
+//! half-space φ = (2/π)(a² − t²); on a layer φ solves the integral equation of the second kind of Lebedev and Ufliand (1958).
+
+mod layer;
+mod quadrature;
+
+use std::f64::consts::FRAC_2_PI;
+
+use anyhow::{Result, ensure};
+
+use layer::Layer;
+use quadrature::{NEGLIGIBLE, abel, sum};
+
+/// Soft body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// An elastic half-space.
+    HalfSpace {
+        /// Its Poisson ratio.
+        poisson: f64,
+    },
+    /// An incompressible layer bonded to a rigid core.
+    Layer {
+        /// Its thickness.
+        thickness: f64,
+    },
+}
+
+/// Contact of a paraboloid.
+#[derive(Debug)]
+pub struct ParaboloidPress {
+    pressure: Pressure,
+    relative_curvature: f64,
+}
+
+#[derive(Debug)]
+enum Pressure {
+    Hertz { poisson: f64, radius: f64 },
+    Layer(Layer),
+}
+
+impl ParaboloidPress {
+    /// The contact of an object of this relative curvature at this indentation.
+    ///
+    /// # Errors
+    /// If one of them is not positive, or the contact with a layer cannot be solved.
+    pub fn new(body: Body, relative_curvature: f64, indentation: f64) -> Result<Self> {
+        ensure!(
+            relative_curvature > 0.0 && indentation > 0.0,
+            "no press: relative curvature {relative_curvature:e}, indentation {indentation:e}"
+        );
+        let area = indentation / relative_curvature;
+        let pressure = match body {
+            Body::HalfSpace { poisson } => Pressure::Hertz {
+                poisson,
+                radius: area.sqrt(),
+            },
+            Body::Layer { thickness } => Pressure::Layer(Layer::at_indentation(thickness, area)?),
+        };
+        Ok(Self {
+            pressure,
+            relative_curvature,
+        })
+    }
+
+    /// Radius of the contact.
+    pub fn radius(&self) -> f64 {
+        match &self.pressure {
+            Pressure::Hertz { radius, .. } => *radius,
+            Pressure::Layer(layer) => layer.contact * layer.thickness,
+        }
+    }
+
+    /// Inward and outward displacements at a depth, at each of these distances from the middle of the contact.
+    ///
+    /// # Errors
+    /// At the surface of a compressible half-space, where the sum over wavenumbers does not converge.
+    pub fn displacements(&self, depth: f64, distances: &[f64]) -> Result<Vec<[f64; 2]>> {
+        let (unit, at): (f64, Vec<[f64; 2]>) = match &self.pressure {
+            Pressure::Hertz { poisson, radius } => {
+                ensure!(
+                    depth > 0.0 || *poisson == 0.5,
+                    "the sum does not converge at the surface of a compressible half-space"
+                );
+                (
+                    self.relative_curvature,
+                    hertz(*poisson, *radius, depth, distances),
+                )
+            }
+            Pressure::Layer(layer) => {
+                let unit = self.relative_curvature * layer.thickness * layer.thickness;
+                let scaled: Vec<f64> = distances.iter().map(|r| r / layer.thickness).collect();
+                (unit, layer.field(depth / layer.thickness, &scaled))
+            }
+        };
+        Ok(at
+            .iter()
+            .map(|parts| parts.map(|part| unit * part))
+            .collect())
+    }
+}
+
+/// Largest error of a displacement, relative to the largest displacement.
+pub fn largest_error(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
+    let pairs = truth.iter().flatten().zip(found.iter().flatten());
+    let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));
+    let sizes = truth.iter().flatten();
+    off / sizes.fold(0.0, |most: f64, one| most.max(one.abs()))
+}
+
+fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
+    if depth == 0.0 {
+        let phi = |t: f64| FRAC_2_PI * (a * a - t * t);
+        return distances.iter().map(|r| [abel(phi, a, *r), 0.0]).collect();
+    }
+    let share = 0.5 / (1.0 - poisson);
+    let waves = |k: f64| {
+        let (kz, decay) = (k * depth, libm::exp(-k * depth));
+        let transform = 2.0 * FRAC_2_PI * a.powi(3) * hump(k * a);
+        let part = |part: f64| transform * decay * part;
+        [
+            part(1.0 + share * kz),
+            part(share * (kz - 1.0 + 2.0 * poisson)),
+        ]
+    };
+    sum(NEGLIGIBLE / depth, 1.0 / depth, a, distances, waves)
+}
+
+/// (sin x − x cos x)/x³.
+fn hump(x: f64) -> f64 {
+    if x > 0.5 {
+        return (libm::sin(x) - x * libm::cos(x)) / (x * x * x);
+    }
+    let s = x * x;
+    let terms = [
+        1.0 / 3.0,
+        -1.0 / 30.0,
+        1.0 / 840.0,
+        -1.0 / 45_360.0,
+        1.0 / 3_991_680.0,
+    ];
+    terms.iter().rev().fold(0.0, |sum, term| sum * s + term)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn off(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
+        let pairs = found.iter().flatten().zip(truth.iter().flatten());
+        pairs.fold(0.0, |most: f64, (found, truth)| {
+            most.max((found - truth).abs())
+        })
+    }
+
+    #[test]
+    fn a_half_space_agrees_with_independent_programs() {
+        let press = ParaboloidPress::new(Body::HalfSpace { poisson: 0.5 }, 0.05, 1.0).unwrap();
+        let found = press
+            .displacements(2.0, &[0.0, 1.0, 2.5, 5.0, 10.0])
+            .unwrap();
+        let truth = [
+            [0.870_528_639_1, 0.0],
+            [0.848_373_640_9, 0.048_664_340_35],
+            [0.736_308_985_4, 0.109_459_103_9],
+            [0.442_277_599_4, 0.118_283_342_8],
+            [0.197_951_768_9, 0.037_565_625_39],
+        ];
+        assert!(off(&found, &truth) < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_layer_agrees_with_independent_programs() {
+        let layer = Body::Layer { thickness: 5.0 };
+        let press = ParaboloidPress::new(layer, 0.05, 1.0).unwrap();
+        assert!((press.radius() / 6.176_79 - 1.0).abs() < 3e-3);
+        for (depth, truth) in [
+            (0.5, [0.9038, 0.881_19, 0.813_25, 0.537_76, 0.080_62]),
+            (2.0, [0.532_80, 0.518_62, 0.475_54, 0.298_95, f64::NAN]),
+        ] {
+            let found = press
+                .displacements(depth, &[0.0, 1.0, 2.0, 4.0, 6.0])
+                .unwrap();
+            for ([normal, _], truth) in found.iter().zip(truth) {
+                assert!(
+                    truth.is_nan() || (normal - truth).abs() < 3e-3,
+                    "{normal} {truth}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_surface_follows_the_object() {
+        for (thickness, indentation) in [(100.0, 0.2), (10.0, 1.0), (4.0, 1.0), (0.5, 0.1)] {
+            let press = ParaboloidPress::new(Body::Layer { thickness }, 0.05, indentation).unwrap();
+            let distances = [0.0, 0.3, 0.7, 0.99].map(|share| share * press.radius());
+            let found = press.displacements(0.0, &distances).unwrap();
+            for ([normal, _], r) in found.iter().zip(distances) {
+                let truth = indentation - 0.025 * r * r;
+                assert!(
+                    (normal - truth).abs() < 1e-10 * indentation,
+                    "{thickness} {r}: {normal} {truth}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_thick_layer_is_a_half_space() {
+        for depth in [0.0, 0.01, 0.3, 5.0] {
+            let [layer, solid] = [
+                Body::Layer { thickness: 1e7 },
+                Body::HalfSpace { poisson: 0.5 },
+            ]
+            .map(|body| {
+                let press = ParaboloidPress::new(body, 0.05, 0.3).unwrap();
+                press.displacements(depth, &[0.0, 1.0, 2.4, 4.0]).unwrap()
+            });
+            assert!(off(&layer, &solid) < 1e-6, "{layer:?} {solid:?}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Contact with a bonded layer, with lengths in units of its thickness.
+//!
+//! ```text
+//! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²),   φ(α) = 0
+//! ```
+//!
+//! with g = 1 − (sinh 2k − 2k)/(cosh 2k + 2k² + 1).
+
+use std::f64::consts::FRAC_2_PI;
+
+use anyhow::{Context, Result, bail};
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+
+use super::quadrature::{NEGLIGIBLE, PHASE, abel, around, on_panels, over, sum};
+
+/// Largest number of steps of the secant method; about eight are usual.
+const MAX_STEPS: usize = 60;
+
+/// A contact.
+#[derive(Debug)]
+pub(super) struct Layer {
+    pub(super) thickness: f64,
+    /// Radius of the contact, α.
+    pub(super) contact: f64,
+    /// Indentation over relative curvature, D.
+    indentation: f64,
+    nodes: Vec<Node>,
+}
+
+/// A node t of the quadrature over the contact.
+#[derive(Debug)]
+struct Node {
+    place: f64,
+    /// Weight in the quadrature.
+    weight: f64,
+    phi: f64,
+}
+
+impl Layer {
+    /// The contact with this D; lengths in their own unit.
+    pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
+        let wanted = indentation_over_curvature / (thickness * thickness);
+        let solve = |contact: f64| Self::with_radius(thickness, contact);
+        // log D is almost linear in log α.
+        let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
+        for _ in 0..MAX_STEPS {
+            let slope = libm::log(here.contact / before.contact)
+                / libm::log(here.indentation / before.indentation);
+            let missing = libm::log(wanted / here.indentation);
+            if missing.abs() < 1e-14 || !slope.is_finite() {
+                return Ok(here);
+            }
+            let next = solve(here.contact * libm::exp(slope * missing))?;
+            before = std::mem::replace(&mut here, next);
+        }
+        match (here.indentation / wanted - 1.0).abs() {
+            off if off < 1e-12 => Ok(here),
+            off => bail!("no contact with D = {wanted:e}: off by {off:e}"),
+        }
+    }
+
+    /// The contact with this radius α.
+    fn with_radius(thickness: f64, contact: f64) -> Result<Self> {
+        let intervals = 2 * (12.0 + 8.0 * contact).ceil() as usize;
+        let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
+        let waves: Vec<[f64; 2]> = on_panels(reach(), panel(2.0 * contact)).collect();
+        let cosines = DMatrix::from_fn(places.len(), waves.len(), |row, column| {
+            libm::cos(waves[column][0] * places[row][0])
+        });
+        let weighted = DMatrix::from_fn(waves.len(), places.len(), |row, column| {
+            let ([k, of_k], [_, of_t]) = (waves[row], places[column]);
+            FRAC_2_PI * of_k * reflected(k) * of_t * cosines[(column, row)]
+        });
+        let matrix = DMatrix::identity(places.len(), places.len()) - &cosines * weighted;
+        let decomposed = matrix.lu();
+        let solve = |right: fn(f64) -> f64| {
+            let right = places.iter().map(|[t, _]| right(*t));
+            let right = DVector::from_iterator(places.len(), right);
+            decomposed.solve(&right).context("a singular contact")
+        };
+        let (ones, squares) = (solve(|_| 1.0)?, solve(|t| t * t)?);
+        let edge = places.len() - 1;
+        let indentation = squares[edge] / ones[edge];
+        let phi = (ones * indentation - squares) * FRAC_2_PI;
+        let node = |([place, weight], phi): (&[f64; 2], &f64)| Node {
+            place: *place,
+            weight: *weight,
+            phi: *phi,
+        };
+        Ok(Self {
+            thickness,
+            contact,
+            indentation,
+            nodes: places.iter().zip(phi.iter()).map(node).collect(),
+        })
+    }
+
+    /// Q(k).
+    fn transform(&self, k: f64) -> f64 {
+        let nodes = self.nodes.iter();
+        nodes
+            .map(|node| node.weight * node.phi * libm::cos(k * node.place))
+            .sum()
+    }
+
+    /// φ at a place: the polynomial through the Chebyshev nodes.
+    fn phi(&self, t: f64) -> f64 {
+        let last = self.nodes.len() - 1;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (index, node) in self.nodes.iter().enumerate() {
+            if t == node.place {
+                return node.phi;
+            }
+            let size = if index == 0 || index == last {
+                0.5
+            } else {
+                1.0
+            };
+            let sign = if index % 2 == 0 { size } else { -size };
+            let weight = sign / (t - node.place);
+            sum += weight * node.phi;
+            weights += weight;
+        }
+        sum / weights
+    }
+
+    /// Inward and outward displacements per unit relative curvature: those of a half-space under the same pressure, and the
+    /// effect of the core.
+    pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
+        let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
+        let reach = NEGLIGIBLE / (2.0 - depth);
+        let effect = sum(reach, 1.0, self.contact, distances, waves);
+        let parts = effect.iter().zip(distances);
+        parts
+            .map(|([normal, radial], r)| {
+                let [solid_normal, solid_radial] = self.solid(depth, *r);
+                [solid_normal + normal, solid_radial + radial]
+            })
+            .collect()
+    }
+
+    /// On a half-space: ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re r/ρ³ with
+    /// ρ² = r² + (z + it)².
+    fn solid(&self, depth: f64, r: f64) -> [f64; 2] {
+        if depth == 0.0 {
+            return [abel(|t| self.phi(t), self.contact, r), 0.0];
+        }
+        around(self.contact, r, depth).fold([0.0; 2], |[normal, radial], [t, weight]| {
+            let below = Complex::new(depth, t);
+            let root = ComplexField::sqrt(below * below + r * r);
+            let cube = root * root * root;
+            let phi = weight * self.phi(t);
+            [
+                normal + phi * (root.inv() + below * depth / cube).re,
+                radial + phi * depth * r * cube.inv().re,
+            ]
+        })
+    }
+}
+
+/// End of the range in which g is not negligible.
+fn reach() -> f64 {
+    0.6 * NEGLIGIBLE
+}
+
+fn panel(distance: f64) -> f64 {
+    (PHASE / distance).min(1.0)
+}
+
+/// g: reduction of a half-space's surface displacement by the core, relative to it.
+fn reflected(k: f64) -> f64 {
+    let q = libm::exp(-2.0 * k);
+    2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
+}
+
+/// N and R minus those of a half-space.
+fn core_effect(k: f64, depth: f64) -> [f64; 2] {
+    if depth == 0.0 {
+        return [-reflected(k), shares(k, 0.0)[1]];
+    }
+    let [normal, radial] = shares(k, depth);
+    let (kz, decay) = (k * depth, libm::exp(-k * depth));
+    [normal - (1.0 + kz) * decay, radial - kz * decay]
+}
+
+/// N and R, with e^{H} and e^{x} factored out of every hyperbolic function.
+fn shares(k: f64, depth: f64) -> [f64; 2] {
+    let (h, x) = (k, k * (1.0 - depth));
+    let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
+    let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
+    let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
+    // cosh H sinh x − sinh H cosh x = (q − p)/2 and cosh H cosh x − sinh H sinh x = (q + p)/2.
+    let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
+    let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
+    let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);
+    [scale * normal, scale * radial]
+}

@@ -1,0 +1,130 @@
+//! Clenshaw–Curtis quadrature: exact to rounding for functions that are smooth on each panel.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Intervals between the nodes of a panel.
+const INTERVALS: usize = 24;
+
+/// Nodes in decreasing order and weights on [−1, 1], with both ends; `intervals` is even.
+fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
+    let n = intervals as f64;
+    let node = |j: usize| {
+        let angle = PI * j as f64 / n;
+        let half = intervals / 2;
+        let terms = (1..=half).map(|b| {
+            let size = if b == half { 1.0 } else { 2.0 };
+            let b = b as f64;
+            size / (4.0 * b * b - 1.0) * libm::cos(2.0 * b * angle)
+        });
+        let ends = if j == 0 || j == intervals { 1.0 } else { 2.0 };
+        [libm::cos(angle), ends / n * (1.0 - terms.sum::<f64>())]
+    };
+    (0..=intervals).map(node).collect()
+}
+
+/// Nodes and weights on an interval, in increasing order.
+pub(super) fn over(from: f64, to: f64, intervals: usize) -> impl Iterator<Item = [f64; 2]> {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let nodes = clenshaw_curtis(intervals).into_iter().rev();
+    nodes.map(move |[node, weight]| [middle + half * node, half * weight])
+}
+
+/// Nodes and weights from 0 to `reach`, on panels of at most this length.
+pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]> {
+    let count = (reach / panel).ceil().max(1.0) as usize;
+    let width = reach / count as f64;
+    let nodes: Vec<[f64; 2]> = over(0.0, width, INTERVALS).collect();
+    (0..count).flat_map(move |panel| {
+        let from = panel as f64 * width;
+        let shifted: Vec<[f64; 2]> = nodes
+            .iter()
+            .map(|[k, weight]| [from + k, *weight])
+            .collect();
+        shifted
+    })
+}
+
+/// Nodes and weights from 0 to `end`, for functions that vary over `width` near a place: the panels grow from there.
+pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
+    let mut bounds = vec![0.0, end, place];
+    let mut reach = width;
+    while reach < end + place {
+        bounds.extend([place - reach, place + reach]);
+        reach *= 2.0;
+    }
+    bounds.retain(|bound| (0.0..=end).contains(bound));
+    bounds.sort_unstable_by(f64::total_cmp);
+    bounds.dedup();
+    let panels: Vec<[f64; 2]> = bounds.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    panels
+        .into_iter()
+        .flat_map(|[from, to]| over(from, to, INTERVALS))
+}
+
+/// Exponent p of the largest negligible factor e⁻ᵖ.
+pub(super) const NEGLIGIBLE: f64 = 30.0;
+/// Largest phase over one panel, rad.
+pub(super) const PHASE: f64 = 12.0;
+
+/// Displacement of a half-space's surface at distance r: ∫ φ(t)/√(r² − t²) dt from 0 to min(a, r).
+pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
+    let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
+    over(0.0, most, 48)
+        .map(|[angle, weight]| weight * phi(r * libm::sin(angle)))
+        .sum()
+}
+
+/// Inward (J₀) and outward (J₁) sums over wavenumbers up to `reach`, of functions that are smooth over the width `smooth`.
+pub(super) fn sum(
+    reach: f64,
+    smooth: f64,
+    contact: f64,
+    distances: &[f64],
+    waves: impl Fn(f64) -> [f64; 2],
+) -> Vec<[f64; 2]> {
+    let farthest = distances.iter().fold(0.0, |most: f64, r| most.max(*r));
+    let panel = smooth.min(PHASE / (contact + farthest));
+    let waves: Vec<[f64; 3]> = on_panels(reach, panel)
+        .map(|[k, weight]| {
+            let [normal, radial] = waves(k);
+            [k, weight * normal, weight * radial]
+        })
+        .collect();
+    let at = |r: &f64| {
+        waves
+            .iter()
+            .fold([0.0; 2], |[inward, outward], [k, normal, radial]| {
+                [
+                    inward + normal * libm::j0(k * r),
+                    outward + radial * libm::j1(k * r),
+                ]
+            })
+    };
+    distances.iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_and_waves() {
+        let ninth: f64 = over(0.0, 2.0, 10)
+            .map(|[x, weight]| weight * x.powi(9))
+            .sum();
+        assert!((ninth - 102.4).abs() < 1e-11);
+        let waves: f64 = on_panels(100.0, 12.0)
+            .map(|[x, weight]| weight * libm::cos(x))
+            .sum();
+        assert!((waves - libm::sin(100_f64)).abs() < 1e-10, "{waves}");
+        for place in [0.0, 0.3, 1.0, 1.1, 7.0] {
+            let width = 1e-4;
+            let peak = |x: f64| width / (width * width + (x - place) * (x - place));
+            let area: f64 = around(1.0, place, width)
+                .map(|[x, weight]| weight * peak(x))
+                .sum();
+            let truth = libm::atan((1.0 - place) / width) + libm::atan(place / width);
+            assert!((area - truth).abs() < 1e-12, "{place}: {area} {truth}");
+        }
+    }
+}

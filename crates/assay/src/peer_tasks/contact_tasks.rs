@@ -1,0 +1,170 @@
+//! Tasks with the contacts of EP2: fits, maps, and estimates from recorded glides.
+
+use std::borrow::Cow;
+use std::hint::black_box;
+
+use anyhow::Result;
+use palpate::recorded::{
+    Curvature, FittedGlide, GlideGiven, GlideOptions, GlideReadings, RecordedError, Wording,
+};
+use palpate_ep2::{Contact, Ep2Error, Fit, Method, Passes, Patch, Penalised, Quadric, TwoPass};
+
+use super::{Figure, MANY, PATCHES};
+use crate::accuracy::rms;
+use crate::workloads::ep2_contacts;
+
+/// Number of places along a side of the map.
+const SIDE: usize = 30;
+/// Number of intervals of the peer's spline, which has six knots.
+const INTERVALS: usize = 7;
+
+/// Name of a rung, its method, and a function that drops the parts of a fit that the peer does not compute.
+type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
+
+/// Every method on all patches of few contacts: curvatures without standard deviations, like the peer, and once with them.
+/// The first pass of the two-pass method is the peer's smoothing spline.
+pub(super) fn few() -> Result<Vec<Figure>> {
+    let one_pass = TwoPass {
+        passes: Passes::One,
+        // The weights of the peer are per unit of length.
+        unit_length: Some(1.0),
+        ..TwoPass::default()
+    };
+    let methods: [MethodRung; 5] = [
+        (
+            "one pass, the same spline",
+            Box::new(one_pass),
+            without_stds,
+        ),
+        ("two-pass", Box::new(TwoPass::default()), without_stds),
+        ("quadric", Box::new(Quadric::default()), without_stds),
+        (
+            "penalised",
+            Box::new(Estimate(Penalised::default())),
+            without_stds,
+        ),
+        (
+            "quadric, with standard deviations",
+            Box::new(Quadric::default()),
+            |fit| fit,
+        ),
+    ];
+    let contacts: Vec<_> = (0..PATCHES).map(ep2_contacts::few).collect();
+    let mut figures = Vec::new();
+    for (name, method, reduce) in methods {
+        let contacts = contacts.clone();
+        let mut errors = Vec::new();
+        for contacts in &contacts {
+            let fit = method.fit(&ep2_contacts::patch(contacts)?)?;
+            for place in ep2_contacts::places_on_sphere() {
+                errors.push(fit.curvature_at(&place)?.mean * ep2_contacts::RADIUS - 1.0);
+            }
+        }
+        let maps = move || -> Result<(), Ep2Error> {
+            for contacts in black_box(&contacts) {
+                let fit = reduce(method.fit(&ep2_contacts::patch(contacts)?)?);
+                black_box(fit.curvatures(SIDE)?);
+            }
+            Ok(())
+        };
+        let task = "EP2, 30 contacts, map of 30 x 30";
+        let patches = PATCHES as usize;
+        figures.push(Figure::measured(task, name, rms(errors), patches, maps));
+    }
+    Ok(figures)
+}
+
+/// The penalised spline without its uncertainty.
+struct Estimate(Penalised);
+
+impl Method for Estimate {
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        self.0.estimate(patch)
+    }
+}
+
+/// A fit without standard deviations, which the peers do not compute.
+fn without_stds(fit: Fit) -> Fit {
+    Fit {
+        posterior: None,
+        ..fit
+    }
+}
+
+/// The penalised spline on many contacts.
+pub(super) fn many() -> Result<Vec<Figure>> {
+    let contacts = ep2_contacts::many(MANY);
+    let method = Penalised {
+        intervals: Some(INTERVALS),
+        ..Penalised::default()
+    };
+    let fit = method.fit(&ep2_contacts::patch(&contacts)?)?;
+    let figure = Figure::measured(
+        "EP2, 100 000 contacts, map of 30 x 30",
+        format!("penalised, {INTERVALS} x {INTERVALS} intervals"),
+        ep2_contacts::error_on_waves(&fit)?,
+        1,
+        move || {
+            let fit = method.estimate(&ep2_contacts::patch(black_box(&contacts))?)?;
+            fit.curvatures(SIDE)
+        },
+    );
+    Ok(vec![figure])
+}
+
+fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
+    let position = |contact: &Contact| contact.position.coords.into();
+    contacts.iter().map(position).collect()
+}
+
+/// Surface through the points and its curvatures over the map, as Python computes them for a map.
+fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
+    let options = GlideOptions::given(&GlideGiven::default(), None, false, Wording::Arguments);
+    let readings = GlideReadings::new(points, None, None, None)?;
+    let options = options.map_err(|error| RecordedError::Readings {
+        file: "options".to_owned(),
+        message: error.message,
+    })?;
+    let fitted = FittedGlide::new(Cow::Owned(readings), &options)?;
+    let curvatures = fitted.curvatures()?;
+    black_box(fitted);
+    Ok(curvatures)
+}
+
+/// Relative errors of the mean curvatures over a map of few contacts.
+fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
+    map.iter()
+        .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)
+}
+
+/// Estimates from recorded glides with few contacts and many.
+pub(super) fn recorded() -> Result<Vec<Figure>> {
+    const RUNG: &str = "palpate in Rust";
+    let few: Vec<_> = (0..PATCHES)
+        .map(|patch| positions(&ep2_contacts::few(patch)))
+        .collect();
+    let mut errors_of_few = Vec::new();
+    for points in &few {
+        errors_of_few.extend(map_errors(&estimate_recorded(points)?));
+    }
+    let all = move || -> Result<(), RecordedError> {
+        for points in black_box(&few) {
+            black_box(estimate_recorded(points)?);
+        }
+        Ok(())
+    };
+    let task = "estimate_glide of 30 contacts, map of 30 x 30";
+    let mut figures = vec![Figure::measured(
+        task,
+        RUNG,
+        rms(errors_of_few),
+        PATCHES as usize,
+        all,
+    )];
+    let many = positions(&ep2_contacts::many(MANY));
+    let error_of_many = rms(map_errors(&estimate_recorded(&many)?));
+    let task = "estimate_glide of 100 000 contacts, map of 30 x 30";
+    let all = move || estimate_recorded(black_box(&many));
+    figures.push(Figure::measured(task, RUNG, error_of_many, 1, all));
+    Ok(figures)
+}

@@ -1,0 +1,252 @@
+//! Cost of one evaluation: time with its spread, and instructions where valgrind is present.
+//!
+//! A harness makes a list of [`Evaluation`]s. [`Evaluation::time`] measures the time of one. [`instructions`] starts the
+//! harness again under callgrind, with the same arguments and [`COUNTED`]. The harness then makes the same list and passes it
+//! to [`count`].
+
+use std::ffi::OsString;
+use std::fs;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// Flag with which a harness counts its evaluations instead of measuring them.
+pub const COUNTED: &str = "--counted";
+/// Message for users when [`instructions`] returns nothing.
+pub const NO_VALGRIND: &str =
+    "valgrind is not installed: instructions are not counted, their column stays empty";
+
+/// Smallest duration of a batch, so long that the cost of the clock does not matter.
+const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
+/// Number of runs of each evaluation under callgrind. Only the last one counts.
+const RUNS: usize = 2;
+/// Smallest number of batches, even if one takes long.
+const MIN_BATCHES: usize = 3;
+/// Pattern that matches the name of [`evaluate_once`], mangled or not.
+const EVALUATE_ONCE: &str = "*timing*evaluate_once*";
+
+/// Work whose cost is measured. Each run does the same.
+pub struct Evaluation {
+    /// Name of the work, for messages.
+    pub name: String,
+    run: Box<dyn FnMut()>,
+    /// Number of evaluations per run.
+    evaluations: u32,
+}
+
+/// Nanoseconds per evaluation: quartiles over batches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// A quarter of the batches was faster.
+    pub q25: f64,
+    /// Half of the batches were faster.
+    pub median: f64,
+    /// A quarter of the batches was slower.
+    pub q75: f64,
+}
+
+impl Evaluation {
+    /// An evaluation with one evaluation per run. The compiler cannot optimise away the result of `run`.
+    pub fn new<T>(name: impl Into<String>, mut run: impl FnMut() -> T + 'static) -> Self {
+        Self {
+            name: name.into(),
+            run: Box::new(move || drop(black_box(run()))),
+            evaluations: 1,
+        }
+    }
+
+    /// Runs it once.
+    pub fn run(&mut self) {
+        (self.run)();
+    }
+
+    /// Sets the number of evaluations per run, at least 1. Costs are per evaluation.
+    #[must_use]
+    pub fn evaluations_per_run(mut self, evaluations: u32) -> Self {
+        self.evaluations = evaluations.max(1);
+        self
+    }
+
+    /// Number of evaluations per run.
+    pub fn scale(&self) -> u32 {
+        self.evaluations
+    }
+
+    /// Times batches of runs for about `patience`, after one run that fills caches and tables.
+    pub fn time(&mut self, patience: Duration) -> Spread {
+        (self.run)();
+        let start = Instant::now();
+        let length = self.batch_length();
+        let mut batches = Vec::new();
+        while batches.len() < MIN_BATCHES || start.elapsed() < patience {
+            let evaluations = f64::from(length) * f64::from(self.evaluations);
+            batches.push(self.batch(length).as_secs_f64() * 1e9 / evaluations);
+        }
+        batches.sort_unstable_by(f64::total_cmp);
+        let [q25, median, q75] = [0.25, 0.5, 0.75].map(|share| quantile(&batches, share));
+        Spread { q25, median, q75 }
+    }
+
+    /// Number of runs that take [`MIN_BATCH_TIME`].
+    fn batch_length(&mut self) -> u32 {
+        let mut length = 1;
+        while self.batch(length) < MIN_BATCH_TIME {
+            length *= 2;
+        }
+        length
+    }
+
+    fn batch(&mut self, length: u32) -> Duration {
+        let start = Instant::now();
+        for _ in 0..length {
+            (self.run)();
+        }
+        start.elapsed()
+    }
+}
+
+/// Quantile of sorted values, interpolated linearly.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (below, above) = (place.floor() as usize, place.ceil() as usize);
+    sorted[below] + (sorted[above] - sorted[below]) * place.fract()
+}
+
+/// Runs each evaluation twice; the first run fills caches and tables. A harness with the flag [`COUNTED`] calls only this
+/// function: callgrind writes its count at the end of each run and starts again from 0.
+pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
+    for mut evaluation in evaluations {
+        for _ in 0..RUNS {
+            evaluate_once(&mut *evaluation.run);
+        }
+    }
+}
+
+#[inline(never)]
+fn evaluate_once(run: &mut dyn FnMut()) {
+    run();
+    // Keeps the call above from becoming a tail call, which would end this function too early for callgrind.
+    black_box(());
+}
+
+/// Instructions of each evaluation, in the order of the harness's list; `None` without valgrind. Starts this program
+/// again under valgrind, with the same arguments and [`COUNTED`]. `scales` are the [`Evaluation::scale`]s.
+///
+/// # Errors
+/// If that run fails, or the number of evaluations differs from that of `scales`.
+pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
+    let arguments = std::env::args_os().skip(1);
+    instructions_by(arguments.chain([COUNTED.into()]), scales)
+}
+
+/// Like [`instructions`], but with these arguments. When called with them, this program must call [`count`].
+///
+/// # Errors
+/// If that run fails, or the number of evaluations differs from that of `scales`.
+pub fn instructions_by(
+    arguments: impl IntoIterator<Item = OsString>,
+    scales: &[u32],
+) -> Result<Option<Vec<u64>>> {
+    let probe = Command::new("valgrind").arg("--version").output();
+    if !probe.is_ok_and(|output| output.status.success()) {
+        return Ok(None);
+    }
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("dump");
+    let run = Command::new("valgrind")
+        .arg("--tool=callgrind")
+        .arg(format!("--dump-after={EVALUATE_ONCE}"))
+        .arg(format!("--callgrind-out-file={}", out.display()))
+        .arg(std::env::current_exe()?)
+        .args(arguments)
+        .stdout(Stdio::null())
+        .output()
+        .context("cannot run valgrind")?;
+    if !run.status.success() {
+        bail!(
+            "counting instructions failed: {}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+    }
+    let runs = dumps(&out)?;
+    ensure!(
+        runs.len() == scales.len() * RUNS,
+        "callgrind counted {} runs of {} evaluations, {RUNS} each",
+        runs.len(),
+        scales.len()
+    );
+    let counted = runs.chunks(RUNS).zip(scales);
+    let counted = counted.map(|(runs, scale)| runs[RUNS - 1] / u64::from(*scale));
+    Ok(Some(counted.collect()))
+}
+
+/// The totals of `dump.1`, `dump.2`, … in this order.
+fn dumps(stem: &Path) -> Result<Vec<u64>> {
+    let mut counts = Vec::new();
+    loop {
+        let path = stem.with_extension((counts.len() + 1).to_string());
+        match fs::read_to_string(&path) {
+            Ok(text) => counts
+                .push(total(&text).with_context(|| format!("{} has no total", path.display()))?),
+            Err(_) => return Ok(counts),
+        }
+    }
+}
+
+/// Instructions in one dump of callgrind: its line `summary:`, or `totals:` if there is none.
+fn total(dump: &str) -> Option<u64> {
+    let line = |name: &str| dump.lines().find_map(|line| line.strip_prefix(name));
+    let numbers = line("summary:").or_else(|| line("totals:"))?;
+    numbers.split_whitespace().next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_of_an_even_and_an_odd_count() {
+        assert_eq!(quantile(&[1.0, 2.0, 3.0], 0.5), 2.0);
+        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 0.25), 1.75);
+        assert_eq!(quantile(&[7.0], 0.75), 7.0);
+    }
+
+    #[test]
+    fn a_spread_is_in_order_and_uses_its_time() {
+        let mut sum = Evaluation::new("sum", || {
+            (0..black_box(1_000)).fold(0_u64, |sum, next| black_box(sum ^ next))
+        });
+        let start = Instant::now();
+        let spread = sum.time(Duration::from_millis(40));
+        assert!(start.elapsed() >= Duration::from_millis(40));
+        assert!(
+            0.0 < spread.q25 && spread.q25 <= spread.median && spread.median <= spread.q75,
+            "{spread:?}"
+        );
+    }
+
+    #[test]
+    fn the_total_of_a_dump_is_read() {
+        let dump = "# callgrind format\nversion: 1\npart: 2\n\nevents: Ir\nsummary: 123456\n\nfn=(1) f\n12 7\n\ntotals: 99\n";
+        assert_eq!(total(dump), Some(123_456));
+        assert_eq!(total("events: Ir\nfn=(1) f\n3 4\ntotals: 99 5\n"), Some(99));
+        assert_eq!(total("events: Ir\n"), None);
+    }
+
+    #[test]
+    fn dumps_are_read_in_order_until_one_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let stem = folder.path().join("dump");
+        for (part, total) in [(1, 5), (2, 7), (4, 9)] {
+            fs::write(
+                stem.with_extension(part.to_string()),
+                format!("summary: {total}\n"),
+            )
+            .unwrap();
+        }
+        assert_eq!(dumps(&stem).unwrap(), [5, 7]);
+    }
+}

@@ -1,0 +1,258 @@
+//! Ladders of EP2: methods, their knots and the number of contacts; grids of the map.
+
+use anyhow::Result;
+use palpate_scene::{Outcome, Scene};
+
+use super::ladder::{Ladder, Rung, RungError, SceneRungs};
+use super::scene_trials::{
+    Choice, Measure, Template, evaluated, outcomes, root_mean, scene_of, scenes,
+};
+
+/// Numbers of contacts of each of the three fingers.
+const CONTACTS: [u32; 4] = [5, 10, 30, 100];
+/// Largest number of contacts of a finger for two-pass, which takes seconds with more.
+const MAX_OF_TWO_PASS: u32 = 30;
+/// Numbers of knot intervals along each side of the penalised spline.
+const INTERVALS: [u32; 4] = [2, 4, 6, 8];
+/// Numbers of contacts of each finger for these numbers of intervals.
+const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
+/// Smoothing factors of both passes of two-pass: it adds knots until the residuals are this small. The default is 1000.
+const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
+/// Numbers of places along a side of the map.
+const GRIDS: [u32; 7] = [1, 2, 3, 5, 9, 17, 33];
+/// Number of places along a side of the grid on which a map is compared with the true values.
+const FINE: u32 = 97;
+const GAUSSIAN: usize = 0;
+const MEAN: usize = 1;
+const TRIALS: u64 = 40;
+/// Number of trials for the mean cost.
+const TIMED: u32 = 2;
+
+/// Common lines of the scenes. Each rung adds motion, estimator and grid.
+const COMMON: &str = r#"
+kind = "glide"
+probe = { kind = "point" }
+$rung
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "sphere of radius 5, noise 1 % of the finger distance and 0.5°",
+        r#"
+object = { kind = "sphere", radius = 5.0 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.01 }, normal = { kind = "gaussian", std_deg = 0.5 } }
+"#,
+    ),
+    (
+        "saddle z = 0.1 (x² − y²), noise 5 % and 2°",
+        r#"
+object = { kind = "saddle", a = 0.1 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
+"#,
+    ),
+    (
+        "waves 0.15 sin 1.5x cos 1.5y, noise 2 % and 2°",
+        r#"
+object = { kind = "height-field", formula = "0.15*sin(1.5*x)*cos(1.5*y)" }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 }, normal = { kind = "gaussian", std_deg = 2.0 } }
+"#,
+    ),
+];
+
+fn rung(estimator: &str, contacts: u32, grid: u32) -> String {
+    format!(
+        r#"motion = {{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = {contacts} }}
+estimator = {estimator}
+evaluate = {{ grid = {grid}, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }}"#
+    )
+}
+
+/// Rungs of the fit: method, knots and number of contacts.
+pub(super) fn fits() -> Ladder {
+    let methods = [
+        ("quadric", r#"{ kind = "quadric" }"#),
+        ("two-pass", r#"{ kind = "two-pass" }"#),
+        ("penalised", r#"{ kind = "penalised" }"#),
+    ];
+    let mut choices: Vec<Choice> = Vec::new();
+    for (name, estimator) in methods {
+        let is_fast = |contacts: &u32| name != "two-pass" || *contacts <= MAX_OF_TWO_PASS;
+        choices.extend(CONTACTS.into_iter().filter(is_fast).map(|contacts| {
+            let points = 3 * contacts;
+            let text = rung(estimator, contacts, 15);
+            Choice::new(format!("{name}, {points} points"), text).set(f64::from(points))
+        }));
+    }
+    for contacts in CONTACTS_OF_INTERVALS {
+        choices.extend(INTERVALS.map(|intervals| {
+            let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
+            let name = format!("penalised, {intervals}² cells, {} points", 3 * contacts);
+            Choice::new(name, rung(&estimator, contacts, 15)).set(f64::from(intervals))
+        }));
+    }
+    for contacts in [10, MAX_OF_TWO_PASS] {
+        choices.extend(SMOOTHINGS.map(|smoothing| {
+            let estimator = format!(
+                r#"{{ kind = "two-pass", smoothing = {smoothing:e}, second_smoothing = {smoothing:e} }}"#
+            );
+            let name = format!("two-pass, S = {smoothing}, {} points", 3 * contacts);
+            Choice::new(name, rung(&estimator, contacts, 15)).set(smoothing)
+        }));
+    }
+    let measure = Measure {
+        error: |scene, trials| shape_error(scene, trials),
+        trials: TRIALS,
+        timed: TIMED,
+    };
+    Ladder {
+        name: "fits",
+        title: "Which fit, with how many contacts?",
+        error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
+        evaluation: "one trial: readings, fit, and a map of 15 × 15",
+        scenes: scenes(COMMON, SCENES, &choices, measure),
+    }
+}
+
+/// Rungs of the map: its grid. The nearest place gives the curvature.
+pub(super) fn maps() -> Ladder {
+    let stage = |template: &Template| {
+        let text = |grid| {
+            let rung = rung(r#"{ kind = "penalised" }"#, 10, grid);
+            template.text.replace("$rung", &rung)
+        };
+        let rungs = GRIDS.map(|grid| {
+            let (coarse, fine, timed) = (text(grid), text(FINE), text(grid));
+            Rung::new(
+                format!("{grid} × {grid}"),
+                move || map_error(&scene_of(&coarse)?, &scene_of(&fine)?),
+                evaluated(timed, TIMED),
+            )
+            .set(f64::from(grid))
+            .evaluations_per_run(TIMED)
+        });
+        SceneRungs {
+            ease: template.ease,
+            scene: template.scene.to_owned(),
+            rungs: rungs.into(),
+        }
+    };
+    Ladder {
+        name: "maps",
+        title: "How fine a map?",
+        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; where curvature is the same everywhere, as on the sphere, a coarse map loses nothing and errs as the fit does at its few places",
+        evaluation: "one trial: 30 contacts, penalised fit, and the map",
+        scenes: Template::all(COMMON, SCENES).iter().map(stage).collect(),
+    }
+}
+
+/// Sums of squares over the places of a trial.
+#[derive(Default)]
+struct Squares {
+    gaussian: f64,
+    mean: f64,
+    /// Σ C² and Σ C⁴ of the true curvedness C: C² = 2H² − K.
+    curvedness: [f64; 2],
+}
+
+impl Squares {
+    fn add(&mut self, gaussian: [f64; 2], mean: [f64; 2]) {
+        let [[k, true_k], [h, true_h]] = [gaussian, mean];
+        self.gaussian += (k - true_k).powi(2);
+        self.mean += (h - true_h).powi(2);
+        let square = 2.0 * true_h * true_h - true_k;
+        self.curvedness[0] += square;
+        self.curvedness[1] += square * square;
+    }
+
+    /// Squares of rms ΔH over rms C and of rms ΔK over rms C².
+    fn shares(&self) -> [f64; 2] {
+        [
+            self.mean / self.curvedness[0],
+            self.gaussian / self.curvedness[1],
+        ]
+    }
+}
+
+/// The larger of rms ΔH over rms C and rms ΔK over rms C², over trials with the same true values.
+fn larger(trials: &[Squares]) -> Result<RungError> {
+    let [mean, gaussian] = [0, 1].map(|which| {
+        let shares = trials.iter().map(|squares| squares.shares()[which]);
+        root_mean(&shares.collect::<Vec<f64>>())
+    });
+    let (mean, gaussian) = (mean?, gaussian?);
+    Ok(match mean.error > gaussian.error {
+        true => mean,
+        false => gaussian,
+    })
+}
+
+fn shape_error(scene: &Scene, trials: u64) -> Result<RungError> {
+    let outcomes = outcomes(scene, trials)?;
+    let trials = outcomes.iter().map(|trial| {
+        let of = |quantity: usize| {
+            let of_it = trial.iter().filter(move |(index, _)| *index == quantity);
+            of_it.map(|(_, outcome)| [outcome.estimate, outcome.truth])
+        };
+        let mut squares = Squares::default();
+        of(GAUSSIAN)
+            .zip(of(MEAN))
+            .for_each(|(gaussian, mean)| squares.add(gaussian, mean));
+        squares
+    });
+    larger(&trials.collect::<Vec<Squares>>())
+}
+
+/// Error of the map of `coarse` on the grid of `fine`. All maps are compared with the true values at the same places.
+fn map_error(coarse: &Scene, fine: &Scene) -> Result<RungError> {
+    let truths = outcomes(fine, 1)?.remove(0);
+    let maps = outcomes(coarse, TRIALS)?;
+    let trials = maps.iter().map(|map| {
+        let mut squares = Squares::default();
+        let column = |all: &[(usize, Outcome)], quantity, pick: fn(&Outcome) -> f64| -> Vec<f64> {
+            let of_it = all.iter().filter(|(index, _)| *index == quantity);
+            of_it.map(|(_, outcome)| pick(outcome)).collect()
+        };
+        let [k, h] = [GAUSSIAN, MEAN].map(|one| column(map, one, |it| it.estimate));
+        let [true_k, true_h] = [GAUSSIAN, MEAN].map(|one| column(&truths, one, |it| it.truth));
+        let (side, fine_side) = (k.len().isqrt(), true_k.len().isqrt());
+        for place in 0..true_k.len() {
+            let nearest = nearest(place / fine_side, fine_side, side) * side
+                + nearest(place % fine_side, fine_side, side);
+            squares.add([k[nearest], true_k[place]], [h[nearest], true_h[place]]);
+        }
+        squares
+    });
+    larger(&trials.collect::<Vec<Squares>>())
+}
+
+/// Of `side` equally spaced places, the index of the one nearest to place `at` of `fine_side` places. Both grids have places
+/// at both ends; a single place is in the middle.
+fn nearest(at: usize, fine_side: usize, side: usize) -> usize {
+    let share = at as f64 / (fine_side - 1) as f64;
+    (share * (side - 1) as f64).round() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_place_of_a_coarser_grid() {
+        let of = |side| [0, 1, 2, 3, 4].map(|at| nearest(at, 5, side));
+        assert_eq!(of(1), [0; 5]);
+        assert_eq!(of(5), [0, 1, 2, 3, 4]);
+        assert_eq!(of(2), [0, 0, 1, 1, 1]);
+    }
+
+    #[test]
+    fn errors_are_relative_to_the_curvedness() {
+        // A sphere of radius 2: H = 1/2, K = 1/4, C² = 1/4.
+        let mut squares = Squares::default();
+        squares.add([0.25, 0.25], [0.55, 0.5]);
+        assert!((larger(&[squares]).unwrap().error - 0.1).abs() < 1e-12);
+        let mut worse = Squares::default();
+        worse.add([0.5, 0.25], [0.5, 0.5]);
+        assert!((larger(&[worse]).unwrap().error - 1.0).abs() < 1e-12);
+        assert!(larger(&[Squares::default()]).is_err());
+    }
+}

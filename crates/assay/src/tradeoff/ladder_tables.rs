@@ -1,0 +1,193 @@
+//! Tables of the measured ladders.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::ladder::{Ease, RungError};
+use super::pareto_front::{CostError, answer, pareto};
+use crate::csv_table::{self, Column, or_empty};
+use crate::timing::Spread;
+
+/// Target errors, in words and as numbers. The tables have the cheapest rung for each.
+const TARGETS: [(&str, f64); 4] = [
+    ("10 %", 0.1),
+    ("1 %", 0.01),
+    ("0.1 %", 0.001),
+    ("1e-6", 1e-6),
+];
+
+/// Measurements of a ladder on one scene.
+pub(super) struct MeasuredScene {
+    pub(super) ladder: &'static str,
+    pub(super) title: &'static str,
+    pub(super) error: &'static str,
+    pub(super) evaluation: &'static str,
+    pub(super) ease: Ease,
+    pub(super) scene: String,
+    pub(super) rungs: Vec<MeasuredRung>,
+}
+
+/// Measurements of one rung.
+pub(super) struct MeasuredRung {
+    pub(super) name: String,
+    pub(super) setting: Option<f64>,
+    pub(super) error: RungError,
+    pub(super) ns: Spread,
+    pub(super) instructions: Option<u64>,
+}
+
+impl MeasuredRung {
+    fn cost_and_error(&self) -> CostError {
+        let cost = self
+            .instructions
+            .map_or(self.ns.median, |count| count as f64);
+        CostError {
+            cost,
+            error: self.error.error,
+        }
+    }
+}
+
+/// Writes `ladders.csv` (a description of the ladders, and the machine), `rungs.csv` and `answers.csv` to a folder.
+pub(super) fn write(measured: &[MeasuredScene], machine: &str, folder: &Path) -> Result<()> {
+    write_ladders(measured, machine, folder)?;
+    write_rungs(measured, folder)?;
+    write_answers(measured, folder)
+}
+
+fn write_ladders(measured: &[MeasuredScene], machine: &str, folder: &Path) -> Result<()> {
+    let rows = measured.iter().map(|it| {
+        let columns = [
+            ("ladder", it.ladder),
+            ("title", it.title),
+            ("error_of", it.error),
+            ("evaluation", it.evaluation),
+            ("scene", it.ease.name()),
+            ("what", it.scene.as_str()),
+            ("machine", machine),
+        ];
+        columns.map(|(name, field)| (name, field.to_owned()))
+    });
+    csv_table::write(&folder.join("ladders.csv"), rows)
+}
+
+fn write_rungs(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
+    let rows = measured.iter().flat_map(|it| {
+        let costs: Vec<CostError> = it.rungs.iter().map(MeasuredRung::cost_and_error).collect();
+        let rungs = it.rungs.iter().zip(pareto(&costs));
+        rungs.map(|(rung, on_front)| {
+            let RungError { error, std } = rung.error;
+            let [median, q25, q75] = nanoseconds(&rung.ns);
+            [
+                ("ladder", it.ladder.to_owned()),
+                ("scene", it.ease.name().to_owned()),
+                ("rung", rung.name.clone()),
+                ("setting", or_empty(rung.setting, |one| one.to_string())),
+                ("error", format!("{error:.3e}")),
+                ("error_std", or_empty(std, |std| format!("{std:.3e}"))),
+                median,
+                q25,
+                q75,
+                count(rung.instructions),
+                ("pareto", on_front.to_string()),
+            ]
+        })
+    });
+    csv_table::write(&folder.join("rungs.csv"), rows)
+}
+
+fn write_answers(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
+    let rows = measured.iter().flat_map(|it| {
+        let costs: Vec<CostError> = it.rungs.iter().map(MeasuredRung::cost_and_error).collect();
+        TARGETS.map(|(words, target)| {
+            let rung = answer(&costs, target).map(|at| &it.rungs[at]);
+            let name = rung.map_or("none", |rung| &rung.name);
+            let error = or_empty(rung, |rung| format!("{:.3e}", rung.error.error));
+            let median = or_empty(rung, |rung| {
+                let [(_, median), ..] = nanoseconds(&rung.ns);
+                median
+            });
+            [
+                ("ladder", it.ladder.to_owned()),
+                ("scene", it.ease.name().to_owned()),
+                ("target", words.to_owned()),
+                ("rung", name.to_owned()),
+                ("error", error),
+                ("median_ns", median),
+                count(rung.and_then(|rung| rung.instructions)),
+            ]
+        })
+    });
+    csv_table::write(&folder.join("answers.csv"), rows)
+}
+
+/// Median and quartiles with their significant digits.
+pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
+    let digits = if spread.median < 100.0 { 1 } else { 0 };
+    [
+        ("median_ns", spread.median),
+        ("q25_ns", spread.q25),
+        ("q75_ns", spread.q75),
+    ]
+    .map(|(name, ns)| (name, format!("{ns:.digits$}")))
+}
+
+pub(super) fn count(instructions: Option<u64>) -> Column {
+    (
+        "instructions",
+        or_empty(instructions, |count| count.to_string()),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn answers_are_the_cheapest_rungs_for_the_targets() {
+        let rung = |name: &str, error: f64, instructions: u64| MeasuredRung {
+            name: name.to_owned(),
+            setting: None,
+            error: RungError {
+                error,
+                std: Some(1e-3),
+            },
+            ns: Spread {
+                q25: 1.0,
+                median: 2.0,
+                q75: 3.0,
+            },
+            instructions: Some(instructions),
+        };
+        let measured = [MeasuredScene {
+            ladder: "l",
+            title: "",
+            error: "",
+            evaluation: "",
+            ease: Ease::Hard,
+            scene: String::new(),
+            rungs: vec![rung("coarse", 0.05, 10), rung("fine", 5e-4, 100)],
+        }];
+        let folder = tempfile::tempdir().unwrap();
+        write(&measured, "a machine", folder.path()).unwrap();
+        let answers = fs::read_to_string(folder.path().join("answers.csv")).unwrap();
+        let rows: Vec<&str> = answers.lines().skip(1).collect();
+        assert_eq!(
+            rows,
+            [
+                "l,hard,10 %,coarse,5.000e-2,2.0,10",
+                "l,hard,1 %,fine,5.000e-4,2.0,100",
+                "l,hard,0.1 %,fine,5.000e-4,2.0,100",
+                "l,hard,1e-6,none,,,",
+            ]
+        );
+        let rungs = fs::read_to_string(folder.path().join("rungs.csv")).unwrap();
+        assert!(
+            rungs.contains("l,hard,fine,,5.000e-4,1.000e-3,2.0,1.0,3.0,100,true"),
+            "{rungs}"
+        );
+    }
+}

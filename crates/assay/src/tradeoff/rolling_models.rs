@@ -1,0 +1,210 @@
+//! Ladder of rolling: models of a roll.
+
+use std::cell::OnceCell;
+use std::f64::consts::FRAC_PI_6;
+use std::rc::Rc;
+
+use anyhow::{Result, ensure};
+use palpate_geometry::Shape;
+use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere};
+use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Probe, Roller, Rolls};
+
+use super::ladder::{Ease, Ladder, Rung, SceneRungs};
+use super::scene_trials::at_least_rounding;
+use crate::contact_reference::RollEnd;
+
+const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
+const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
+/// Radius of the probe.
+const RADIUS: f64 = 1.0;
+/// Radius of the ball.
+const BALL: f64 = 5.0;
+/// Coefficient c of the paraboloid z = −c r².
+const PARABOLOID: f64 = 0.2;
+/// Largest difference between two independent references, relative to the length of the path.
+const MAX_DIFFERENCE: f64 = 1e-12;
+/// Initial direction of the contact, rad.
+const DIRECTION: f64 = FRAC_PI_6;
+
+/// A roll and its true end.
+struct Roll {
+    ease: Ease,
+    scene: &'static str,
+    object: Shape,
+    at: (f64, f64),
+    angle: f64,
+    truth: fn(&Roll) -> Result<RollEnd>,
+    /// The true end, computed at first use.
+    end: OnceCell<RollEnd>,
+}
+
+pub(super) fn ladder() -> Result<Ladder> {
+    let rolls = [
+        Roll {
+            ease: Ease::Easy,
+            scene: "ball of 5 probe radii, 0.1 rad",
+            object: Shape::Sphere(Sphere::new(BALL)?),
+            at: (0.0, 0.0),
+            angle: 0.1,
+            truth: |roll| Ok(RollEnd::on_ball(BALL, DIRECTION, roll.angle)),
+            end: OnceCell::new(),
+        },
+        Roll {
+            ease: Ease::Typical,
+            scene: "from the apex of the paraboloid z = −0.2 r², 1 rad",
+            object: Shape::Paraboloid(Graph::paraboloid(PARABOLOID)?),
+            at: (0.0, 0.0),
+            angle: 1.0,
+            truth: |roll| Ok(RollEnd::on_paraboloid(PARABOLOID, DIRECTION, roll.angle)),
+            end: OnceCell::new(),
+        },
+        Roll {
+            ease: Ease::Hard,
+            scene: "round an ellipsoid of semi-axes 4, 3, 2, 6 rad",
+            object: Shape::Ellipsoid(Ellipsoid::new([4.0, 3.0, 2.0])?),
+            at: (1.0, 0.5),
+            angle: 6.0,
+            truth: in_charts,
+            end: OnceCell::new(),
+        },
+    ];
+    Ok(Ladder {
+        name: "rolling",
+        title: "What does a roll cost?",
+        error: "distance of the contact from its true place, over its path; true: closed forms, on the ellipsoid RK4 in \
+                charts, extrapolated",
+        evaluation: "one roll",
+        scenes: rolls.into_iter().map(Roll::stage).collect(),
+    })
+}
+
+impl Roll {
+    fn stage(self) -> SceneRungs {
+        let roll = Rc::new(self);
+        let rungs = models()
+            .into_iter()
+            .filter_map(|(name, setting, model)| {
+                let roller = roll.roller(model).ok()?;
+                let motion = roll.motion();
+                // A chart may end before the roll does.
+                roller.roll(&[motion]).ok()?;
+                let (same, errs) = (Rc::clone(&roll), roller.clone());
+                let rung = Rung::new(
+                    name,
+                    move || same.error(&errs),
+                    move || roller.roll(&[motion]),
+                );
+                Some(rung.set(setting))
+            })
+            .collect();
+        SceneRungs {
+            ease: roll.ease,
+            scene: roll.scene.to_owned(),
+            rungs,
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        Motion::rolling(DIRECTION, 1.0, self.angle)
+    }
+
+    fn roller(&self, model: Model) -> Result<Roller> {
+        let rolls = [vec![self.motion()]];
+        let rolls = Rolls { rolls: &rolls };
+        let probe = Probe::new(RADIUS)?;
+        Ok(Roller::new(
+            probe,
+            self.object.clone(),
+            self.at,
+            model,
+            rolls,
+        )?)
+    }
+
+    fn error(&self, roller: &Roller) -> Result<f64> {
+        let truth = match self.end.get() {
+            Some(truth) => truth,
+            None => {
+                let truth = (self.truth)(self)?;
+                self.end.get_or_init(|| truth)
+            }
+        };
+        let end = roller.roll(&[self.motion()])?;
+        let off_object = (end.on_object - truth.on_object).norm();
+        let off_probe = (end.on_probe(RADIUS) - truth.on_probe).norm();
+        at_least_rounding(off_object.max(off_probe) / truth.path)
+    }
+}
+
+/// Name, setting and model of every rung.
+fn models() -> Vec<(String, Option<f64>, Model)> {
+    let charts = [
+        ("", Chart::Free),
+        (", Montana", Chart::Montana(HeldAxis::Transported)),
+    ];
+    let mut models = vec![
+        ("closed form".to_owned(), None, Model::ClosedForm),
+        ("meridian".to_owned(), None, Model::Meridian),
+    ];
+    for (suffix, chart) in charts {
+        models.extend(STEPS.map(|steps| {
+            let name = format!("RK4 × {steps}{suffix}");
+            (name, Some(steps as f64), Model::Rk4 { steps, chart })
+        }));
+        models.extend(TOLERANCES.map(|exponent| {
+            let name = format!("DOP853 1e{exponent}{suffix}");
+            let tolerance = 10_f64.powi(exponent);
+            (name, Some(tolerance), Model::Dop853 { tolerance, chart })
+        }));
+    }
+    models
+}
+
+/// Reference without a closed form: RK4 on Montana's equations in the charts of both surfaces, extrapolated from two numbers
+/// of steps (Richardson). The chart-free rungs use other equations. DOP853 on the same equations must agree.
+fn in_charts(roll: &Roll) -> Result<RollEnd> {
+    const STEPS: usize = 3000;
+    let chart = Chart::Montana(HeldAxis::Transported);
+    let end = |model: Model| -> Result<Contact> { Ok(roll.roller(model)?.roll(&[roll.motion()])?) };
+    let coarse = end(Model::Rk4 {
+        steps: STEPS,
+        chart,
+    })?;
+    let fine = end(Model::Rk4 {
+        steps: 2 * STEPS,
+        chart,
+    })?;
+    let adaptive = end(Model::Dop853 {
+        tolerance: Model::SMALLEST_TOLERANCE,
+        chart,
+    })?;
+    let on_object = fine.on_object + (fine.on_object - coarse.on_object) / 15.0;
+    let on_probe = |contact: &Contact| contact.on_probe(RADIUS);
+    let extrapolated = on_probe(&fine) + (on_probe(&fine) - on_probe(&coarse)) / 15.0;
+    let off_object = (adaptive.on_object - on_object).norm();
+    let off_probe = (on_probe(&adaptive) - extrapolated).norm();
+    let off = off_object.max(off_probe) / fine.arc_length;
+    ensure!(off < MAX_DIFFERENCE, "the references differ by {off:e}");
+    Ok(RollEnd {
+        on_object,
+        on_probe: extrapolated,
+        path: fine.arc_length,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_roll_has_its_truth() {
+        for stage in ladder().unwrap().scenes {
+            let best = stage
+                .rungs
+                .into_iter()
+                .map(|rung| (rung.error)().unwrap().error);
+            let best = best.fold(f64::INFINITY, f64::min);
+            assert!(best < 1e-12, "{}: {best:e}", stage.scene);
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Rungs that are scenes of a config: cost and error of their trials.
+
+use std::cell::OnceCell;
+
+use anyhow::{Context, Result, anyhow, ensure};
+use palpate_scene::{Outcome, Scene, Scenes};
+use palpate_study::config;
+
+use super::ladder::{Ease, Rung, RungError, SceneRungs};
+
+/// Placeholder in a scene's text for the lines of a rung.
+const RUNG: &str = "$rung";
+
+/// Text of a scene with a placeholder for the rung.
+pub(super) struct Template {
+    pub(super) ease: Ease,
+    /// The scene in a few words.
+    pub(super) scene: &'static str,
+    /// TOML of `[scene]` with the placeholder `$rung`.
+    pub(super) text: String,
+}
+
+impl Template {
+    /// An easy, a typical and a hard scene, from their common lines and from the words and lines of each.
+    pub(super) fn all(common: &str, own: [(&'static str, &str); 3]) -> Vec<Self> {
+        let eases = [Ease::Easy, Ease::Typical, Ease::Hard];
+        let scenes = eases.into_iter().zip(own);
+        scenes
+            .map(|(ease, (scene, own))| Self {
+                ease,
+                scene,
+                text: format!("{common}{own}"),
+            })
+            .collect()
+    }
+}
+
+/// An easy, a typical and a hard scene with the same rungs; `common` and `own` as in [`Template::all`].
+pub(super) fn scenes(
+    common: &str,
+    own: [(&'static str, &str); 3],
+    choices: &[Choice],
+    measure: Measure,
+) -> Vec<SceneRungs> {
+    let templates = Template::all(common, own);
+    let stage = |scene: &Template| scene.stage(choices, measure);
+    templates.iter().map(stage).collect()
+}
+
+/// Text of a rung, which replaces `$rung`.
+pub(super) struct Choice {
+    pub(super) name: String,
+    pub(super) setting: Option<f64>,
+    pub(super) text: String,
+    /// Text of a scene that is timed instead: its trials cost the same, but its setup is faster.
+    pub(super) evaluated: Option<String>,
+}
+
+impl Choice {
+    pub(super) fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            setting: None,
+            text: text.into(),
+            evaluated: None,
+        }
+    }
+
+    pub(super) fn set(self, setting: f64) -> Self {
+        Self {
+            setting: Some(setting),
+            ..self
+        }
+    }
+}
+
+/// Measurement of a rung.
+#[derive(Clone, Copy)]
+pub(super) struct Measure {
+    /// Computes the error from this number of trials.
+    pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
+    /// Number of trials for the error.
+    pub(super) trials: u64,
+    /// Number of trials for the mean cost.
+    pub(super) timed: u32,
+}
+
+impl Template {
+    pub(super) fn stage(&self, choices: &[Choice], measure: Measure) -> SceneRungs {
+        let rungs = choices.iter().map(|choice| {
+            let errs = self.text.replace(RUNG, &choice.text);
+            let timed = choice.evaluated.as_ref().unwrap_or(&choice.text);
+            let text = self.text.replace(RUNG, timed);
+            let evaluated_text = text.clone();
+            let error = move || {
+                if evaluated_text != errs {
+                    scene_of(&evaluated_text)?;
+                }
+                (measure.error)(&scene_of(&errs)?, measure.trials)
+            };
+            let rung = Rung::new(choice.name.as_str(), error, evaluated(text, measure.timed));
+            rung.evaluations_per_run(measure.timed).set(choice.setting)
+        });
+        SceneRungs {
+            ease: self.ease,
+            scene: self.scene.to_owned(),
+            rungs: rungs.collect(),
+        }
+    }
+}
+
+/// The scene of a text with one cell.
+pub(super) fn scene_of(text: &str) -> Result<Scene> {
+    let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
+    let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
+    study.estimable_scene(0).with_context(|| text.to_owned())
+}
+
+/// Runs trials of the scene of a text, which is set up in the first run. An invalid scene costs nothing, so the caller must
+/// check it with [`scene_of`].
+pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
+    let scene = OnceCell::new();
+    move || {
+        let scene = scene.get_or_init(|| scene_of(&text).ok());
+        scene.as_ref().map(|scene| run(scene, trials))
+    }
+}
+
+/// Runs trials as a study does, and adds up their estimates. The cost of failed trials counts.
+pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
+    let trials = u64::from(trials);
+    let mut sum = 0.0;
+    let together = match scene {
+        Scene::Roll(roll) => roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
+            let estimates = observed[0].estimates;
+            sum += estimates.iter().sum::<f64>();
+            estimates.len()
+        }),
+        _ => 0,
+    };
+    for trial in together..trials {
+        // A failed trial has no estimate.
+        let _ = scene.trial(trial, |_, outcome| sum += outcome.estimate);
+    }
+    sum
+}
+
+/// Root mean square of the relative error of one quantity. The relative error of a failed trial is 1.
+pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<RungError> {
+    let truth = scene
+        .truth(quantity)
+        .context("the quantity has no single true value")?;
+    let squares = (0..scene.trials(trials)).map(|trial| {
+        let mut error = truth;
+        let _ = scene.trial(trial, |index, outcome| {
+            if index == quantity {
+                error = outcome.estimate - outcome.truth;
+            }
+        });
+        (error / truth).powi(2)
+    });
+    root_mean(&squares.collect::<Vec<f64>>())
+}
+
+/// Root mean square r of N errors, from their squares, with its standard error s/√N/(2r), where s is the standard deviation
+/// of the squares.
+pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
+    ensure!(!squares.is_empty(), "no trials");
+    let count = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / count;
+    let error = at_least_rounding(mean.sqrt())?;
+    let std = (squares.len() > 1).then(|| {
+        let scatter = squares.iter().map(|one| (one - mean).powi(2)).sum::<f64>();
+        (scatter / (count - 1.0) / count).sqrt() / (2.0 * error)
+    });
+    Ok(RungError { error, std })
+}
+
+/// Outcomes of each trial, with the indices of their quantities. A failed trial has estimates of 0, so its relative error
+/// is 1.
+pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Outcome)>>> {
+    let attempts = (0..scene.trials(trials)).map(|trial| {
+        let mut outcomes = Vec::new();
+        let done = scene.trial(trial, |index, outcome| outcomes.push((index, outcome)));
+        done.ok().map(|()| outcomes)
+    });
+    let attempts: Vec<Option<Vec<(usize, Outcome)>>> = attempts.collect();
+    let succeeded = attempts.iter().flatten().next();
+    let mut failed = succeeded.context("every trial failed")?.clone();
+    for (_, outcome) in &mut failed {
+        outcome.estimate = 0.0;
+    }
+    Ok(attempts
+        .into_iter()
+        .map(|outcomes| outcomes.unwrap_or_else(|| failed.clone()))
+        .collect())
+}
+
+/// The error, but at least a rounding unit: smaller errors are not significant.
+pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
+    if error.is_finite() {
+        Ok(error.max(f64::EPSILON))
+    } else {
+        Err(anyhow!("the error is {error}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_mean_square_has_the_standard_error_of_its_trials() {
+        // Squares 1 and 9: mean 5, s = √32, r = √5; s/√2/(2r) = 2/√5.
+        let rms = root_mean(&[1.0, 9.0]).unwrap();
+        assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
+        assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(root_mean(&[4.0]).unwrap(), 2.0.into());
+        assert!(root_mean(&[]).is_err());
+    }
+}

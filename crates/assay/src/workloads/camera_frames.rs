@@ -1,0 +1,155 @@
+//! Frames of a camera with 77 markers: projection, rendering, detection and matching.
+
+use std::hint::black_box;
+
+use anyhow::Result;
+use image::RgbImage;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
+    MarkerMotion, Optics,
+};
+use palpate_tracking::{Finder, FinderSettings, Marker, Mask, match_markers};
+
+use super::marker_presses::SKIN;
+use crate::accuracy::rms;
+use crate::timing::Evaluation;
+
+/// Seed of the frames with discs of random hues.
+const FRAME: u64 = 11;
+
+/// The published sensor without blemishes, its discs misaligned by up to 0.3 of their diameter.
+///
+/// # Errors
+/// If the sensor is invalid.
+pub fn optics(size_px: u32) -> Result<Optics> {
+    let discs = Discs {
+        magenta: 2.0,
+        yellow: 2.0,
+    };
+    let depths = DiscDepths {
+        magenta: 3.0,
+        yellow: 1.0,
+    };
+    let places = Layout::published().places(SKIN)?;
+    let array = MarkerArray::new(SKIN, &places, discs, depths)?.misaligned(0.3, 1)?;
+    let camera = Camera::new(Lens::Fisheye, size_px, 70.0)?;
+    Ok(Optics::new(
+        array,
+        camera,
+        Colours::default(),
+        Blemishes::default(),
+    )?)
+}
+
+/// Motions of 77 markers, decreasing from the first to the last.
+pub fn motions() -> Vec<Option<MarkerMotion>> {
+    let disc = |normal, along| DiscMotion {
+        normal,
+        tangential: [along, -0.5 * along],
+        ..DiscMotion::default()
+    };
+    let motion = |marker: i32| MarkerMotion {
+        magenta: disc(0.4 / f64::from(1 + marker), 0.05),
+        yellow: disc(0.6 / f64::from(1 + marker), 0.1),
+    };
+    (0..77).map(|marker| Some(motion(marker))).collect()
+}
+
+/// A disc in a frame.
+pub struct Disc {
+    /// Centroid, px.
+    pub centroid_px: [f64; 2],
+    /// Hue, turns.
+    pub hue_turns: f64,
+}
+
+/// 77 discs of random hues on a dark ground.
+pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
+    let (frame, truth) = palpate_testkit::dark(size_px, FRAME);
+    let discs = truth.into_iter().map(|one| Disc {
+        centroid_px: one.centroid_px,
+        hue_turns: one.hue_turns,
+    });
+    (frame, discs.collect())
+}
+
+/// A finder with the image circle of [`frame`].
+///
+/// # Errors
+/// If the circle is invalid.
+pub fn finder(size_px: usize) -> Result<Finder> {
+    let mask = Mask {
+        centre_px: [0.5 * size_px as f64; 2],
+        radius_px: 0.48 * size_px as f64,
+    };
+    Ok(Finder::new(FinderSettings {
+        mask: Some(mask),
+        ..FinderSettings::default()
+    })?)
+}
+
+/// Root mean square errors of the centroid (px) and the hue (turns) of the markers nearest to the discs; infinite without a
+/// marker.
+pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
+    let off = |disc: &Disc| {
+        let off_px = |marker: &Marker| {
+            let [dx, dy] = [0, 1].map(|axis| disc.centroid_px[axis] - marker.centroid_px[axis]);
+            libm::hypot(dx, dy)
+        };
+        let nearest = found.iter().min_by(|a, b| off_px(a).total_cmp(&off_px(b)));
+        nearest.map_or([f64::INFINITY; 2], |marker| {
+            let turn = marker.hue_turns - disc.hue_turns;
+            [off_px(marker), turn - turn.round()]
+        })
+    };
+    let off: Vec<[f64; 2]> = discs.iter().map(off).collect();
+    [0, 1].map(|which| rms(off.iter().map(|one| one[which])))
+}
+
+/// Projection of 77 markers.
+///
+/// # Errors
+/// If the sensor is invalid.
+pub fn projection(name: &str) -> Result<Evaluation> {
+    let (optics, motions) = (optics(640)?, motions());
+    optics.project(&motions)?;
+    Ok(Evaluation::new(name, move || {
+        optics.project(black_box(&motions))
+    }))
+}
+
+/// Rendering of a frame of 77 markers.
+///
+/// # Errors
+/// If the sensor is invalid.
+pub fn rendering(name: &str, size_px: u32) -> Result<Evaluation> {
+    let (optics, motions) = (optics(size_px)?, motions());
+    optics.render(&motions, None)?;
+    Ok(Evaluation::new(name, move || {
+        optics.render(black_box(&motions), None)
+    }))
+}
+
+/// Detection of the markers in a frame.
+///
+/// # Errors
+/// If they are not found.
+pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
+    let (frame, _) = frame(size_px);
+    let mut finder = finder(size_px)?;
+    finder.find(&frame)?;
+    Ok(Evaluation::new(name, move || {
+        finder.find(black_box(&frame))
+    }))
+}
+
+/// Matching of the markers of a frame with themselves.
+///
+/// # Errors
+/// If they are not found.
+pub fn matching(name: &str, size_px: usize) -> Result<Evaluation> {
+    let found = finder(size_px)?.find(&frame(size_px).0)?.markers;
+    Ok(Evaluation::new(name, move || {
+        match_markers(black_box(&found), black_box(&found))
+    }))
+}

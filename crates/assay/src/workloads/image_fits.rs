@@ -1,0 +1,221 @@
+//! Image fits of a press: the images of 77 markers, with uncertain parameters of the sensor.
+
+use std::hint::black_box;
+
+use anyhow::{Context, Result, bail};
+use nalgebra::Matrix4;
+use palpate_chromatouch::Departure;
+use palpate_estimators::ImageModel;
+use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_sensing::{Channel, Stream};
+
+use super::camera_frames::optics;
+use super::marker_presses::{AT, INDENTATION, OBJECT, SKIN, markers};
+use crate::timing::Evaluation;
+
+/// Depths of the magenta and the yellow discs under the skin, mm.
+const DEPTHS: [f64; 2] = [3.0, 1.0];
+/// Difference of the discs' depths for numerical derivatives, mm.
+const DEPTH_STEP: f64 = 1e-3 * SKIN;
+/// Standard deviations of the parameters of a [`Departure`]: depths, diameters, image centre, pixels per radian, position
+/// and rotation of the camera, colours; 0 for the odd terms of its lens.
+const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
+    0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
+    0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
+];
+/// Standard deviation of a component of a misalignment, rad: discs of 2 mm, misaligned by up to 0.3 of their diameter.
+const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
+/// Standard deviations of the tracker: centroid, px; hue, turns; logarithm of the size.
+const READING_STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
+
+/// Makes a body for each depth.
+pub type Bodies = fn(&[f64]) -> Result<Vec<Body>>;
+
+/// An incompressible half-space at some depths.
+///
+/// # Errors
+/// If a depth is out of range.
+pub fn half_spaces(depths: &[f64]) -> Result<Vec<Body>> {
+    let bodies = depths
+        .iter()
+        .map(|depth| Ok(Body::half_space(0.5, *depth)?));
+    bodies.collect()
+}
+
+/// A layer of 5 mm at some depths.
+///
+/// # Errors
+/// If a depth is out of range.
+pub fn layers(depths: &[f64]) -> Result<Vec<Body>> {
+    Ok(Body::bonded_layers(5.0, depths)?)
+}
+
+/// A press with a camera.
+pub struct CameraPress {
+    fit: ImageFit<ImageModel>,
+    at_rest: Vec<Option<Seen>>,
+    pressed: Vec<Option<Seen>>,
+}
+
+/// Step of an image fit.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// Update of the sensor from its frame at rest.
+    Rest,
+    /// Fit of the press, with new bodies.
+    Cold,
+    /// Fit of the press.
+    Fit,
+    /// Misfits of the fit.
+    Misfits,
+}
+
+impl CameraPress {
+    /// A press of these bodies.
+    ///
+    /// # Errors
+    /// If there is no such press.
+    pub fn new(bodies: Bodies) -> Result<Self> {
+        let (nominal, deeper) = pairs(bodies)?;
+        let optics = optics(640)?;
+        let misalignments = optics.array().misalignments();
+        let fit = ImageFit {
+            view: ImageModel {
+                optics: optics.misaligned(&[[0.0; 2]; 77])?,
+            },
+            markers: markers()?,
+            bodies: nominal,
+            deeper: Some((DEPTH_STEP, deeper)),
+            common_stds: DEPARTURE_STDS.to_vec(),
+            departure_prior: None,
+            misalignment_std: MISALIGNMENT_STD,
+            shift_std: 0.0,
+        };
+        let mut noise = Stream::new(1, 1, Channel::Position);
+        let common = DEPARTURE_STDS.map(|std| std * noise.standard_normal());
+        let contact = |disc: usize| -> Result<Vec<MarkerDisplacement>> {
+            let bodies = bodies(&[DEPTHS[disc] + common[disc]])?;
+            let contact = fit.markers.skin();
+            let contact = contact.contact(&bodies[0], OBJECT, INDENTATION)?;
+            Ok(fit.markers.displacements(&contact, AT))
+        };
+        let moved = contact(0)?.into_iter().zip(contact(1)?).map(Into::into);
+        let state = SensorState {
+            common: &common,
+            misalignments: &misalignments,
+        };
+        let mut seen = |moved: &[[MarkerDisplacement; 2]]| -> Result<Vec<Option<Seen>>> {
+            let pictures = fit.view.pictures(&state, moved).context("no such sensor")?;
+            let mut read = |picture: [f64; 4]| Seen {
+                picture: std::array::from_fn(|number| {
+                    picture[number] + READING_STDS[number] * noise.standard_normal()
+                }),
+                covariance: Matrix4::from_diagonal(&READING_STDS.map(|std| std * std).into()),
+            };
+            Ok(pictures
+                .into_iter()
+                .map(|picture| picture.map(&mut read))
+                .collect())
+        };
+        let at_rest = seen(&[[MarkerDisplacement::default(); 2]; 77])?;
+        let pressed = seen(&moved.collect::<Vec<_>>())?;
+        Ok(Self {
+            fit,
+            at_rest,
+            pressed,
+        })
+    }
+
+    fn rest(&self) -> Result<Rest> {
+        Ok(self.fit.at_rest(&self.at_rest)?)
+    }
+
+    /// The fit with new bodies.
+    fn with_new_bodies(&self, bodies: Bodies) -> Result<ImageFit<ImageModel>> {
+        let (nominal, deeper) = pairs(bodies)?;
+        Ok(ImageFit {
+            bodies: nominal,
+            deeper: Some((DEPTH_STEP, deeper)),
+            ..self.fit.clone()
+        })
+    }
+}
+
+/// Bodies at the depths of the discs, and slightly deeper.
+fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
+    let [magenta, yellow] = DEPTHS;
+    let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;
+    match <[Body; 4]>::try_from(bodies) {
+        Ok([one, other, deep_one, deep_other]) => Ok(([one, other], [deep_one, deep_other])),
+        Err(bodies) => bail!("{} bodies instead of 4", bodies.len()),
+    }
+}
+
+/// One step of the image fit of a press, with an unknown indentation.
+///
+/// # Errors
+/// If there is no such press.
+pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
+    let press = CameraPress::new(bodies)?;
+    let rest = press.rest()?;
+    let estimate = press.fit.estimate(&rest, &press.pressed, None)?;
+    Ok(match step {
+        Step::Rest => Evaluation::new(name, move || press.fit.at_rest(black_box(&press.at_rest))),
+        Step::Cold => Evaluation::new(name, move || {
+            let fit = press.with_new_bodies(bodies)?;
+            Ok::<_, anyhow::Error>(fit.estimate(&rest, &press.pressed, None)?)
+        }),
+        Step::Fit => Evaluation::new(name, move || {
+            press.fit.estimate(&rest, black_box(&press.pressed), None)
+        }),
+        Step::Misfits => Evaluation::new(name, move || {
+            let pressed = black_box(&press.pressed);
+            press.fit.doubts(&rest, pressed, None, &estimate)
+        }),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Image model with numerical derivatives.
+    #[derive(Clone)]
+    struct Differences(ImageModel);
+
+    impl View for Differences {
+        fn pictures(
+            &self,
+            sensor: &SensorState<'_>,
+            moved: &[[MarkerDisplacement; 2]],
+        ) -> Option<Vec<Option<[f64; 4]>>> {
+            self.0.pictures(sensor, moved)
+        }
+    }
+
+    #[test]
+    fn numerical_derivatives_give_the_same_fit() {
+        for bodies in [half_spaces as Bodies, layers] {
+            let press = CameraPress::new(bodies).unwrap();
+            let rest = press.rest().unwrap();
+            let own = press.fit.estimate(&rest, &press.pressed, None).unwrap();
+            let fit = press.fit;
+            let fit = ImageFit {
+                view: Differences(fit.view),
+                markers: fit.markers,
+                bodies: fit.bodies,
+                deeper: fit.deeper,
+                common_stds: fit.common_stds,
+                departure_prior: fit.departure_prior,
+                misalignment_std: fit.misalignment_std,
+                shift_std: fit.shift_std,
+            };
+            let rest = fit.at_rest(&press.at_rest).unwrap();
+            let other = fit.estimate(&rest, &press.pressed, None).unwrap();
+            let [own, other] = [own, other].map(|one| one.relative_curvature);
+            let off = (own.value - other.value).abs() / own.std;
+            let of_std = (own.std / other.std - 1.0).abs();
+            assert!(off < 1e-3 && of_std < 1e-4, "{off} {of_std}");
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Rolls of a unit sphere, and trials of EP1.
+
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+
+use anyhow::{Context, Result, bail};
+use nalgebra::Vector2;
+use palpate::SceneTrial;
+use palpate_geometry::Shape;
+use palpate_geometry::surfaces::{Graph, Sphere};
+use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
+use palpate_scene::{RollScene, Scene, Scenes};
+use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+use palpate_study::config;
+use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
+
+pub use palpate_rolling::{Chart, Model};
+
+use crate::contact_reference::RollEnd;
+use crate::timing::Evaluation;
+
+/// Rate of every roll, rad/s.
+pub const RATE: f64 = 0.1;
+/// Direction of every roll on the probe, rad.
+pub const DIRECTION: f64 = 0.7;
+
+/// The unit sphere.
+///
+/// # Errors
+/// If its radius is invalid.
+pub fn sphere() -> Result<Shape> {
+    Ok(Shape::Sphere(Sphere::new(1.0)?))
+}
+
+/// The paraboloid z = −r².
+///
+/// # Errors
+/// If its coefficient is invalid.
+pub fn paraboloid() -> Result<Shape> {
+    Ok(Shape::Paraboloid(Graph::paraboloid(1.0)?))
+}
+
+/// A roll by this angle (rad) at [`RATE`].
+pub fn motion(angle_rad: f64) -> Motion {
+    Motion::rolling(DIRECTION, RATE, angle_rad / RATE)
+}
+
+/// A unit sphere on top of an object, for a roll by this angle.
+///
+/// # Errors
+/// If the model cannot compute the roll.
+pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
+    let rolls = [vec![motion(angle_rad)]];
+    let rolls = Rolls { rolls: &rolls };
+    let probe = Probe::new(1.0)?;
+    Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
+}
+
+/// Error of a roll from the top of the unit sphere or the paraboloid: the largest difference between a coordinate of
+/// the contact and its closed form, on the object or on the probe.
+///
+/// # Errors
+/// If the object has no closed form, or the roll fails.
+pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
+    let end = match roller.object() {
+        Shape::Sphere(ball) => RollEnd::on_ball(ball.radius(), DIRECTION, angle_rad),
+        Shape::Paraboloid(_) => RollEnd::on_paraboloid(1.0, DIRECTION, angle_rad),
+        other => bail!("no closed form of a roll over a {}", other.name()),
+    };
+    let contact = roller.roll(&[motion(angle_rad)])?;
+    let off_object = (contact.on_object - end.on_object).amax();
+    Ok(off_object.max((contact.on_probe(1.0) - end.on_probe).amax()))
+}
+
+/// A trial of EP1: eight probes of radius 1 roll by 0.1 rad on a sphere of radius 5.
+pub struct Ep1(SceneTrial);
+
+impl Ep1 {
+    /// Uniform errors of each component of a rotation, at most 1 % of it.
+    pub const UNIFORM: &str =
+        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
+    /// Pads that measure the contact.
+    pub const PADS: &str = "sensor = { kind = \"pads\", pitch = 0.01, offset = \"random\" }";
+
+    /// The trial. `setting` is the rest of the scene in TOML: its noise and its sensor.
+    ///
+    /// # Errors
+    /// If `setting` is invalid.
+    pub fn new(setting: &str) -> Result<Self> {
+        let text = format!(
+            "name = \"hot\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1.0 }}\n\
+             object = {{ kind = \"sphere\", radius = 5.0 }}\n\
+             motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n{setting}\n"
+        );
+        Ok(Self(SceneTrial::new(
+            config::parse("hot.toml", &text)?.scene(0)?,
+        )))
+    }
+
+    /// Root mean square of the relative error of the normal curvature, over trials that run side by side as in the runner.
+    /// `None` if some of them cannot.
+    pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
+        let mut sum = 0.0;
+        let computed =
+            self.roll()?
+                .side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
+                    let [normal_curvature_u, ..] = black_box(observed);
+                    for estimate in normal_curvature_u.estimates {
+                        let error = estimate / normal_curvature_u.truth - 1.0;
+                        sum += error * error;
+                    }
+                    normal_curvature_u.estimates.len()
+                });
+        if computed != trials {
+            return None;
+        }
+        Some((sum / trials as f64).sqrt())
+    }
+
+    /// Trials without statistics: side by side where possible, the others one by one.
+    fn run(&self, trials: u64) -> Option<()> {
+        let roll = self.roll()?;
+        let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
+            black_box(observed)[0].estimates.len()
+        });
+        for trial in together..trials {
+            let _ = black_box(roll.outcomes(trial));
+        }
+        Some(())
+    }
+
+    fn roll(&self) -> Option<&RollScene> {
+        match &self.0.scene {
+            Scene::Roll(roll) => Some(roll),
+            _ => None,
+        }
+    }
+
+    /// Statistics of `trials` trials on one thread.
+    ///
+    /// # Errors
+    /// If no thread can be started.
+    pub fn statistics(&self, trials: u64) -> Result<CellStatistics> {
+        statistics(&self.0, trials)
+    }
+}
+
+/// Statistics of `trials` trials on one thread.
+fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
+    let options = RunOptions {
+        threads: NonZeroUsize::new(1),
+        whole_blocks: true,
+    };
+    let cells = [Cell { trials, trial }];
+    let statistics = palpate_sweep::run(&cells, &options, &|_| ())?;
+    statistics.into_iter().next().context("no cell")
+}
+
+/// Trial that computes nothing: it observes five quantities with the same nearly uniform errors, so that only the statistics
+/// cost time.
+pub struct Statistics;
+
+impl Statistics {
+    const QUANTITIES: usize = 5;
+    const TRUTH: f64 = 5.0;
+
+    /// Statistics of `trials` trials on one thread.
+    ///
+    /// # Errors
+    /// If no thread can be started.
+    pub fn of(trials: u64) -> Result<CellStatistics> {
+        statistics(&Self, trials)
+    }
+}
+
+impl Trial for Statistics {
+    fn quantities(&self) -> usize {
+        Self::QUANTITIES
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        for quantity in 0..Self::QUANTITIES {
+            // Multiples of the golden ratio fill an interval evenly.
+            let step = (trial * 5 + quantity as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
+            let error = step as f64 / (1u64 << 53) as f64 - 0.5;
+            let observation = Observation {
+                estimate: Self::TRUTH + 0.1 * error,
+                truth: Self::TRUTH,
+                std: Some(0.03),
+                interval_holds: None,
+            };
+            record.observe(quantity, observation);
+        }
+        Ok(())
+    }
+}
+
+/// A roll over an object.
+///
+/// # Errors
+/// If the model cannot compute the roll.
+pub fn roll(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<Evaluation> {
+    let roller = roller(object, model, angle_rad)?;
+    let motion = motion(angle_rad);
+    Ok(Evaluation::new(name, move || {
+        roller.roll(black_box(&[motion]))
+    }))
+}
+
+/// Trials of EP1 without statistics.
+///
+/// # Errors
+/// If `setting` is invalid.
+pub fn trials(name: &str, setting: &str, trials: u64) -> Result<Evaluation> {
+    let trial = Ep1::new(setting)?;
+    Ok(Evaluation::new(name, move || trial.run(black_box(trials))))
+}
+
+/// Statistics of trials that compute nothing.
+pub fn statistics_alone(name: &str, trials: u64) -> Evaluation {
+    Evaluation::new(name, move || Statistics::of(black_box(trials)))
+}
+
+/// Readings of a pad array whose pitch is a hundredth of its radius.
+///
+/// # Errors
+/// If the array is invalid.
+pub fn pads(name: &str, layout: PadLayout, readings: u32) -> Result<Evaluation> {
+    let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5)?;
+    let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
+    Ok(Evaluation::new(name, move || {
+        (0..readings).for_each(|reading| {
+            let displacement = Vector2::new(2.3, 0.01 * f64::from(reading));
+            let _ = black_box(pads.read(&placement, black_box(&displacement)));
+        });
+    }))
+}
+
+/// Touches of a round tip on a saddle, side by side.
+///
+/// # Errors
+/// If the tip or the saddle is invalid.
+pub fn touches(name: &str, touches: u32) -> Result<Evaluation> {
+    let saddle = Shape::Saddle(Graph::saddle(0.1)?);
+    let glider = Glider::new(saddle, Fingertip::Sphere { radius: 0.5 })?;
+    Ok(Evaluation::new(name, move || {
+        (0..touches).for_each(|touch| {
+            let _ = black_box(glider.touch(0.1 * f64::from(touch), black_box(0.3)));
+        });
+    }))
+}

@@ -1,0 +1,177 @@
+//! Counts of the work of scenes: no scene does unnecessary work.
+
+use palpate_scene::Scenes;
+use palpate_statistics::work::{Tally, counted};
+use palpate_study::config;
+
+const ROLL: &str = r#"
+name = "roll"
+length_unit = "cm"
+trials = 2
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 1.0 }
+object = OBJECT
+motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+sensor = SENSOR
+NOISE
+"#;
+
+const GLIDE: &str = r#"
+name = "glide"
+length_unit = "cm"
+trials = 2
+[scene]
+kind = "glide"
+probe = PROBE
+object = { kind = "saddle", a = 0.1 }
+motion = { finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }
+NOISE
+estimator = { kind = "penalised" }
+evaluate = { grid = 5, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }
+"#;
+
+const PRESS: &str = r#"
+name = "press"
+length_unit = "mm"
+trials = 2
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = "published", discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+object = { kind = "sphere", radius = 80.0 }
+motion = { indentation = 1.0, contact_deg = [0.0, 0.0] }
+model = MODEL
+sensor = SENSOR
+NOISE
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#;
+
+/// Work of the setup of a scene, and of its first trial.
+fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
+    let text = parts
+        .iter()
+        .fold(template.to_owned(), |text, (name, part)| {
+            assert!(text.contains(name), "no {name}");
+            text.replace(name, part)
+        });
+    let study = config::parse("scene.toml", &text).unwrap();
+    let (setup, scene) = counted(|| study.estimable_scene(0).unwrap());
+    let (trial, done): (Tally, Result<(), &str>) = counted(|| scene.trial(0, |_, _| ()));
+    done.unwrap();
+    [setup, trial]
+}
+
+const SPHERE: (&str, &str) = ("OBJECT", r#"{ kind = "sphere", radius = 5.0 }"#);
+const ELLIPSOID: (&str, &str) = (
+    "OBJECT",
+    r#"{ kind = "ellipsoid", semi_axes = [5.0, 3.0, 2.0] }"#,
+);
+const IDEAL: (&str, &str) = ("SENSOR", r#"{ kind = "ideal" }"#);
+const QUIET: (&str, &str) = ("NOISE", "");
+const NOISY_RATE: (&str, &str) = (
+    "NOISE",
+    r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01, when = "per-probe", side = "motion" } }"#,
+);
+
+#[test]
+fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
+    let none = [Tally::default(); 2];
+    assert_eq!(work(ROLL, &[SPHERE, IDEAL, QUIET]), none);
+}
+
+#[test]
+fn noise_draws_what_it_needs_and_nothing_else() {
+    let [setup, trial] = work(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
+    assert_eq!(setup, Tally::default());
+    // Two components of eight probes.
+    let expected = Tally {
+        draws: 16,
+        ..Tally::default()
+    };
+    assert_eq!(trial, expected);
+}
+
+#[test]
+fn pads_at_random_draw_their_place_only() {
+    let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
+    let [setup, trial] = work(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
+    assert_eq!(setup, Tally::default());
+    // Each of the eight rolls draws two coordinates and an angle of the pads.
+    assert_eq!(trial.draws, 24, "{trial:?}");
+    let [_, trial] = work(
+        ROLL,
+        &[
+            SPHERE,
+            ("SENSOR", &pads.replace("random", "random-per-trial")),
+            QUIET,
+        ],
+    );
+    assert_eq!(trial.draws, 3, "{trial:?}");
+    let centred = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "centred" }"#;
+    let [_, trial] = work(ROLL, &[SPHERE, ("SENSOR", centred), QUIET]);
+    assert_eq!(trial, Tally::default());
+}
+
+#[test]
+fn an_object_without_a_closed_form_is_integrated() {
+    let [_, trial] = work(ROLL, &[ELLIPSOID, IDEAL, NOISY_RATE]);
+    assert!(trial.derivatives > 0, "{trial:?}");
+    assert_eq!(trial.draws, 16);
+}
+
+#[test]
+fn only_round_tips_search_for_contacts() {
+    let point = ("PROBE", r#"{ kind = "point" }"#);
+    let round = ("PROBE", r#"{ kind = "sphere", radius = 0.3 }"#);
+    assert_eq!(work(GLIDE, &[point, QUIET]), [Tally::default(); 2]);
+    let [setup, trial] = work(GLIDE, &[round, QUIET]);
+    assert_eq!(setup.searches, 30);
+    assert_eq!(trial, Tally::default());
+    let noise =
+        r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
+    let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
+    assert_eq!(setup, Tally::default());
+    // A normal number takes one random word, sometimes two.
+    assert!((30..=40).contains(&trial.draws), "{trial:?}");
+}
+
+const HALF_SPACE: (&str, &str) = ("MODEL", r#"{ kind = "half-space", poisson = 0.5 }"#);
+const LAYER: (&str, &str) = ("MODEL", r#"{ kind = "bonded-layer", thickness = 5.0 }"#);
+const DIRECT: (&str, &str) = ("SENSOR", r#"{ kind = "direct" }"#);
+
+#[test]
+fn a_direct_press_renders_nothing_and_solves_no_layer() {
+    assert_eq!(
+        work(PRESS, &[HALF_SPACE, DIRECT, QUIET]),
+        [Tally::default(); 2]
+    );
+    let [setup, trial] = work(PRESS, &[LAYER, DIRECT, QUIET]);
+    assert!(setup.layers > 0, "{setup:?}");
+    let frames = |tally: Tally| (tally.frames, tally.projections, tally.draws);
+    assert_eq!([setup, trial].map(frames), [(0, 0, 0); 2]);
+}
+
+#[test]
+fn a_camera_without_pixels_paints_no_frame() {
+    let projected = ("SENSOR", r#"{ kind = "projected" }"#);
+    let [setup, trial] = work(PRESS, &[HALF_SPACE, projected, QUIET]);
+    assert!(setup.projections > 0 && setup.frames == 0, "{setup:?}");
+    assert_eq!((trial.frames, trial.draws), (0, 0));
+}
+
+#[test]
+fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
+    let rendered = ("SENSOR", r#"{ kind = "rendered", size_px = 265 }"#);
+    let clean = work(PRESS, &[HALF_SPACE, rendered, QUIET])[1];
+    assert_eq!((clean.frames, clean.draws), (1, 0));
+    let noise = (
+        "NOISE",
+        r#"noise = { pixel = { kind = "gaussian", std = 2.0 } }"#,
+    );
+    let noisy = work(PRESS, &[HALF_SPACE, rendered, noise])[1];
+    assert_eq!(noisy.frames, 1);
+    // One random word for every two numbers of the 55,155 pixels in the circle. A rest at the end of a row is not used.
+    assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
+    // The true places of the 77 markers are needed to detect wrong matches.
+    assert_eq!(noisy.projections, 77);
+}

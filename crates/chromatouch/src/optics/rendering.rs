@@ -1,0 +1,116 @@
+//! Rendering of the markers as frames of pixels.
+
+use image::RgbImage;
+use palpate_sensing::{Channel, Stream};
+
+use super::{MarkerMotion, Optics, OpticsError};
+
+mod blemishes;
+mod marker_raster;
+mod row;
+
+pub use blemishes::{Blemishes, Seams};
+
+use blemishes::Blur;
+use marker_raster::MarkerRaster;
+use row::{Row, Rows};
+
+impl Optics {
+    /// Renders an anti-aliased frame of the markers: 8 bits per channel, linear in light. A marker whose motion is `None` is
+    /// absent. Pixel noise is drawn from `pixels`, row by row, three numbers for each pixel whose centre lies in the image
+    /// circle. Without `pixels`, or if the standard deviation of the noise is 0, there is no noise and nothing is drawn.
+    ///
+    /// ```
+    /// use palpate_chromatouch::{
+    ///     Blemishes, Camera, Colours, DiscDepths, Discs, Lens, MarkerArray, Optics,
+    /// };
+    ///
+    /// let discs = Discs { magenta: 2.0, yellow: 2.0 };
+    /// let depths = DiscDepths { magenta: 3.0, yellow: 1.0 };
+    /// let array = MarkerArray::new(20.0, &[], discs, depths)?;
+    /// let camera = Camera::new(Lens::Fisheye, 64, 70.0)?;
+    /// let optics = Optics::new(array, camera, Colours::default(), Blemishes::default())?;
+    /// // Without markers a frame shows the lit white layer, 0.96 of full scale, and the white surround.
+    /// let frame = optics.render(&[], None)?;
+    /// assert_eq!(frame.get_pixel(32, 32).0, [245; 3]);
+    /// assert_eq!(frame.get_pixel(0, 0).0, [255; 3]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The errors of [`Optics::project`].
+    pub fn render(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        pixels: Option<&mut Stream>,
+    ) -> Result<RgbImage, OpticsError> {
+        let size = self.camera.size_px();
+        let mut frame = RgbImage::new(size, size);
+        let mut rows = frame.chunks_exact_mut(3 * size as usize);
+        self.each_row(motions, pixels, |row| {
+            if let Some(bytes) = rows.next() {
+                row.write(bytes);
+            }
+        })?;
+        Ok(frame)
+    }
+
+    /// Renders a frame as [`Optics::render`] does, with pixel noise that depends only on the seed and on the number of the
+    /// frame.
+    ///
+    /// # Errors
+    /// The errors of [`Optics::project`].
+    pub fn render_with_noise(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        seed: u64,
+        frame: u64,
+    ) -> Result<RgbImage, OpticsError> {
+        let mut pixels = Stream::new(seed, frame, Channel::Pixel);
+        self.render(motions, Some(&mut pixels))
+    }
+
+    /// Levels of the frame of [`Optics::render`] before rounding and without noise: red, green and blue, from 0 to 255, of
+    /// each pixel, row by row.
+    ///
+    /// # Errors
+    /// The errors of [`Optics::project`].
+    pub fn levels(&self, motions: &[Option<MarkerMotion>]) -> Result<Vec<f32>, OpticsError> {
+        let mut levels = Vec::new();
+        self.each_row(motions, None, |row| levels.extend_from_slice(row.levels()))?;
+        Ok(levels)
+    }
+
+    /// Renders the rows of a frame, from the first to the last.
+    fn each_row(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        pixels: Option<&mut Stream>,
+        mut use_row: impl FnMut(&Row),
+    ) -> Result<(), OpticsError> {
+        let mut markers = Vec::new();
+        for sight in self.sights(motions)? {
+            if let Some(sight) = sight? {
+                markers.extend(MarkerRaster::new(&self.camera, &sight));
+            }
+        }
+        markers.sort_by_key(|marker: &MarkerRaster| marker.rows.start);
+        palpate_statistics::work::painted(1);
+        let size = self.camera.size_px() as usize;
+        let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
+        let mut rows = Rows::new(self, &markers);
+        let mut blur = Blur::new(self.blemishes.blur_px, size);
+        let mut row = Row::new(size);
+        for number in 0..size {
+            match &mut blur {
+                None => rows.paint(number, &mut row),
+                Some(blur) => blur.blur(number, &mut row, |number, row| rows.paint(number, row)),
+            }
+            if let Some(stream) = noise.as_deref_mut() {
+                row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
+            }
+            use_row(&row);
+        }
+        Ok(())
+    }
+}

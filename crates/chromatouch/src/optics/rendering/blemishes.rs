@@ -1,0 +1,224 @@
+//! Imperfections of a camera's image: uneven light, blur, seams and pixel noise.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
+
+use super::super::{Camera, Optics, OpticsError};
+use super::row::Row;
+use crate::MOST_GORES;
+
+/// Imperfections of the image; none by default. An imperfection of 0 costs no time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blemishes {
+    /// Light at the rim of the image circle, relative to the light at the apex; it falls with the square of the polar
+    /// angle. 1 means even light.
+    pub light_at_rim: f64,
+    /// Standard deviation of a Gaussian blur of the whole frame, px; 0 means no blur.
+    pub blur_px: f64,
+    /// Seams between gores.
+    pub seams: Option<Seams>,
+    /// Standard deviation of the Gaussian error of each channel of each pixel in the image circle, levels of 255.
+    pub pixel_std: f64,
+}
+
+/// Seams between gores: meridians from the apex, the first along +x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seams {
+    /// Number of gores per turn.
+    pub gores: u32,
+    /// Width of a seam, length.
+    pub width: f64,
+}
+
+impl Default for Blemishes {
+    fn default() -> Self {
+        Self {
+            light_at_rim: 1.0,
+            blur_px: 0.0,
+            seams: None,
+            pixel_std: 0.0,
+        }
+    }
+}
+
+impl Blemishes {
+    pub(in super::super) fn checked(self) -> Result<Self, OpticsError> {
+        let Self {
+            light_at_rim,
+            blur_px,
+            seams,
+            pixel_std,
+        } = self;
+        for (setting, value, most, expected) in [
+            ("light_at_rim", light_at_rim, 1.0, "from 0 to 1"),
+            ("blur_px", blur_px, 16.0, "from 0 to 16"),
+            ("pixel_std", pixel_std, 255.0, "from 0 to 255"),
+        ] {
+            OpticsError::unless((0.0..=most).contains(&value), setting, value, expected)?;
+        }
+        if let Some(Seams { gores, width }) = seams {
+            let good = (1..=MOST_GORES).contains(&gores);
+            OpticsError::unless(good, "gores", f64::from(gores), "from 1 to 360")?;
+            let good = width >= 0.0 && width.is_finite();
+            OpticsError::unless(good, "seam_width", width, "finite and at least 0")?;
+        }
+        Ok(self)
+    }
+}
+
+/// A Gaussian blur. It stores the last rows, each already blurred along itself, and the weights of the neighbours.
+pub(super) struct Blur {
+    /// Weights of the pixel itself and of its neighbours, up to 3.5 standard deviations. The weights of all pixels on both
+    /// sides sum to 1.
+    weights: Vec<f32>,
+    rows: Vec<Row>,
+    /// Number of rows that were read.
+    rows_read: usize,
+    size: usize,
+    source: Row,
+}
+
+impl Blur {
+    /// A blur with a standard deviation of `std_px`; `None` if this is 0.
+    pub(super) fn new(std_px: f64, size: usize) -> Option<Self> {
+        if std_px <= 0.0 {
+            return None;
+        }
+        let reach = (3.5 * std_px).ceil() as usize;
+        let bell = |step: usize| libm::exp(-0.5 * (step as f64 / std_px).powi(2));
+        let total: f64 = bell(0) + 2.0 * (1..=reach).map(bell).sum::<f64>();
+        Some(Self {
+            weights: (0..=reach)
+                .map(|step| (bell(step) / total) as f32)
+                .collect(),
+            rows: vec![Row::new(size); 2 * reach + 1],
+            rows_read: 0,
+            size,
+            source: Row::new(size),
+        })
+    }
+
+    /// Computes a row of the blurred frame. The caller requests the rows from the first to the last; `paint` provides the
+    /// unblurred rows. The frame is continued beyond its edges with the values at the edge.
+    pub(super) fn blur(
+        &mut self,
+        number: usize,
+        row: &mut Row,
+        mut paint: impl FnMut(usize, &mut Row),
+    ) {
+        let reach = self.weights.len() - 1;
+        let last = self.size - 1;
+        let count = self.rows.len();
+        while self.rows_read <= (number + reach).min(last) {
+            paint(self.rows_read, &mut self.source);
+            self.source
+                .blur_into(&self.weights, &mut self.rows[self.rows_read % count]);
+            self.rows_read += 1;
+        }
+        let at = |number: usize| &self.rows[number % count];
+        row.set(at(number), self.weights[0]);
+        for (step, &weight) in self.weights.iter().enumerate().skip(1) {
+            row.add(at(number.saturating_sub(step)), weight);
+            row.add(at((number + step).min(last)), weight);
+        }
+    }
+}
+
+/// Seams as lines from the centre of the image outward.
+pub(super) struct SeamLines {
+    /// Unit vectors along them, y up.
+    lines: Vec<[f64; 2]>,
+    /// Sine of the angle that half the width of a seam spans at the sensor's centre.
+    half_width: f64,
+    /// Upper bound of half the width in the image, px.
+    widest: f64,
+    /// Share of red, green and blue light that a seam absorbs.
+    absorbed: [f64; 3],
+    /// Share of each pixel of the row that a seam covers.
+    covers: Vec<f64>,
+}
+
+impl SeamLines {
+    /// The seams of a sensor; `None` if it has none.
+    pub(super) fn new(optics: &Optics) -> Option<Self> {
+        let seams = optics.blemishes.seams.filter(|seams| seams.width > 0.0)?;
+        let camera = &optics.camera;
+        let half_angle = 0.5 * seams.width / optics.array.radius();
+        let half_width = libm::sin(half_angle.min(FRAC_PI_2));
+        let widest = half_width * camera.most_px_per_rad(camera.rim_rad);
+        Some(Self {
+            lines: (0..seams.gores)
+                .map(|gore| TAU * f64::from(gore) / f64::from(seams.gores))
+                .map(|azimuth| [libm::cos(azimuth), libm::sin(azimuth)])
+                .collect(),
+            half_width,
+            widest: widest.min(f64::from(camera.size_px())),
+            absorbed: optics.colours.seam.map(|share| 1.0 - share),
+            covers: vec![0.0; camera.size_px() as usize],
+        })
+    }
+
+    /// Calls `filter` for each pixel of a row that a seam touches, with the share of light that passes. `y` counts up from
+    /// the centre of the image.
+    pub(super) fn paint(
+        &mut self,
+        camera: &Camera,
+        y: f64,
+        touched: &Range<usize>,
+        mut filter: impl FnMut(usize, [f32; 3]),
+    ) {
+        self.covers[touched.clone()].fill(0.0);
+        let [middle, _] = camera.centre_px();
+        for line in &self.lines {
+            for column in crossed(line, y, self.widest + 1.0, middle, touched) {
+                let x = column as f64 - middle;
+                let along = x * line[0] + y * line[1];
+                let aside = if along > 0.0 {
+                    (x * line[1] - y * line[0]).abs()
+                } else {
+                    libm::hypot(x, y)
+                };
+                // The width of a seam is an angle around the axis, as is the lateral angle of a pixel.
+                let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
+                // A seam narrower than a pixel covers only a share of it.
+                let share = (0.5 + half - aside).clamp(0.0, (2.0 * half).min(1.0));
+                let cover = &mut self.covers[column];
+                *cover = cover.max(share);
+            }
+        }
+        for column in touched.clone() {
+            let cover = self.covers[column];
+            if cover > 0.0 {
+                filter(
+                    column,
+                    self.absorbed.map(|share| (1.0 - share * cover) as f32),
+                );
+            }
+        }
+    }
+}
+
+/// Range of columns of a row, limited to `within`, that holds all pixels within a distance of a line through the centre of
+/// the image.
+fn crossed(
+    line: &[f64; 2],
+    y: f64,
+    distance: f64,
+    middle: f64,
+    within: &Range<usize>,
+) -> Range<usize> {
+    // |x sin φ − y cos φ| ≤ distance.
+    let [cosine, sine] = *line;
+    let ends = [y * cosine - distance, y * cosine + distance].map(|end| end / sine);
+    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    if sine.abs() < 1e-12 {
+        return if y.abs() <= distance {
+            within.clone()
+        } else {
+            0..0
+        };
+    }
+    let column = |x: f64| (x + middle).clamp(0.0, within.end as f64) as usize;
+    let first = column(low.ceil()).max(within.start);
+    first..(column(high) + 1).min(within.end).max(first)
+}

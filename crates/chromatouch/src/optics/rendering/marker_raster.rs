@@ -1,0 +1,315 @@
+//! The pixels that a marker covers, and how much of each.
+
+use std::ops::Range;
+
+use super::super::Camera;
+use super::super::array::{MarkerSight, Sight};
+use super::super::camera::Ray;
+
+/// Half the diagonal of a pixel, px: the largest distance of an edge from the centre of a pixel that it crosses.
+const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Number of neighbouring pixels of a row that are computed together.
+const RUN: usize = 8;
+
+/// A marker and the rectangle of pixels that it may cover.
+pub(super) struct MarkerRaster {
+    pub(super) rows: Range<usize>,
+    pub(super) columns: Range<usize>,
+    magenta: DiscRaster,
+    yellow: DiscRaster,
+}
+
+/// A disc with the middle n and the angular radius α: all directions v with v·n > cos α.
+struct DiscRaster {
+    direction: [f64; 3],
+    cosine: f64,
+    per_sine: f64,
+    /// Largest |v·n − cos α| in a pixel that the edge crosses.
+    band: f64,
+    /// Share of the light that the disc affects: a disc smaller than a pixel is drawn fainter.
+    opacity: f64,
+    /// Whether the edge is too curved within a pixel to be approximated by a straight line.
+    is_small: bool,
+}
+
+/// Shares of a pixel that the discs cover.
+pub(super) struct Cover {
+    pub(super) magenta: f64,
+    pub(super) yellow: f64,
+    pub(super) both: f64,
+}
+
+/// Share of a pixel that a disc covers. If the edge crosses the pixel, also the direction toward the disc: a vector of any
+/// length in pixels, away from the centre of the image and around it.
+struct DiscCover {
+    share: f64,
+    toward: Option<[f64; 2]>,
+}
+
+/// Columns and rows of a rectangle around the image of a disc.
+fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
+    let direction = &disc.direction;
+    let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
+    let radius = libm::atan2(disc.sine, disc.cosine);
+    let rim = camera.rim_rad;
+    if polar - radius > rim * (1.0 + 1e-9) {
+        return None;
+    }
+    let size = f64::from(camera.size_px());
+    // The middle, or the nearest point of the rim, and an upper bound of the distance from there to the edge of the disc.
+    // If the disc crosses the rim, the way along the sphere may leave the field; the way around it is longer.
+    let crosses = polar + radius > rim;
+    let reach = if crosses { 4.0 * radius } else { radius };
+    let farthest = (polar + radius).min(rim);
+    let half = reach * camera.most_px_per_rad(farthest) + 1.5;
+    let [column, row] = camera.centre_px();
+    let from_centre = camera.radius(polar.min(rim));
+    let across = libm::hypot(direction.x, direction.y);
+    let along = |component: f64| {
+        if across > 0.0 {
+            from_centre * (component / across)
+        } else {
+            from_centre
+        }
+    };
+    let range = |middle: f64| {
+        let clamped = |edge: f64| edge.clamp(0.0, size) as usize;
+        clamped((middle - half).ceil())..clamped((middle + half).floor() + 1.0)
+    };
+    Some([
+        range(column + along(direction.x)),
+        range(row - along(direction.y)),
+    ])
+}
+
+impl DiscRaster {
+    fn new(camera: &Camera, disc: &Sight) -> Self {
+        // Radius of the circle with the same area in the image, px.
+        let radius = camera.local(&disc.direction).area.sqrt() * disc.sine;
+        Self {
+            direction: disc.direction.into(),
+            cosine: disc.cosine,
+            per_sine: 1.0 / disc.sine,
+            band: HALF_DIAGONAL * disc.sine / camera.least_px_per_rad(),
+            opacity: if radius < 1.0 {
+                4.0 * radius / ((1.0 + radius) * (1.0 + radius))
+            } else {
+                1.0
+            },
+            is_small: radius < 2.0 * HALF_DIAGONAL,
+        }
+    }
+
+    /// Distance of a ray inside the edge: v·n − cos α.
+    #[inline]
+    fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
+        let [n_x, n_y, n_z] = self.direction;
+        (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
+    }
+
+    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. v·n grows linearly with the solid
+    /// angle inside, so a share that is an odd function of it about the edge sums to the area of the disc.
+    #[inline]
+    fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
+        if inside.abs() >= self.band {
+            return DiscCover {
+                share: if inside > 0.0 { self.opacity } else { 0.0 },
+                toward: None,
+            };
+        }
+        let [n_x, n_y, n_z] = self.direction;
+        let sine = length([x, y]) * ray.lateral_rad;
+        let (outward, around) = if sine > 0.0 {
+            let per_radius = ray.lateral_rad / sine;
+            (
+                (n_x * x + n_y * y) * per_radius * ray.cosine - n_z * sine,
+                (n_y * x - n_x * y) * per_radius,
+            )
+        } else {
+            (n_x, n_y)
+        };
+        let radial_rad = camera.radial_rad(ray);
+        let toward = [outward * radial_rad, around * ray.lateral_rad];
+        let slope = length([outward, around]);
+        let rad_per_px = if slope > 0.0 {
+            length(toward) / slope
+        } else {
+            radial_rad
+        };
+        let along = if self.is_small {
+            [1.0, 0.0]
+        } else {
+            in_columns_and_rows(toward, [x, y])
+        };
+        let share = covered(inside * self.per_sine / rad_per_px, along);
+        DiscCover {
+            share: share * self.opacity,
+            toward: Some(toward).filter(|_| share > 0.0 && share < 1.0),
+        }
+    }
+}
+
+impl MarkerRaster {
+    /// The marker; `None` if it lies outside the image circle.
+    pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
+        let boxes = [&sight.magenta, &sight.yellow].map(|disc| pixels(camera, disc));
+        let union = |axis: usize| {
+            let ranges = boxes.iter().flatten().map(|ranges| &ranges[axis]);
+            let start = ranges.clone().map(|range| range.start).min()?;
+            Some(start..ranges.map(|range| range.end).max()?)
+        };
+        Some(Self {
+            rows: union(1)?,
+            columns: union(0)?,
+            magenta: DiscRaster::new(camera, &sight.magenta),
+            yellow: DiscRaster::new(camera, &sight.yellow),
+        })
+    }
+
+    /// Calls `paint` with the column and the cover of each pixel of a row that the discs touch, within some columns. The row
+    /// lies y above the centre of the image, whose column is `middle`.
+    pub(super) fn cover(
+        &self,
+        camera: &Camera,
+        y: f64,
+        middle: f64,
+        within: &Range<usize>,
+        mut paint: impl FnMut(usize, &Cover),
+    ) {
+        let end = self.columns.end.min(within.end);
+        let mut start = self.columns.start.max(within.start);
+        while start < end {
+            let first = start as f64 - middle;
+            let rays: [Ray; RUN] = camera.rays(first, y);
+            let insides = |disc: &DiscRaster| -> [f64; RUN] {
+                std::array::from_fn(|step| disc.inside(&rays[step], [first + step as f64, y]))
+            };
+            let (magenta, yellow) = (insides(&self.magenta), insides(&self.yellow));
+            for step in 0..RUN.min(end - start) {
+                let inside = [magenta[step], yellow[step]];
+                if inside[0] <= -self.magenta.band && inside[1] <= -self.yellow.band {
+                    continue;
+                }
+                let place = [first + step as f64, y];
+                paint(
+                    start + step,
+                    &self.pixel(camera, &rays[step], inside, place),
+                );
+            }
+            start += RUN;
+        }
+    }
+
+    #[inline]
+    fn pixel(&self, camera: &Camera, ray: &Ray, inside: [f64; 2], place: [f64; 2]) -> Cover {
+        let magenta = self.magenta.cover(camera, ray, inside[0], place);
+        let yellow = self.yellow.cover(camera, ray, inside[1], place);
+        Cover {
+            magenta: magenta.share,
+            yellow: yellow.share,
+            both: shared(&magenta, &yellow),
+        }
+    }
+}
+
+/// Converts a vector at (x, y) from components away from the centre of the image and around it to components along columns
+/// and rows. Its length changes.
+#[inline]
+fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    if x == 0.0 && y == 0.0 {
+        return [outward, around];
+    }
+    [outward * x - around * y, outward * y + around * x]
+}
+
+/// Share of a pixel on one side of a straight edge. The centre of the pixel lies `inside` px from the edge on that side;
+/// (x, y) is the edge's normal along columns and rows, of any length. A pixel collects the light of its whole square, so
+/// that sums of light, and of light times place, have the least aliasing.
+#[inline]
+fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
+    let (x, y) = (x.abs(), y.abs());
+    let per_length = (x * x + y * y).sqrt().recip();
+    if !per_length.is_finite() {
+        return (0.5 + inside).clamp(0.0, 1.0);
+    }
+    let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
+    // Chords parallel to the edge have the length 1 / `long` between the inner corners, and shrink to 0 at the outer ones.
+    let depth = inside.abs();
+    let beyond = 0.5 * (long + short) - depth;
+    let more = if beyond <= 0.0 {
+        1.0
+    } else if beyond >= short {
+        0.5 + depth / long
+    } else {
+        1.0 - beyond * beyond / (2.0 * long * short)
+    };
+    if inside < 0.0 { 1.0 - more } else { more }
+}
+
+/// Length of a vector; its square must be in the range of doubles.
+#[inline]
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Share of a pixel that both discs cover. If both edges cross the pixel, it depends on the angle between them: the smaller
+/// share for discs in the same direction, the excess of their sum over 1 for opposite ones, the product at right angles.
+#[inline]
+fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
+    let product = one.share * other.share;
+    let (Some(toward), Some(other_toward)) = (one.toward, other.toward) else {
+        return product;
+    };
+    let dot = toward[0] * other_toward[0] + toward[1] * other_toward[1];
+    let lengths = length(toward) * length(other_toward);
+    if lengths <= 0.0 {
+        return product;
+    }
+    let alike = dot / lengths;
+    let extreme = if alike > 0.0 {
+        one.share.min(other.share)
+    } else {
+        (one.share + other.share - 1.0).max(0.0)
+    };
+    product + alike.abs() * (extreme - product)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share, found by counting the points of a grid.
+    fn counted(inside: f64, turn: f64) -> f64 {
+        const SIDE: u32 = 400;
+        let (sine, cosine) = libm::sincos(turn);
+        let at = |step: u32| (f64::from(step) + 0.5) / f64::from(SIDE) - 0.5;
+        let all = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (at(column), at(row))));
+        let count = all.filter(|(x, y)| inside + x * cosine + y * sine > 0.0);
+        count.count() as f64 / f64::from(SIDE * SIDE)
+    }
+
+    #[test]
+    fn pixels_gather_the_light_of_their_square() {
+        for turn in [0.0, 0.3, 0.785, 1.2, 2.0, 3.0, 4.4] {
+            let (sine, cosine) = libm::sincos(turn);
+            for inside in [-0.8, -0.69, -0.5, -0.2, 0.0, 0.1, 0.45, 0.6, 0.71] {
+                let share = covered(inside, [3.0 * cosine, 3.0 * sine]);
+                let counted = counted(inside, turn);
+                assert!(
+                    (share - counted).abs() < 4e-3,
+                    "{inside} {turn}: {share} {counted}"
+                );
+            }
+        }
+        assert_eq!(covered(0.25, [0.0, 0.0]), 0.75);
+    }
+
+    #[test]
+    fn directions_turn_with_the_place() {
+        // To the left of the centre, outward is against the columns and around (with the azimuth) is down.
+        assert_eq!(in_columns_and_rows([1.0, 0.0], [-2.0, 0.0]), [-2.0, 0.0]);
+        assert_eq!(in_columns_and_rows([0.0, 1.0], [-2.0, 0.0]), [0.0, -2.0]);
+        assert_eq!(in_columns_and_rows([0.5, 0.2], [0.0, 0.0]), [0.5, 0.2]);
+    }
+}

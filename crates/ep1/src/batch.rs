@@ -1,0 +1,180 @@
+//! Sums over the probes, and batches of many sets of readings with the same rotations.
+
+use nalgebra::Vector2;
+
+use crate::ProbeReading;
+
+/// Largest number of sets of readings in a batch. All data of a batch fit into the L1 cache.
+pub const BATCH_SIZE: usize = 128;
+
+/// Sums over the probes from which [`LeastSquares`](crate::LeastSquares) estimates.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, Moments, ProbeRotation, ReadingNoise};
+///
+/// let rotations = [Vector2::new(0.0, -0.1), Vector2::new(0.1, 0.0)];
+/// let fit = LeastSquares::new(1.0, ReadingNoise::default(), &rotations)?;
+/// let mut moments = Moments::default();
+/// for (rotation, shift) in rotations.iter().zip([[0.075, 0.0], [0.0, 0.075]]) {
+///     moments.add_shifts(&ProbeRotation::new(1.0, rotation), shift);
+/// }
+/// // A ball of radius 3.
+/// let gaussian = fit.estimate(&moments)?.gaussian_curvature.value;
+/// assert!((gaussian - 1.0 / 9.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Sums of `g₁ d₁`, `g₂ d₂`, `g₂ d₁ + g₁ d₂` with the deviations `d = Δp − R₁ g`.
+    pub(crate) deviations: [f64; 3],
+    /// Sum of the lengths of the shifts.
+    pub(crate) lengths: f64,
+}
+
+/// The rotation of one probe, prepared for [`Moments`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeRotation {
+    /// Drive `g = (−Δθ_y, Δθ_x)`, rad.
+    drive: [f64; 2],
+    /// `R₁ g`, the shift on a plane.
+    flat: [f64; 2],
+}
+
+impl ProbeRotation {
+    /// A probe of `radius` that turned by `rotation`, `(Δθ_x, Δθ_y)` in rad.
+    #[inline]
+    pub fn new(radius: f64, rotation: &Vector2<f64>) -> Self {
+        let drive = [-rotation.y, rotation.x];
+        Self {
+            drive,
+            flat: drive.map(|drive| radius * drive),
+        }
+    }
+}
+
+impl Moments {
+    /// The moments of one set, from the sums of several sets.
+    #[inline(always)]
+    pub(crate) fn of_set<const N: usize>(
+        deviations: &[[f64; N]; 3],
+        lengths: &[f64; N],
+        set: usize,
+    ) -> Self {
+        let [along_u, along_v, mixed] = deviations;
+        Self {
+            deviations: [along_u[set], along_v[set], mixed[set]],
+            lengths: lengths[set],
+        }
+    }
+
+    /// Adds a probe of `radius`.
+    #[inline]
+    pub fn add(&mut self, radius: f64, reading: &ProbeReading) {
+        let rotation = ProbeRotation::new(radius, &reading.rotation);
+        self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
+    }
+
+    /// Adds a probe, with its shifts along u and v.
+    #[inline(always)]
+    pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [f64; 2]) {
+        let ([g1, g2], [flat1, flat2]) = (rotation.drive, rotation.flat);
+        let (d1, d2) = (p1 - flat1, p2 - flat2);
+        self.deviations[0] += g1 * d1;
+        self.deviations[1] += g2 * d2;
+        self.deviations[2] += g2 * d1 + g1 * d2;
+        self.lengths += (p1 * p1 + p2 * p2).sqrt();
+    }
+}
+
+/// [`Moments`] of up to [`BATCH_SIZE`] sets of readings with the same rotations.
+#[derive(Clone, Debug)]
+pub struct BatchMoments {
+    deviations: [[f64; BATCH_SIZE]; 3],
+    lengths: [f64; BATCH_SIZE],
+}
+
+impl Default for BatchMoments {
+    fn default() -> Self {
+        Self {
+            deviations: [[0.0; BATCH_SIZE]; 3],
+            lengths: [0.0; BATCH_SIZE],
+        }
+    }
+}
+
+impl BatchMoments {
+    /// The moments of the set of readings at a place below [`BATCH_SIZE`].
+    #[inline(always)]
+    pub fn at(&self, place: usize) -> Moments {
+        Moments::of_set(&self.deviations, &self.lengths, place)
+    }
+
+    /// Sets the moments of the set of readings at a place below [`BATCH_SIZE`].
+    #[inline(always)]
+    pub fn put(&mut self, place: usize, moments: Moments) {
+        for (sums, sum) in self.deviations.iter_mut().zip(moments.deviations) {
+            sums[place] = sum;
+        }
+        self.lengths[place] = moments.lengths;
+    }
+}
+
+/// Estimates from up to [`BATCH_SIZE`] sets of readings.
+#[derive(Clone, Debug)]
+pub struct BatchEstimates {
+    /// Normal curvature along u and along v, Gaussian curvature, mean curvature, as in [`Estimate`](crate::Estimate), and
+    /// the mean length of the shifts.
+    pub values: [[f64; BATCH_SIZE]; 5],
+    /// Standard deviations of the curvatures; only valid if `have_stds`.
+    pub stds: [[f64; BATCH_SIZE]; 4],
+    /// Whether noise was stated.
+    pub have_stds: bool,
+    /// 1 if the fit has a curvature, otherwise 0.
+    is_determined: [u64; BATCH_SIZE],
+}
+
+impl Default for BatchEstimates {
+    fn default() -> Self {
+        Self {
+            values: [[0.0; BATCH_SIZE]; 5],
+            stds: [[0.0; BATCH_SIZE]; 4],
+            have_stds: false,
+            is_determined: [0; BATCH_SIZE],
+        }
+    }
+}
+
+impl BatchEstimates {
+    #[inline(always)]
+    pub(crate) fn put<const HAS_STDS: bool>(
+        &mut self,
+        place: usize,
+        is_determined: bool,
+        curvatures: [f64; 4],
+        stds: [f64; 4],
+        arc_length: f64,
+    ) {
+        self.is_determined[place] = u64::from(is_determined);
+        for (values, value) in self.values.iter_mut().zip(curvatures) {
+            values[place] = value;
+        }
+        self.values[4][place] = arc_length;
+        if HAS_STDS {
+            for (column, std) in self.stds.iter_mut().zip(stds) {
+                column[place] = std;
+            }
+        }
+    }
+
+    /// Number of estimates, of the first `count`, before the first one that is not determined.
+    #[inline(always)]
+    pub(crate) fn determined(&self, count: usize) -> usize {
+        let all = &self.is_determined[..count.min(BATCH_SIZE)];
+        // Nearly always all are determined.
+        match all.iter().sum::<u64>() as usize {
+            sum if sum == all.len() => sum,
+            _ => all.iter().take_while(|&&one| one == 1).count(),
+        }
+    }
+}

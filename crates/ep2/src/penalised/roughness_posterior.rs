@@ -1,0 +1,396 @@
+//! Uncertainty of a surface, averaged over the lengths and amplitudes of its roughness.
+
+use std::f64::consts::LN_2;
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
+
+use super::gaussian_process;
+use super::series::SeriesEquations;
+use super::tridiagonal::{Factors, Tridiagonal};
+use crate::chebyshev::count;
+use crate::matrix::{add_symmetric, product};
+use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
+use crate::{Ep2Error, Posterior};
+
+/// The longest length of roughness, in half sides of the square. A longer process is nearly a cubic.
+const MAX_LENGTH: f64 = 3.0;
+/// The shortest length that a series can represent, times its degree.
+const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
+/// Largest ratio of neighbouring lengths.
+const MAX_LENGTH_RATIO: f64 = 3.0;
+/// The length with the largest prior probability, and the power of the length with which the probability falls on both
+/// sides.
+const EXPECTED_LENGTH: f64 = 1.75;
+const LENGTH_POWER: f64 = 2.0;
+/// The amplitude with the largest prior probability, relative to the second derivatives of the quadric, and its power.
+const EXPECTED_AMPLITUDE: f64 = 0.75;
+const AMPLITUDE_POWER: f64 = 4.0;
+/// Number of amplitudes on each side of the expected amplitude, and the distance of their logarithms.
+const AMPLITUDE_STEPS: i32 = 6;
+const LOG_AMPLITUDE_STEP: f64 = 0.5;
+/// Power of the likelihood of an amplitude and a length. A real surface is not a sample of such a process: its roughness
+/// depends on place and direction. So the contacts determine its roughness less well than that of a sample.
+const LIKELIHOOD_POWER: f64 = 0.5;
+/// Logarithm of the smallest probability, relative to the largest, that is not neglected.
+const MIN_LOG_PROBABILITY: f64 = -7.0;
+/// Largest ratio of the information of the equations to that of the prior at the expected amplitude. Beyond it, rounding
+/// errors would dominate.
+const MAX_INFORMATION: f64 = 1e11;
+
+/// The problem of a series around a quadric: its equations and its settings.
+pub(super) struct SeriesProblem<'a> {
+    pub(super) equations: &'a SeriesEquations,
+    pub(super) degree: usize,
+    /// Number of observations.
+    pub(super) observations: usize,
+    /// Whether the variances are known, not only their ratio.
+    pub(super) is_known: bool,
+    pub(super) square: Square,
+    /// The quadric as a series.
+    pub(super) quadric: [f64; UNKNOWNS],
+}
+
+/// The equations of the rough products, after the best-fitting quadric has been eliminated.
+struct Rest {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+    /// Number of equations minus the unknowns of the quadric.
+    degrees: f64,
+    is_known: bool,
+    expected_amplitude: f64,
+}
+
+/// The rough part of the surface, as a process of one length.
+struct Process {
+    log_length: f64,
+    /// The rough products of the modes, one mode in each column. In the modes the equations are tridiagonal.
+    modes: DMatrix<f64>,
+    information: Tridiagonal,
+    right: Vec<f64>,
+}
+
+/// A process of one amplitude.
+struct Candidate {
+    square_amplitude: f64,
+    /// Factors of 1 + amplitude² × information.
+    factors: Factors,
+    /// Mean factors of the modes.
+    mean: Vec<f64>,
+    /// Factor of the assumed variances that explains the residuals; 1 if the variances are known.
+    scale: f64,
+    log_probability: f64,
+}
+
+/// The posterior of the surface.
+///
+/// The surface is a quadric with a flat prior plus a process of unknown length and amplitude. The posterior is the mixture
+/// of the posteriors for all lengths and amplitudes, weighted by their probabilities.
+///
+/// # Errors
+/// [`Ep2Error::OutOfRange`] if the equations do not determine the quadric.
+pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> {
+    let Eliminated {
+        quadrics,
+        replaced,
+        start,
+        rest,
+    } = Eliminated::new(problem)?;
+    let mixture = rest.limited()?.mixture(problem.degree);
+
+    let carried = product(&replaced, &mixture.covariance);
+    let mut low = quadrics.inverse() * mixture.scale;
+    add_symmetric(&mut low, &carried, &replaced);
+    let size = count(problem.degree);
+    let covariance = DMatrix::from_fn(size, size, |row, column| {
+        match (row.checked_sub(UNKNOWNS), column.checked_sub(UNKNOWNS)) {
+            (None, None) => low[(row, column)],
+            (None, Some(column)) => -carried[(row, column)],
+            (Some(row), None) => -carried[(column, row)],
+            (Some(row), Some(column)) => mixture.covariance[(row, column)],
+        }
+    });
+    let change = start - replaced * &mixture.mean;
+    let quadric = problem.quadric.iter().zip(&change).map(|(a, b)| a + b);
+    let mean: Vec<f64> = quadric.chain(mixture.mean.iter().copied()).collect();
+    let mut numbers = covariance.iter().chain(&mean);
+    match numbers.all(|number| number.is_finite()) {
+        true => Ok(Posterior::new(
+            problem.square,
+            problem.degree,
+            &mean,
+            &covariance,
+        )),
+        false => Err(Ep2Error::OutOfRange),
+    }
+}
+
+/// The equations, with the quadric eliminated.
+struct Eliminated {
+    quadrics: Cholesky<f64, Dyn>,
+    /// The best-fitting quadric of each rough product.
+    replaced: DMatrix<f64>,
+    /// The best-fitting quadric without rough products.
+    start: DVector<f64>,
+    rest: Rest,
+}
+
+impl Eliminated {
+    fn new(problem: &SeriesProblem<'_>) -> Result<Self, Ep2Error> {
+        let (gram, right) = (&problem.equations.gram, &problem.equations.right);
+        let rough = count(problem.degree) - UNKNOWNS;
+        let part = |row: usize, column: usize, rows: usize, columns: usize| {
+            gram.view((row, column), (rows, columns)).into_owned()
+        };
+        let quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
+        let quadrics = quadrics.cholesky().ok_or(Ep2Error::OutOfRange)?;
+        let cross = part(0, UNKNOWNS, UNKNOWNS, rough);
+        let own = right.rows(0, UNKNOWNS).into_owned();
+        let replaced = quadrics.solve(&cross);
+        let start = quadrics.solve(&own);
+        let mut left = part(UNKNOWNS, UNKNOWNS, rough, rough);
+        add_symmetric(&mut left, &-cross.transpose(), &replaced.transpose());
+        let rest = Rest {
+            right: right.rows(UNKNOWNS, rough) - cross.tr_mul(&start),
+            square: problem.equations.square - own.dot(&start),
+            gram: left,
+            degrees: problem.observations as f64 - UNKNOWNS as f64,
+            is_known: problem.is_known,
+            expected_amplitude: EXPECTED_AMPLITUDE * rms_second_derivative(&problem.quadric),
+        };
+        Ok(Self {
+            quadrics,
+            replaced,
+            start,
+            rest,
+        })
+    }
+}
+
+/// The processes of all lengths with their probabilities, most probable first. Each has the mean square amplitude of its
+/// length. A process is the matrix of its coefficients after those of the quadrics, with a column for each independent
+/// factor of unit variance.
+///
+/// # Errors
+/// Errors of [`posterior`].
+pub(super) fn likely_processes(
+    problem: &SeriesProblem<'_>,
+) -> Result<Vec<(f64, DMatrix<f64>)>, Ep2Error> {
+    let Eliminated { start, rest, .. } = Eliminated::new(problem)?;
+    let quadric = std::array::from_fn(|place| problem.quadric[place] + start[place]);
+    let rest = Rest {
+        expected_amplitude: EXPECTED_AMPLITUDE * rms_second_derivative(&quadric),
+        ..rest
+    };
+    let rest = rest.limited()?;
+    let of_length = |length| {
+        let candidates = Process::new(length, problem.degree, &rest).candidates(&rest);
+        (length, candidates)
+    };
+    let all: Vec<(f64, Vec<Candidate>)> = lengths(problem.degree).map(of_length).collect();
+    let most = max_log_probability(all.iter().flat_map(|(_, candidates)| candidates));
+    let mut likely: Vec<(f64, f64, f64)> = Vec::new();
+    for (length, candidates) in &all {
+        let shares = candidates.iter().map(|one| {
+            let share = libm::exp(one.log_probability - most);
+            Vector2::new(share, share * one.square_amplitude)
+        });
+        let sums: Vector2<f64> = shares.sum();
+        if sums.x > 0.0 {
+            likely.push((sums.x, *length, sums.y / sums.x));
+        }
+    }
+    likely.sort_by(|(one, ..), (other, ..)| other.total_cmp(one));
+    let total: f64 = likely.iter().map(|(share, ..)| share).sum();
+    let processes = likely.into_iter().map(|(share, length, square)| {
+        let process = gaussian_process::factors(length, problem.degree).matrix();
+        (share / total, process * square.sqrt())
+    });
+    Ok(processes.collect())
+}
+
+/// Largest logarithm of the candidates' probabilities.
+fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f64 {
+    candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
+}
+
+/// Mean and covariance of the rough products, and mean scale, over all candidates.
+struct Mixture {
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+    scale: f64,
+}
+
+impl Rest {
+    /// These equations with variances so large that rounding errors do not dominate.
+    fn limited(self) -> Result<Self, Ep2Error> {
+        let amplitude = self.expected_amplitude;
+        let information = self.gram.trace() * amplitude * amplitude;
+        let per_factor = 1.0 / (information / MAX_INFORMATION).max(1.0);
+        let rest = Self {
+            gram: self.gram * per_factor,
+            right: self.right * per_factor,
+            square: (self.square * per_factor).max(f64::MIN_POSITIVE),
+            ..self
+        };
+        let numbers = rest.gram.iter().chain(&rest.right);
+        let is_finite = numbers
+            .chain([&rest.square, &information])
+            .all(|number| number.is_finite());
+        match is_finite {
+            true => Ok(rest),
+            false => Err(Ep2Error::OutOfRange),
+        }
+    }
+
+    fn mixture(&self, degree: usize) -> Mixture {
+        let processes: Vec<Process> = lengths(degree)
+            .map(|length| Process::new(length, degree, self))
+            .collect();
+        let candidates: Vec<Vec<Candidate>> = processes
+            .iter()
+            .map(|process| process.candidates(self))
+            .collect();
+        let most = max_log_probability(candidates.iter().flatten());
+        let weight = |one: &Candidate| libm::exp(one.log_probability - most);
+        let total: f64 = candidates.iter().flatten().map(weight).sum();
+
+        let rough = self.right.len();
+        let mut means = Vec::new();
+        let mut covariance = DMatrix::zeros(rough, rough);
+        let mut scale = 0.0;
+        for (process, candidates) in processes.iter().zip(&candidates) {
+            let likely: Vec<(f64, &Candidate)> = candidates
+                .iter()
+                .filter(|one| one.log_probability - most > MIN_LOG_PROBABILITY)
+                .map(|one| (weight(one) / total, one))
+                .collect();
+            if likely.is_empty() {
+                continue;
+            }
+            scale += likely
+                .iter()
+                .map(|(share, one)| share * one.scale)
+                .sum::<f64>();
+            let (share, mean, spread) = process.mixture(&likely);
+            means.push((share, &process.modes * DVector::from_vec(mean)));
+            add_symmetric(
+                &mut covariance,
+                &product(&process.modes, &spread),
+                &process.modes,
+            );
+        }
+        let shares: f64 = means.iter().map(|(share, _)| share).sum();
+        let mut mean = DVector::zeros(rough);
+        for (share, one) in &means {
+            mean.axpy(share / shares, one, 1.0);
+        }
+        let distances: Vec<DVector<f64>> = means
+            .iter()
+            .map(|(share, one)| (one - &mean) * share.sqrt())
+            .collect();
+        let distances = DMatrix::from_columns(&distances);
+        add_symmetric(&mut covariance, &distances, &distances);
+        Mixture {
+            mean,
+            covariance,
+            scale,
+        }
+    }
+}
+
+/// Lengths, from the longest to the shortest one that a series of this degree can represent.
+fn lengths(degree: usize) -> impl Iterator<Item = f64> {
+    let whole = libm::log(MAX_LENGTH * degree as f64 / MIN_LENGTH_TIMES_DEGREE);
+    let steps = (whole / libm::log(MAX_LENGTH_RATIO) - 1e-9).ceil().max(1.0);
+    (0..=steps as usize).map(move |step| MAX_LENGTH * libm::exp(-whole * step as f64 / steps))
+}
+
+impl Process {
+    fn new(length: f64, degree: usize, rest: &Rest) -> Self {
+        let factors = gaussian_process::factors(length, degree);
+        let half = factors.apply_to_rows(&rest.gram);
+        let (information, turn) = Tridiagonal::of(factors.apply_to_rows(&half.transpose()));
+        let modes = factors
+            .transposed()
+            .apply_to_rows(&turn.transpose())
+            .transpose();
+        let right = modes.tr_mul(&rest.right);
+        Self {
+            log_length: libm::log(length / EXPECTED_LENGTH),
+            modes,
+            information,
+            right: right.as_slice().to_vec(),
+        }
+    }
+
+    fn candidates(&self, rest: &Rest) -> Vec<Candidate> {
+        (-AMPLITUDE_STEPS..=AMPLITUDE_STEPS)
+            .map(|step| self.candidate(f64::from(step) * LOG_AMPLITUDE_STEP, rest))
+            .collect()
+    }
+
+    fn candidate(&self, log_ratio: f64, rest: &Rest) -> Candidate {
+        let amplitude = rest.expected_amplitude * libm::exp(log_ratio);
+        let square_amplitude = amplitude * amplitude;
+        let factors = self.information.factors(square_amplitude);
+        let mut mean: Vec<f64> = self
+            .right
+            .iter()
+            .map(|right| square_amplitude * right)
+            .collect();
+        factors.solve(&mut mean);
+        let explained: f64 = mean
+            .iter()
+            .zip(&self.right)
+            .map(|(mean, right)| mean * right)
+            .sum();
+        let least = f64::EPSILON * f64::EPSILON * rest.square + f64::MIN_POSITIVE;
+        let square = (rest.square - explained).max(least);
+        let (misfit, scale) = if rest.is_known {
+            (square, 1.0)
+        } else {
+            // The likelihood at the best scale, and the mean scale.
+            (
+                rest.degrees * libm::log(square),
+                square / (rest.degrees - 2.0).max(1.0),
+            )
+        };
+        Candidate {
+            square_amplitude,
+            log_probability: -0.5 * LIKELIHOOD_POWER * (misfit + factors.log_determinant())
+                - log_cosh(AMPLITUDE_POWER * log_ratio)
+                - log_cosh(LENGTH_POWER * self.log_length),
+            factors,
+            mean,
+            scale,
+        }
+    }
+
+    /// Total share of the candidates, and mean and covariance of the modes' factors over them. The covariance is multiplied
+    /// by the share.
+    fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
+        let size = self.right.len();
+        let total: f64 = likely.iter().map(|(share, _)| share).sum();
+        let mut mean = vec![0.0; size];
+        let mut spread = DMatrix::zeros(size, size);
+        for (share, one) in likely {
+            for (sum, part) in mean.iter_mut().zip(&one.mean) {
+                *sum += share / total * part;
+            }
+            let factor = share * one.scale * one.square_amplitude;
+            one.factors.add_inverse(&mut spread, factor);
+        }
+        let distances = DMatrix::from_fn(size, likely.len(), |row, column| {
+            let (share, one) = likely[column];
+            share.sqrt() * (one.mean[row] - mean[row])
+        });
+        add_symmetric(&mut spread, &distances, &distances);
+        (total, mean, spread)
+    }
+}
+
+/// Logarithm of the hyperbolic cosine.
+fn log_cosh(x: f64) -> f64 {
+    x.abs() + libm::log1p(libm::exp(-2.0 * x.abs())) - LN_2
+}

@@ -1,0 +1,197 @@
+//! Displacements of an incompressible half-space under the pressure of a contact.
+//!
+//! With Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt the displacements are Φ − z ∂Φ/∂z inward and −z ∂Φ/∂r outward.
+//! Legendre polynomials of t/a give oblate spheroidal harmonics (Hobson 1931, §251): with z = aξη and
+//! r² = a²(1 + ξ²)(1 − η²), and φ = Σ (−1)ʲ cₙ Pₙ(t/a), n = 2j,
+//!
+//! ```text
+//! Φ = Σ cₙ Pₙ(η) qₙ(ξ)      (n + 1) qₙ₊₁ = n qₙ₋₁ − (2n + 1) ξ qₙ      q₀ = acot ξ
+//! ```
+//!
+//! No term of the sum grows: |Pₙ| ≤ 1, and qₙ falls as e^{−nϑ}, ϑ = asinh ξ. The recurrence of qₙ runs upward while e^{nϑ} is
+//! small, and downward otherwise.
+
+use crate::Field;
+use crate::half_space::{self, Spheroidal};
+
+/// A contact smaller than this, relative to the distance, acts as a point force.
+const POINT: f64 = 1e-10;
+/// The upward recurrence may multiply rounding errors by e to this power.
+const UPWARD: f64 = 9.0;
+/// Terms below e to minus this power are omitted.
+const NEGLIGIBLE: f64 = 32.0;
+/// The downward recurrence starts so high that e to minus this power, squared, is the error of its start.
+const START_DECAY: f64 = 15.0;
+/// Number of orders that are computed without allocating memory.
+const FEW: usize = 64;
+/// Lower limit of ξ² + η² where it is a divisor, to limit cancellation near the edge.
+const EDGE: f64 = 1e-7;
+
+/// Coefficients of a pressure: the (−1)ʲ cₙ of φ and of ∂φ/∂a.
+pub(super) type Term = [f64; 2];
+
+/// The field at distance `r` and depth `z` under a pressure within the radius `a` on a half-space.
+pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
+    if a * a < POINT * POINT * (r * r + z * z) {
+        return half_space::field(0.5, z, a, r);
+    }
+    let mut place = Spheroidal::new(a, z, r);
+    place.edge = place.edge.max(EDGE);
+    let mut few = [0.0; FEW];
+    let mut many = Vec::new();
+    let orders = 2 * terms.len();
+    let q = if orders <= FEW {
+        &mut few[..orders]
+    } else {
+        many.resize(orders, 0.0);
+        &mut many[..]
+    };
+    let kept = second_kind(place.xi, q);
+    let [curved, flat] = sums(terms, place, &q[..kept]);
+    let [normal_per_a, radial_per_a] = flat.displacement(place);
+    Field {
+        normal_per_a,
+        radial_per_a,
+        ..curved.field(place, a)
+    }
+}
+
+/// Computes q₀, q₁, … and returns how many of them are not negligible.
+fn second_kind(xi: f64, q: &mut [f64]) -> usize {
+    let angle = libm::log(xi + (1.0 + xi * xi).sqrt());
+    let zeroth = libm::atan2(1.0_f64, xi);
+    let last = q.len() - 1;
+    if angle * last as f64 <= UPWARD {
+        (q[0], q[1]) = (zeroth, 1.0 - xi * zeroth);
+        for n in 1..last {
+            let inverse = 1.0 / (n + 1) as f64;
+            q[n + 1] = (1.0 - inverse) * q[n - 1] - (2.0 - inverse) * xi * q[n];
+        }
+        return last + 1;
+    }
+    let top = last.min((NEGLIGIBLE / angle).ceil() as usize).max(1);
+    let start = top + (START_DECAY / angle).ceil() as usize;
+    let (mut above, mut here) = (0.0, 1e-150);
+    let mut step = |n: usize| {
+        let inverse = 1.0 / n as f64;
+        let below = (1.0 + inverse) * above + (2.0 + inverse) * xi * here;
+        (above, here) = (here, below);
+        above
+    };
+    for n in (top + 1..=start).rev() {
+        step(n);
+    }
+    for n in (1..=top).rev() {
+        q[n] = step(n);
+    }
+    let scale = zeroth / here;
+    for value in &mut q[1..=top] {
+        *value *= scale;
+    }
+    q[0] = zeroth;
+    top + 1
+}
+
+/// Φ and its derivatives by ξ and η.
+#[derive(Default)]
+struct Sums {
+    value: f64,
+    by_xi: f64,
+    by_eta: f64,
+    by_both: f64,
+    /// Σ n(n+1) cₙ Pₙ qₙ, from which the second derivatives follow by Legendre's equation.
+    weighted: f64,
+}
+
+/// The sums of φ and of ∂φ/∂a; the second without the sums for second derivatives.
+fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
+    let Spheroidal { xi, eta, .. } = place;
+    let [mut curved, mut flat] = [Sums::default(), Sums::default()];
+    // P and P' of the previous order and of this one; qₙ₋₁.
+    let ([mut before, mut slope_before], [mut here, mut slope]) = ([0.0, 0.0], [1.0, 0.0]);
+    let mut q_before = 0.0;
+    let mut n = 0.0;
+    for ([c, c_flat], q) in terms.iter().zip(q.chunks(2)) {
+        // (1 + ξ²) qₙ' = n (ξ qₙ − qₙ₋₁), and −1 for n = 0.
+        let q_slope = if n == 0.0 {
+            -1.0
+        } else {
+            n * (xi * q[0] - q_before)
+        };
+        let (value, by_xi, by_eta) = (here * q[0], here * q_slope, slope * q[0]);
+        curved.value += c * value;
+        curved.by_xi += c * by_xi;
+        curved.by_eta += c * by_eta;
+        curved.by_both += c * slope * q_slope;
+        curved.weighted += c * n * (n + 1.0) * value;
+        flat.value += c_flat * value;
+        flat.by_xi += c_flat * by_xi;
+        flat.by_eta += c_flat * by_eta;
+        for next in [n + 1.0, n + 2.0] {
+            let inverse = 1.0 / next;
+            let above = (2.0 - inverse) * eta * here - (1.0 - inverse) * before;
+            let slope_above = slope_before + (2.0 * next - 1.0) * here;
+            (before, slope_before, here, slope) = (here, slope, above, slope_above);
+        }
+        n += 2.0;
+        q_before = q.get(1).copied().unwrap_or(0.0);
+    }
+    let per_metric = 1.0 / (1.0 + xi * xi);
+    for sums in [&mut curved, &mut flat] {
+        sums.by_xi *= per_metric;
+        sums.by_both *= per_metric;
+    }
+    [curved, flat]
+}
+
+impl Sums {
+    /// Inward and outward displacement.
+    fn displacement(&self, place: Spheroidal) -> [f64; 2] {
+        let Spheroidal {
+            xi,
+            eta,
+            off_axis,
+            r,
+            edge,
+        } = place;
+        // z/a over ξ² + η².
+        let lift = xi * eta / edge;
+        let down = eta * (1.0 + xi * xi) * self.by_xi + xi * off_axis * self.by_eta;
+        let outward = xi * self.by_xi - eta * self.by_eta;
+        [self.value - lift * down, -lift * r * outward]
+    }
+
+    fn field(&self, place: Spheroidal, a: f64) -> Field {
+        let Spheroidal {
+            xi,
+            eta,
+            off_axis,
+            r,
+            edge,
+        } = place;
+        let [normal, radial] = self.displacement(place);
+        let metric = 1.0 + xi * xi;
+        let lift = xi * eta / edge;
+        // ∂Φ/∂z = down/(a edge) and ∂Φ/∂r = r outward/(a² edge), r in length.
+        let down = eta * metric * self.by_xi + xi * off_axis * self.by_eta;
+        let outward = xi * self.by_xi - eta * self.by_eta;
+        let down_by_xi =
+            eta * self.weighted + off_axis * self.by_eta + xi * off_axis * self.by_both;
+        let down_by_eta = metric * self.by_xi + eta * metric * self.by_both - xi * self.weighted;
+        // ξ ∂/∂ξ − η ∂/∂η of edge is 2(ξ² − η²).
+        let stretch = 2.0 * (xi * xi - eta * eta) / edge;
+        let down_outward = xi * down_by_xi - eta * down_by_eta - stretch * down;
+        // ξ² Φ_ξξ and, times 1 − η², η² Φ_ηη.
+        let along_xi = xi * xi * (self.weighted - 2.0 * xi * self.by_xi) / metric;
+        let along_eta = eta * eta * (2.0 * eta * self.by_eta - self.weighted);
+        let mixed = xi * self.by_xi + eta * self.by_eta - 2.0 * xi * eta * self.by_both;
+        let outward_twice = off_axis * (mixed + along_xi - stretch * outward) + along_eta;
+        Field {
+            normal,
+            normal_per_r: r / (a * edge) * (outward - lift * down_outward),
+            radial,
+            radial_per_r: -lift / a * (outward + metric / edge * outward_twice),
+            ..Field::default()
+        }
+    }
+}

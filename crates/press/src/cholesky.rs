@@ -1,0 +1,41 @@
+//! Cholesky decomposition of small symmetric matrices, scaled to a unit diagonal first.
+
+use nalgebra::{SMatrix, SVector};
+
+/// Solution of a linear system; `None` if the matrix is not positive definite or the solution is not finite.
+pub(crate) fn solve<const N: usize>(
+    matrix: &SMatrix<f64, N, N>,
+    right: &SVector<f64, N>,
+) -> Option<SVector<f64, N>> {
+    let scale = scale(matrix)?;
+    let scaled = matrix.component_mul(&(scale * scale.transpose()));
+    let factor = scaled.cholesky()?;
+    let solution = factor
+        .solve(&right.component_mul(&scale))
+        .component_mul(&scale);
+    solution
+        .iter()
+        .all(|entry| entry.is_finite())
+        .then_some(solution)
+}
+
+/// Inverse of a matrix; `None` if the least diagonal entry of the scaled factor is `singular` or less.
+pub(crate) fn inverse<const N: usize>(
+    matrix: &SMatrix<f64, N, N>,
+    singular: f64,
+) -> Option<SMatrix<f64, N, N>> {
+    let scale = scale(matrix)?;
+    let outer = scale * scale.transpose();
+    let factor = matrix.component_mul(&outer).cholesky()?;
+    let lower = factor.l_dirty();
+    let least = (0..N)
+        .map(|index| lower[(index, index)])
+        .fold(f64::INFINITY, f64::min);
+    (least > singular).then(|| factor.inverse().component_mul(&outer))
+}
+
+/// Factors that scale the diagonal to 1.
+fn scale<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SVector<f64, N>> {
+    let scale = SVector::<f64, N>::from_fn(|index, _| matrix[(index, index)].sqrt().recip());
+    scale.iter().all(|entry| entry.is_finite()).then_some(scale)
+}

@@ -1,0 +1,113 @@
+//! Detection of a contact in the readings.
+
+use palpate_statistics::HALF_WIDTHS;
+
+use super::Prior;
+use super::problem::{Problem, State, WRONG};
+use super::start::median;
+use crate::PressError;
+use crate::markers::see;
+use crate::no_contact::no_contact;
+
+/// Rate of false detections without contact, if contacts are only searched at the markers. On a thin layer a fit also finds
+/// contacts between the markers, which adds about 0.005.
+const FALSE_ALARM_RATE: f64 = 0.04;
+/// Least improvement of chi-squared by the other markers if one marker moved significantly, because this marker may be an
+/// outlier.
+const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
+
+impl Problem<'_> {
+    /// Least improvement of chi-squared by a detected contact, compared with no contact.
+    ///
+    /// At each marker, noise alone allows a contact of the best depth and width, with two degrees of freedom; half of these
+    /// contacts are outward. The number of independent places is at most the number of markers (Bonferroni). With noise that is
+    /// estimated from the residuals, the test is Fisher's ratio.
+    pub(super) fn needed(&self) -> f64 {
+        let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
+        if self.knows_noise() {
+            return 2.0 * odds;
+        }
+        let freedom = self.freedom().max(1) as f64;
+        freedom * libm::expm1(2.0 * odds / freedom)
+    }
+
+    /// The error of readings for which a contact improves chi-squared only by `improvement`.
+    pub(super) fn without_contact(&self, improvement: f64) -> PressError {
+        let (squares, each) = at_rest(self);
+        let improvement = improvement.max(0.0);
+        no_contact((improvement, self.needed()), squares.into_iter(), each)
+    }
+}
+
+/// Rejects a state whose contact does not improve chi-squared enough. Returns the number of a marker if only this marker moved
+/// significantly.
+///
+/// # Errors
+/// [`PressError::NoContact`], or [`PressError::OtherBody`] if the markers moved nevertheless.
+pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usize>, PressError> {
+    let baseline = resting(problem);
+    let contact = problem.contact(state)?;
+    let (mut improvement, mut most, mut marker) = (0.0, 0.0, 0);
+    for index in problem.counting() {
+        let gain = squared(problem.readings_of(index, baseline))
+            - squared(problem.residuals_at(&contact, state, index));
+        improvement += gain;
+        if gain > most {
+            (most, marker) = (gain, index);
+        }
+    }
+    if improvement < problem.needed() {
+        return Err(problem.without_contact(improvement));
+    }
+    let is_alone = most > WRONG * WRONG && improvement - most < MIN_IMPROVEMENT_OF_OTHERS;
+    Ok(is_alone.then_some(marker))
+}
+
+/// Chi-squared of each marker against rest, and the number of readings per marker: all readings if the noise is stated, else
+/// only the normal displacement, with noise estimated from the median of all markers.
+fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
+    let baseline = resting(problem);
+    let markers = 0..problem.kept.len();
+    let readings = markers.map(|marker| problem.readings_of(marker, baseline));
+    if problem.knows_noise() {
+        return (readings.map(squared).collect(), problem.components());
+    }
+    let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
+    // Three standard deviations of the median of normally distributed noise.
+    let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
+    let noise = chance * median(&normal) / HALF_WIDTHS[0];
+    let squares = normal
+        .iter()
+        .map(|normal| normal / noise * (normal / noise));
+    (squares.filter(|square| square.is_finite()).collect(), 1)
+}
+
+fn squared(residuals: [f64; 3]) -> f64 {
+    residuals.iter().map(|one| one * one).sum()
+}
+
+/// The most likely normal displacement common to all markers without a contact, from the mean reading and the prior.
+fn resting(problem: &Problem<'_>) -> f64 {
+    // Number of readings with the same weight as the prior, whose mean is 0.
+    let known = match problem.fit.baseline {
+        Prior::Exact => return 0.0,
+        Prior::Within(std) => (problem.normal_std / std).powi(2),
+        Prior::Free => 0.0,
+    };
+    let kept = problem
+        .counting()
+        .map(|marker| problem.reading.normal[marker]);
+    let (sum, count) = kept.fold((0.0, known), |(sum, count), value| {
+        (sum + value, count + 1.0)
+    });
+    sum / count
+}
+
+/// Rejects a state whose contact has no marker near it and is not surrounded by markers.
+///
+/// # Errors
+/// [`PressError::OffMarkers`].
+pub(super) fn on_markers(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
+    let contact_radius = problem.contact(state)?.radius;
+    see(&problem.sights(&state.place), contact_radius, f64::INFINITY)
+}

@@ -1,0 +1,96 @@
+//! Test for a marker that contradicts the others: an outlier.
+
+use nalgebra::{DMatrix, DVector};
+use palpate_statistics::{Explained, LEFT, least_likely};
+
+use super::minimise::{EXACTLY, minimise};
+use super::problem::{Problem, State};
+use crate::PressError;
+use crate::score::{Noise, matters};
+use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
+
+/// Estimated noise below this, relative to the largest displacement, may be rounding.
+const ROUNDING: f64 = 1e-3;
+/// Least degrees of freedom for a test with estimated noise.
+const MIN_FREEDOM: usize = 8;
+
+/// If the residuals keep less than this share of a reading's noise, the fit follows the marker. The test then needs a fit
+/// without the marker.
+const MIN_RESIDUAL_SHARE: f64 = 0.1;
+
+impl Problem<'_> {
+    /// Noise for the tests of a fit. `None` for a Gaussian, which is only an approximation, if there are hardly more equations
+    /// than unknowns, or if the estimated noise may be rounding.
+    pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
+        let freedom = self.freedom();
+        let largest = self.reading.normal.iter();
+        let largest = largest.fold(0.0, |most: f64, one| most.max(one.abs()));
+        let is_rounding = !self.knows_noise() && self.normal_std <= ROUNDING * largest;
+        if freedom < MIN_FREEDOM || is_rounding || self.fit.body.is_approximate() {
+            return None;
+        }
+        let found = Noise::Found {
+            chi_squared: sums.chi_squared,
+            freedom,
+        };
+        Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
+    }
+
+    /// The marker that contradicts the others most, among those that can change the curvature, and its p-value among all of
+    /// these markers.
+    pub(super) fn slipped(
+        &self,
+        state: &State,
+        covariance: &Square,
+        noise: &Noise,
+    ) -> Result<(usize, f64), PressError> {
+        let contact = self.contact(state)?;
+        let components = self.components();
+        let slopes = self.slopes(state)?;
+        let variance = covariance[(CURVATURE, CURVATURE)];
+        let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
+            let slopes = slopes.map(|slopes| self.of_sought(&slopes));
+            let by = slopes.map(|slopes| covariance * slopes);
+            let moves = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
+            if !matters(moves, variance) {
+                return None;
+            }
+            let left = DMatrix::from_fn(components, components, |one, other| {
+                f64::from(u8::from(one == other)) - slopes[one].dot(&by[other])
+            });
+            let residuals = self.residuals_at(&contact, state, marker);
+            let residuals = DVector::from_column_slice(&residuals[..components]);
+            let mut explained = Explained::by(&[1.0; 3][..components], &left, &residuals, LEFT);
+            if left.diagonal().min() < MIN_RESIDUAL_SHARE
+                && let Ok(all) = self.sums(state)
+            {
+                let without = self.without(marker, state);
+                let chi_squared = without.map_or(f64::INFINITY, |(_, _, sums)| sums.chi_squared);
+                explained = Explained {
+                    fall: explained.fall.max(all.chi_squared - chi_squared),
+                    freedom: components,
+                };
+            }
+            Some((marker, noise.chance(explained)))
+        };
+        let counting = self.counting().zip(slopes);
+        Ok(least_likely(counting.filter_map(chance)))
+    }
+
+    /// Fit without one marker, from the fit with it; `None` if the others do not determine the press.
+    pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
+        let mut others = self.clone();
+        others.kept[marker] = false;
+        others.determined().ok()?;
+        let (state, sums) = minimise(&others, *state, EXACTLY, None).ok()?;
+        Some((others, state, sums))
+    }
+
+    /// Slopes by the fitted unknowns; 0 for the others.
+    pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
+        Unknowns::from_fn(|unknown, _| match self.sought[unknown] {
+            true => slopes[unknown],
+            false => 0.0,
+        })
+    }
+}

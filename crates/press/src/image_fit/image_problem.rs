@@ -1,0 +1,420 @@
+//! Chi-squared of the images of a press, with its derivatives.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use nalgebra::allocator::Allocator;
+use nalgebra::{
+    DMatrix, DVector, DefaultAllocator, Dim, Dyn, Matrix, Matrix4, Matrix4x2, MatrixXx6, OMatrix,
+    Storage, Vector4,
+};
+
+use super::ImageFit;
+use super::disc_displacements::{DiscSlopes, Moving, State};
+use super::fit_state::FitState;
+use super::rest::{Rest, products};
+use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
+use crate::unknowns::{INDENTATION, Square, Sums, UNKNOWNS, Unknowns};
+use crate::{MarkerDisplacement, Measured, PressError};
+
+/// First of the unknowns of this fit beside those of every press: both components of a sideways shift of the object.
+pub(super) const SHIFT: usize = 4;
+
+/// Whitened residuals of the used markers.
+pub(super) type Residuals = DVector<f64>;
+/// Slopes of the whitened pictures by the unknowns.
+pub(super) type Jacobian = MatrixXx6<f64>;
+
+/// Slopes with the products that the derivatives of chi-squared need.
+#[derive(Clone, Debug)]
+pub(super) struct Slopes {
+    pub(super) jacobian: Jacobian,
+    /// Components that departures common to all markers may explain.
+    pub(super) shared: Jacobian,
+    /// Products of the slopes by two unknowns, without these components.
+    pub(super) square: Square,
+}
+
+/// The least-squares problem: the readings, their weights at some state, and the fitted unknowns.
+#[derive(Clone)]
+pub(super) struct Problem<'a, V> {
+    pub(super) fit: &'a ImageFit<V>,
+    pub(super) rest: Cow<'a, Rest>,
+    /// The sensor at which the model is linearised in the departures.
+    pub(super) sensor: Sensor,
+    pub(super) seen: &'a [Option<Seen>],
+    pub(super) indentation: Option<Measured>,
+    /// Whether each unknown is fitted.
+    pub(super) sought: [bool; UNKNOWNS],
+    /// Numbers of the used markers: visible at rest and pressed, and no outliers.
+    pub(super) counting: Vec<usize>,
+    /// Square root of the robust weight of each used marker.
+    pub(super) trust: Vec<f64>,
+    /// Additional displacements due to the difference between the fitted and the nominal depths of the discs, at the state
+    /// where the weights were computed.
+    by_depth: Vec<[MarkerDisplacement; 2]>,
+    /// Whitening matrix of each used marker.
+    pub(super) whiten: Vec<Matrix4<f64>>,
+    /// Whitened slopes of their pictures by their misalignments.
+    pub(super) by_local: Vec<Matrix4x2<f64>>,
+    /// Whitened difference, to first order, between the pictures of the sensor fitted at rest and those of `sensor`.
+    from_rest: Vec<Vector4<f64>>,
+    /// Whitened slopes by the common departures: one row per equation, one column per departure.
+    pub(super) common: DMatrix<f64>,
+    /// Lower Cholesky factor of the information of both frames on the departures.
+    pub(super) root: DMatrix<f64>,
+}
+
+/// A tried state, with the values needed to compute its slopes.
+pub(super) struct Tried {
+    pub(super) state: State,
+    pub(super) residuals: Residuals,
+    pub(super) cost: f64,
+    moving: Moving,
+}
+
+impl<'a, V: View> Problem<'a, V> {
+    pub(super) fn new(
+        fit: &'a ImageFit<V>,
+        rest: &'a Rest,
+        seen: &'a [Option<Seen>],
+        indentation: Option<Measured>,
+    ) -> Result<Self, PressError> {
+        let counting: Vec<usize> = (0..seen.len())
+            .filter(|&marker| seen[marker].is_some() && rest.seen[marker])
+            .collect();
+        let mut sought = [true; UNKNOWNS];
+        sought[INDENTATION] = indentation.is_none_or(|known| known.std > 1e-10 * known.value);
+        sought[SHIFT..].fill(fit.shifts());
+        Ok(Self {
+            fit,
+            sensor: rest.sensor(),
+            rest: Cow::Borrowed(rest),
+            seen,
+            indentation,
+            sought,
+            trust: vec![1.0; counting.len()],
+            by_depth: Vec::new(),
+            whiten: Vec::new(),
+            by_local: Vec::new(),
+            from_rest: Vec::new(),
+            common: DMatrix::zeros(0, 0),
+            root: DMatrix::zeros(0, 0),
+            counting,
+        })
+    }
+
+    pub(super) fn unknowns(&self) -> usize {
+        self.sought.iter().filter(|sought| **sought).count()
+    }
+
+    pub(super) fn equations(&self) -> usize {
+        NUMBERS * self.counting.len()
+    }
+
+    /// Number of priors of fitted unknowns.
+    pub(super) fn known(&self) -> usize {
+        let [along, across] = [SHIFT, SHIFT + 1].map(|shift| self.sought[shift]);
+        let indentation = self.indentation.is_some() && self.sought[INDENTATION];
+        [along, across, indentation]
+            .into_iter()
+            .map(usize::from)
+            .sum()
+    }
+
+    /// Removes markers from the used ones.
+    pub(super) fn leave_out(&mut self, wrong: &[usize]) {
+        self.counting.retain(|marker| !wrong.contains(marker));
+        self.trust = vec![1.0; self.counting.len()];
+    }
+
+    pub(super) fn pictures(
+        &self,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
+        self.fit
+            .pictures(&self.sensor.state(), moved)
+            .ok_or(PressError::OutOfRange)
+    }
+
+    /// Computes the weights of all readings at a state from their noise, the uncertainty of the misalignments, and the
+    /// uncertainty of the departures common to all markers.
+    pub(super) fn weigh(&mut self, state: &State) -> Result<FitState, PressError> {
+        let moving = self.fit.moving(state)?;
+        let per_depth = self.fit.per_depth(state, &moving.moved)?;
+        self.by_depth = per_depth.clone().unwrap_or_default();
+        for moved in &mut self.by_depth {
+            for (disc, deeper) in moved.iter_mut().zip(&self.sensor.common) {
+                disc.normal *= deeper;
+                disc.tangential = disc.tangential.map(|along| along * deeper);
+            }
+        }
+        let moved = self.deeper(moving.moved);
+        let slopes = self
+            .fit
+            .slopes(&self.sensor.state(), &moved, per_depth.as_deref())
+            .ok_or(PressError::OutOfRange)?;
+        self.weigh_by(&slopes)?;
+        let residuals = self.whitened(|marker| slopes.pictures[marker])?;
+        self.fitted(*state, residuals, &slopes, &moving.slopes)
+    }
+
+    /// Computes the weights of all readings for markers at rest.
+    pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
+        let slopes = Arc::clone(&self.rest.slopes);
+        self.weigh_by(&slopes)
+    }
+
+    fn weigh_by(&mut self, slopes: &PictureSlopes) -> Result<(), PressError> {
+        let Rest {
+            local, information, ..
+        } = &*self.rest;
+        let to_rest = self.to_rest();
+        let aside_by_common = &slopes.common * &to_rest;
+        self.whiten.clear();
+        self.by_local.clear();
+        self.from_rest.clear();
+        self.common = DMatrix::zeros(self.equations(), information.nrows());
+        for (at, &marker) in self.counting.iter().enumerate() {
+            let parts = (&self.seen[marker], &local[marker], &slopes.pictures[marker]);
+            let (Some(seen), Some(local), Some(_)) = parts else {
+                return Err(PressError::OutOfRange);
+            };
+            let by_local = &slopes.misalignments[marker];
+            let covariance = seen.errors() + by_local * local.spread * by_local.transpose();
+            let factor = covariance
+                .cholesky()
+                .ok_or(PressError::NotFinite { marker })?;
+            let whiten = factor
+                .l()
+                .try_inverse()
+                .ok_or(PressError::NotFinite { marker })?
+                * self.trust[at];
+            let first = NUMBERS * marker;
+            let aside =
+                aside_by_common.fixed_rows::<NUMBERS>(first) + by_local * self.to_rest_of(marker);
+            self.from_rest.push(whiten * aside);
+            for column in 0..self.common.ncols() {
+                let by_common = slopes.common.fixed_view::<NUMBERS, 1>(first, column)
+                    + by_local * local.follows.fixed_view::<2, 1>(0, column);
+                self.common
+                    .fixed_view_mut::<NUMBERS, 1>(NUMBERS * at, column)
+                    .copy_from(&(whiten * by_common));
+            }
+            self.by_local.push(whiten * by_local);
+            self.whiten.push(whiten);
+        }
+        let both = information + products(&self.common, &self.common);
+        self.root = both.cholesky().ok_or(PressError::OutOfRange)?.unpack();
+        Ok(())
+    }
+
+    /// Displacements of discs at the depths that were fitted at rest.
+    fn deeper(&self, mut moved: Vec<[MarkerDisplacement; 2]>) -> Vec<[MarkerDisplacement; 2]> {
+        for (moved, more) in moved
+            .iter_mut()
+            .flatten()
+            .zip(self.by_depth.iter().flatten())
+        {
+            moved.normal += more.normal;
+            for axis in 0..2 {
+                moved.tangential[axis] += more.tangential[axis];
+            }
+        }
+        moved
+    }
+
+    /// Displacements of discs at a state, at the depths that were fitted at rest.
+    pub(super) fn displaced(
+        &self,
+        state: &State,
+    ) -> Result<Vec<[MarkerDisplacement; 2]>, PressError> {
+        Ok(self.deeper(self.fit.moved(state)?))
+    }
+
+    /// A state with its residuals and chi-squared.
+    pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
+        let mut moving = self.fit.moving(&state)?;
+        moving.moved = self.deeper(moving.moved);
+        let pictures = self.pictures(&moving.moved)?;
+        let residuals = self.whitened(|marker| pictures[marker])?;
+        Ok(Tried {
+            cost: self.cost(&state, &residuals)?,
+            state,
+            residuals,
+            moving,
+        })
+    }
+
+    /// A tried state with its slopes.
+    pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
+        let Tried {
+            state,
+            residuals,
+            moving: Moving { moved, slopes },
+            ..
+        } = tried;
+        let pictures = self.by_displacements(&moved)?;
+        self.fitted(state, residuals, &pictures, &slopes)
+    }
+
+    /// Pictures with their slopes only by displacements.
+    pub(super) fn by_displacements(
+        &self,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Result<PictureSlopes, PressError> {
+        let slopes = self.fit.slopes_by(&[], &self.sensor.state(), moved);
+        slopes.ok_or(PressError::OutOfRange)
+    }
+
+    /// A state with slopes by the unknowns, by the chain rule: slopes of pictures by displacements, and of displacements by the
+    /// unknowns.
+    fn fitted(
+        &self,
+        state: State,
+        residuals: Residuals,
+        pictures: &PictureSlopes,
+        moving: &[[DiscSlopes; 2]],
+    ) -> Result<FitState, PressError> {
+        let mut jacobian = Jacobian::zeros(residuals.len());
+        let mut normal_slopes = Vec::with_capacity(self.counting.len());
+        for ((at, &marker), whiten) in self.counting.iter().enumerate().zip(&self.whiten) {
+            let [magenta, yellow] = &pictures.displacements[marker];
+            let [by_magenta, by_yellow] = &moving[marker];
+            let slopes = whiten * (magenta * by_magenta + yellow * by_yellow);
+            jacobian
+                .fixed_rows_mut::<NUMBERS>(NUMBERS * at)
+                .copy_from(&slopes);
+            let normal = whiten * (magenta.column(0) + yellow.column(0));
+            normal_slopes.push(normal.norm());
+        }
+        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
+            jacobian.column_mut(unknown).fill(0.0);
+        }
+        let slopes = self.slopes(jacobian)?;
+        Ok(FitState {
+            sums: self.sums(&state, &residuals, &slopes)?,
+            state,
+            residuals,
+            slopes,
+            normal_slopes,
+        })
+    }
+
+    /// Whitened residuals at a state.
+    pub(super) fn residuals(&self, state: &State) -> Result<Residuals, PressError> {
+        let moved = self.displaced(state)?;
+        let pictures = self.pictures(&moved)?;
+        self.whitened(|marker| pictures[marker])
+    }
+
+    /// Whitened residuals without displacements.
+    pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
+        self.whitened(|marker| self.rest.slopes.pictures[marker])
+    }
+
+    fn whitened(
+        &self,
+        picture: impl Fn(usize) -> Option<[f64; NUMBERS]>,
+    ) -> Result<Residuals, PressError> {
+        let mut residuals = Residuals::zeros(self.equations());
+        let weighted = self.whiten.iter().zip(&self.from_rest);
+        for ((at, &marker), (whiten, aside)) in self.counting.iter().enumerate().zip(weighted) {
+            let (Some(seen), Some(picture)) = (&self.seen[marker], picture(marker)) else {
+                return Err(PressError::OutOfRange);
+            };
+            let residual = whiten * Vector4::from(difference(&seen.picture, &picture)) - aside;
+            residuals
+                .rows_mut(NUMBERS * at, NUMBERS)
+                .copy_from(&residual);
+        }
+        Ok(residuals)
+    }
+
+    /// Residuals without the part that departures of the sensor explain.
+    pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
+        Ok(residuals - &self.common * self.departures(residuals)?)
+    }
+
+    /// Components of whitened columns that departures common to all markers may explain, one per departure.
+    pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
+        &self,
+        columns: &Matrix<f64, Dyn, C, S>,
+    ) -> Result<OMatrix<f64, Dyn, C>, PressError>
+    where
+        DefaultAllocator: Allocator<Dyn, C>,
+    {
+        let mut shared = self.common.tr_mul(columns);
+        let is_solved = self.root.solve_lower_triangular_mut(&mut shared);
+        is_solved.then_some(shared).ok_or(PressError::OutOfRange)
+    }
+
+    /// Sum of squared residuals without the part that departures common to all markers may explain.
+    pub(super) fn own_squares(&self, residuals: &Residuals) -> Result<f64, PressError> {
+        Ok(residuals.norm_squared() - self.shared(residuals)?.norm_squared())
+    }
+
+    pub(super) fn cost(&self, state: &State, residuals: &Residuals) -> Result<f64, PressError> {
+        let cost = self.own_squares(residuals)? + self.priors(state).chi_squared;
+        if cost.is_finite() {
+            Ok(cost)
+        } else {
+            Err(PressError::OutOfRange)
+        }
+    }
+
+    pub(super) fn sums(
+        &self,
+        state: &State,
+        residuals: &Residuals,
+        slopes: &Slopes,
+    ) -> Result<Sums, PressError> {
+        let common = self.shared(residuals)?;
+        let priors = self.priors(state);
+        let chi_squared = residuals.norm_squared() - common.norm_squared() + priors.chi_squared;
+        if !chi_squared.is_finite() {
+            return Err(PressError::OutOfRange);
+        }
+        let slope = slopes.jacobian.tr_mul(residuals) - slopes.shared.tr_mul(&common);
+        let mut sums = Sums {
+            chi_squared,
+            gradient: priors.gradient - slope,
+            hessian: priors.hessian + slopes.square,
+        };
+        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
+            sums = sums.holding(unknown);
+        }
+        Ok(sums)
+    }
+
+    /// Slopes, with the part that common departures may explain removed from their products.
+    fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
+        let shared = self.shared(&jacobian)?;
+        Ok(Slopes {
+            square: jacobian.tr_mul(&jacobian) - shared.tr_mul(&shared),
+            jacobian,
+            shared,
+        })
+    }
+
+    /// Chi-squared of the deviations from the priors, with its derivatives.
+    fn priors(&self, state: &State) -> Sums {
+        let mut sums = Sums::default();
+        if let Some(Measured { value, std }) = self.indentation
+            && self.sought[INDENTATION]
+        {
+            sums.add_prior(INDENTATION, state.indentation - value, std);
+        }
+        for axis in 0..2 {
+            if self.sought[SHIFT + axis] {
+                sums.add_prior(SHIFT + axis, state.shift[axis], self.fit.shift_std);
+            }
+        }
+        sums
+    }
+
+    /// The state after a step.
+    pub(super) fn stepped(&self, state: &State, step: &Unknowns) -> State {
+        state.stepped(self.fit.markers.skin(), step)
+    }
+}

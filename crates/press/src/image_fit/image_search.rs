@@ -1,0 +1,399 @@
+//! The search for the press that fits an image, and the reported estimate.
+
+use nalgebra::Vector3;
+use palpate_statistics::NORMAL_95;
+
+use super::curvature_posterior::profile;
+use super::disc_displacements::State;
+use super::fit_state::{FitState, minimise};
+use super::image_problem::{Problem, Residuals};
+use super::view::{NUMBERS, SIZE, Seen, View, difference};
+use super::{ImageFit, Rest};
+use crate::cholesky::inverse;
+use crate::no_contact::no_contact;
+use crate::unknowns::{
+    ACROSS, ALONG, CURVATURE, INDENTATION, Square, of_fitted, scaled_radius_variance,
+};
+use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
+
+/// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
+pub(super) const SINGULAR: f64 = 1e-6;
+/// Sum of the squares of a marker's four residuals beyond which it is an outlier: noise alone exceeds it once in three million.
+pub(super) const WRONG: f64 = 36.0;
+/// Sum of squares beyond which the weight of a marker decreases while the outliers are not yet known.
+const ROBUST: f64 = 16.0;
+/// Largest share of outliers among the markers; if there are more, the model is wrong.
+const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
+/// Largest number of iterations of the robust weights.
+const ROUNDS: usize = 20;
+/// Largest number of updates of the sensor by both frames.
+const SENSOR_UPDATES: usize = 5;
+/// Predicted decrease of chi-squared after an update of the sensor at which the updates end: a twentieth of a standard
+/// deviation.
+const SETTLED: f64 = 2.5e-3;
+/// Least improvement of chi-squared by a detected contact, compared with no contact: the threshold for displacements of 240
+/// markers, because noise can change each number of a marker's picture.
+const MIN_IMPROVEMENT: f64 = 16.0;
+/// Standard deviation of the logarithm of the curvature above which the images are compatible with any needle.
+const MAX_LOG_STD: f64 = 10.0;
+/// Least predicted decrease of chi-squared for a further step, of a rough and of an exact fit.
+const ROUGHLY: f64 = 1e-1;
+const EXACTLY: f64 = 1e-6;
+
+impl<V: View + Clone> ImageFit<V> {
+    /// Estimates the press from the readings of one frame, `None` for markers that are not visible, and from the sensor at rest.
+    /// For readings without error, whatever their stated errors, the error of the most likely curvature is below a thousandth of
+    /// its standard deviation, if this is less than the curvature.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and readings;
+    /// [`PressError::NoContact`] if the markers have not moved; [`PressError::OtherBody`] if they did not move as in a press of
+    /// this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
+    /// [`Body::press`](crate::Body::press) if no press fits the readings.
+    pub fn estimate(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+    ) -> Result<PressEstimate, PressError> {
+        self.check(rest, seen, indentation)?;
+        let problem = Problem::new(self, rest, seen, indentation)?;
+        let (equations, needed) = (problem.equations(), problem.unknowns());
+        if equations < needed {
+            return Err(PressError::TooFewMarkers {
+                markers: problem.counting.len(),
+                equations,
+                needed,
+            });
+        }
+        search(problem)
+    }
+
+    /// The Cramér–Rao bound on the standard deviation of the relative curvature, 1/length, from the stated errors of the markers
+    /// and of the sensor. The press has this relative curvature, these chart coordinates and this indentation; the readings are
+    /// those of its image.
+    ///
+    /// # Errors
+    /// [`PressError::Undetermined`] if the readings do not determine the press, and errors of
+    /// [`Body::press`](crate::Body::press).
+    pub fn std_bound(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+        (curvature, at, depth): (f64, [f64; 2], f64),
+    ) -> Result<f64, PressError> {
+        self.check(rest, seen, indentation)?;
+        let good = curvature > 0.0 && curvature <= 1e50;
+        PressError::unless_good("curvature", curvature, good, "> 0 and at most 1e50")?;
+        if !(at.iter().all(|along| along.abs() <= 1e50) && depth > 0.0 && depth <= 1e50) {
+            return Err(PressError::OutOfRange);
+        }
+        let mut problem = Problem::new(self, rest, seen, indentation)?;
+        let state = State::new(curvature, self.markers.skin().place(at), depth);
+        let sums = problem.weigh(&state)?.sums;
+        let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
+            what: "some combination of curvature, place and indentation is free",
+        })?;
+        Ok(curvature * covariance[(CURVATURE, CURVATURE)].sqrt())
+    }
+}
+
+fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate, PressError> {
+    problem.weigh_at_rest()?;
+    let mut best = robust(&mut problem)?;
+    let wrong = drop_wrong(&mut problem, &best)?;
+    if !wrong.is_empty() {
+        best = problem.weigh(&best.state)?;
+    }
+    best = update_sensor(&mut problem, best)?;
+    let weighed = best.clone();
+    for _ in 0..4 {
+        best = minimise(&problem, best, EXACTLY, None, true)?;
+        let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
+            what: "some combination of curvature, place and indentation is free",
+        })?;
+        let at_rest = problem.residuals_at_rest()?;
+        let unmoved = problem.own_squares(&at_rest)?;
+        let improvement = unmoved - best.sums.chi_squared;
+        if improvement < MIN_IMPROVEMENT {
+            return Err(problem.no_contact(improvement));
+        }
+        let std = covariance[(CURVATURE, CURVATURE)].sqrt();
+        let goodness = problem.goodness(&best);
+        let noise = goodness.chi_squared / goodness.freedom.max(1) as f64;
+        if goodness.is_doubted() && (improvement < MIN_IMPROVEMENT * noise || std > MAX_LOG_STD) {
+            return Err(PressError::OtherBody {
+                chi_squared: goodness.chi_squared,
+                freedom: goodness.freedom,
+            });
+        }
+        match profile(&problem, &best, std, NORMAL_95) {
+            Ok(interval) => {
+                let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
+                problem.fit.markers.see(&best.state.place, reached.radius)?;
+                if best.is_stuck() {
+                    break;
+                }
+                return outcome(
+                    &problem,
+                    (&weighed, &best),
+                    &covariance,
+                    interval,
+                    unmoved,
+                    wrong,
+                );
+            }
+            Err(better) => best = FitState::at(&problem, better)?,
+        }
+    }
+    Err(PressError::Undetermined {
+        what: "the sum of squares has no clear minimum",
+    })
+}
+
+/// The fit near a state, with the sensor fitted to both frames.
+pub(super) fn settle<V: View + Clone>(
+    problem: &mut Problem<'_, V>,
+    near: State,
+) -> Result<FitState, PressError> {
+    let near = problem.weigh(&near)?;
+    let near = update_sensor(problem, near)?;
+    minimise(problem, near, EXACTLY, None, true)
+}
+
+/// The fit with the sensor fitted to both frames.
+fn update_sensor<V: View + Clone>(
+    problem: &mut Problem<'_, V>,
+    near: FitState,
+) -> Result<FitState, PressError> {
+    let mut best = near;
+    for _ in 0..SENSOR_UPDATES {
+        best = minimise(problem, best, 0.1 * SETTLED, None, true)?;
+        let before = problem.clone();
+        let is_possible = problem.update_sensor(&best)?;
+        match problem.weigh(&best.state) {
+            Ok(fitted) if is_possible => best = fitted,
+            _ => {
+                // The updated sensor is impossible.
+                *problem = before;
+                break;
+            }
+        }
+        if best.promise() < SETTLED {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+/// A robust fit, which a few outliers do not change much.
+fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, PressError> {
+    let starts = problem.starts()?;
+    let mut best: Option<FitState> = None;
+    let mut failure = problem.no_contact(0.0);
+    for start in starts.into_iter().take(3) {
+        let fitted = FitState::at(problem, start)
+            .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None, false));
+        match fitted {
+            Ok(fitted) => {
+                let is_good = fitted.sums.chi_squared < 2.0 * problem.equations() as f64;
+                let is_better = best
+                    .as_ref()
+                    .is_none_or(|best| fitted.sums.chi_squared < best.sums.chi_squared);
+                if is_better {
+                    best = Some(fitted);
+                }
+                if is_good {
+                    break;
+                }
+            }
+            Err(error) => failure = error,
+        }
+    }
+    let near = best.ok_or(failure)?;
+    let near = problem.weigh(&near.state)?;
+    let mut best = minimise(problem, near, ROUGHLY, None, true)?;
+    // If the fit is bad, outliers may be the reason.
+    let mut is_weighed = false;
+    for _ in 0..ROUNDS {
+        let squares = problem.squares(&best.residuals)?;
+        let mut is_new = false;
+        for (trust, square) in problem.trust.iter_mut().zip(&squares) {
+            let square = square / (*trust * *trust);
+            let before = *trust;
+            *trust = if square > ROBUST {
+                (ROBUST / square).sqrt().max(1e-6)
+            } else {
+                1.0
+            };
+            is_new |= (*trust - before).abs() > 0.02 * before;
+        }
+        if !is_new {
+            break;
+        }
+        let weighed = problem.weigh(&best.state)?;
+        best = minimise(problem, weighed, ROUGHLY, None, true)?;
+        is_weighed = true;
+    }
+    if is_weighed {
+        problem.trust.fill(1.0);
+        best = problem.weigh(&best.state)?;
+    }
+    Ok(best)
+}
+
+/// Removes outliers, and returns their numbers.
+fn drop_wrong<V: View>(
+    problem: &mut Problem<'_, V>,
+    best: &FitState,
+) -> Result<Vec<usize>, PressError> {
+    let squares = problem.squares(&best.residuals)?;
+    let most = (MAX_OUTLIER_SHARE * squares.len() as f64).max(1.0) as usize;
+    let pairs = problem.counting.iter().zip(&squares);
+    let wrong: Vec<usize> = pairs
+        .filter(|(_, square)| **square > WRONG)
+        .map(|(marker, _)| *marker)
+        .collect();
+    let enough = NUMBERS * (squares.len() - wrong.len()) >= problem.unknowns();
+    if wrong.len() > most || !enough {
+        return Ok(Vec::new());
+    }
+    problem.leave_out(&wrong);
+    Ok(wrong)
+}
+
+impl<V: View> Problem<'_, V> {
+    fn goodness(&self, fitted: &FitState) -> GoodnessOfFit {
+        let freedom = (self.equations() + self.known()).saturating_sub(self.unknowns());
+        GoodnessOfFit::new(fitted.sums.chi_squared, freedom)
+    }
+
+    /// The error of images for which a contact improves chi-squared only by `improvement`.
+    fn no_contact(&self, improvement: f64) -> PressError {
+        let at_rest = self.residuals_at_rest();
+        match at_rest.and_then(|at_rest| self.squares(&at_rest)) {
+            Ok(squares) => no_contact((improvement, MIN_IMPROVEMENT), squares.into_iter(), NUMBERS),
+            Err(error) => error,
+        }
+    }
+
+    /// Sum of the squared residuals of each used marker, without the part that common departures explain.
+    fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
+        let own = self.own(residuals)?;
+        Ok((0..self.counting.len())
+            .map(|at| own.rows(NUMBERS * at, NUMBERS).norm_squared())
+            .collect())
+    }
+}
+
+fn outcome<V: View + Clone>(
+    problem: &Problem<'_, V>,
+    (weighed, best): (&FitState, &FitState),
+    covariance: &Square,
+    interval: Interval,
+    unmoved: f64,
+    wrong_markers: Vec<usize>,
+) -> Result<PressEstimate, PressError> {
+    let State {
+        place, indentation, ..
+    } = best.state;
+    let body = &problem.fit.bodies[0];
+    let contact = problem.fit.contact(body, &best.state)?;
+    let covariance = of_fitted(covariance, &problem.sought);
+    let variance = |one: usize, other: usize| covariance[(one, other)];
+    let around = |value: f64, std: f64| Estimated::normal(value, std, NORMAL_95).positive();
+    let [_, slope] = body.indentation_of(contact.radius)?;
+    let of_radius = scaled_radius_variance(&covariance, indentation);
+    let skin = problem.fit.markers.skin();
+    let curvature = contact.relative_curvature;
+    let log_variance = variance(CURVATURE, CURVATURE);
+    let goodness = problem.goodness(best);
+    // The interval is scaled with the mean.
+    let factor = libm::exp(problem.mean_beside(weighed, &covariance));
+    let interval = interval.map(|end| end * factor);
+    let unbiased = curvature * factor;
+    Ok(PressEstimate {
+        sensor_curvature: skin.curvature(),
+        relative_curvature: Estimated {
+            value: unbiased,
+            std: unbiased * log_variance.sqrt(),
+            interval,
+        },
+        most_likely_curvature: curvature,
+        indentation: around(indentation, variance(INDENTATION, INDENTATION).sqrt()),
+        contact_radius: around(
+            contact.radius,
+            of_radius.max(0.0).sqrt() / (curvature * slope),
+        ),
+        contact: skin.chart(place.direction.as_ref()),
+        contact_std: [
+            variance(ALONG, ALONG).sqrt(),
+            variance(ACROSS, ACROSS).sqrt(),
+        ],
+        baseline: None,
+        gain: None,
+        wrong_markers,
+        normal_std: best.normal_std(),
+        tangential_std: None,
+        r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
+        reduced_chi_squared: goodness.chi_squared / goodness.freedom.max(1) as f64,
+        goodness: Some(goodness),
+        is_detected: true,
+        only_marker: None,
+        verdict: Verdict::of(interval, skin.curvature()),
+    })
+}
+
+/// Tried radii of the contact, in radii of the sensor.
+const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
+/// Number of markers, those that moved most, at which contacts are tried too.
+const BESIDE: usize = 2;
+
+impl<V: View> Problem<'_, V> {
+    /// Start values, the most likely first.
+    pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
+        let skin = self.fit.markers.skin();
+        let at_rest = &self.rest.slopes.pictures;
+        // For a camera in the centre, a disc grows by the same share by which its distance decreases.
+        let mut inward: Vec<(f64, usize)> = Vec::new();
+        for &marker in &self.counting {
+            if let (Some(seen), Some(rest)) = (&self.seen[marker], &at_rest[marker]) {
+                let growth = 0.5 * difference(&seen.picture, rest)[SIZE];
+                inward.push((-skin.radius() * libm::expm1(-growth), marker));
+            }
+        }
+        inward.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let Some(&(most, _)) = inward.first() else {
+            return Ok(Vec::new());
+        };
+        let places = self.fit.markers.places();
+        let direction = |marker: usize| *places[marker].direction.as_ref();
+        let among = inward.iter().filter(|(moved, _)| *moved > 0.4 * most);
+        let mean: Vector3<f64> = among
+            .map(|&(moved, marker)| direction(marker) * (moved * moved))
+            .sum();
+        let known = self.indentation.map(|known| known.value);
+        let deepest = known.unwrap_or(1.15 * most);
+        let state = |direction: &Vector3<f64>, share: f64| {
+            let [unit, _] = self.fit.bodies[0]
+                .indentation_of(share * skin.radius())
+                .ok()?;
+            let state = State::new(deepest / unit, skin.place_at(direction), deepest);
+            let residuals = self.residuals(&state).ok()?;
+            Some((self.cost(&state, &residuals).ok()?, share, state))
+        };
+        let mut states: Vec<_> = RADII
+            .iter()
+            .filter_map(|&share| state(&mean, share))
+            .collect();
+        // The best radius is also tried at the markers that moved most.
+        let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
+        if let Some(&(_, width, _)) = best {
+            let beside = inward.iter().take(BESIDE);
+            states.extend(beside.filter_map(|one| state(&direction(one.1), width)));
+        }
+        states.sort_by(|one, other| one.0.total_cmp(&other.0));
+        Ok(states.into_iter().map(|(_, _, state)| state).collect())
+    }
+}

@@ -1,0 +1,52 @@
+//! Displacements of single markers beyond those of the fitted press.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::disc_displacements::State;
+use super::image_problem::Problem;
+use super::view::{NUMBERS, Seen, View};
+use super::{ImageFit, Rest};
+use crate::cholesky::solve;
+use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
+
+impl<V: View> ImageFit<V> {
+    /// Displacement of each marker beyond that of an estimated press, by least squares from its own picture. The relative motion
+    /// of the two discs is that of the press; the picture determines their additional common motion. `None` for markers that are
+    /// not visible in both frames, and if the picture does not determine all components.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings; [`PressError::OutOfRange`] if
+    /// the press is impossible.
+    pub fn beyond(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        press: &PressEstimate,
+    ) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        let Estimated { value, std, .. } = press.indentation;
+        self.check(rest, seen, Some(Measured { value, std }))?;
+        let mut problem = Problem::new(self, rest, seen, None)?;
+        let state = State::new(
+            press.most_likely_curvature,
+            self.markers.skin().place(press.contact),
+            press.indentation.value,
+        );
+        problem.weigh(&state)?;
+        let residuals = problem.own(&problem.residuals(&state)?)?;
+        let moved = problem.displaced(&state)?;
+        let slopes = problem.by_displacements(&moved)?.displacements;
+        let mut beyond = vec![None; seen.len()];
+        for ((at, &marker), whiten) in problem.counting.iter().enumerate().zip(&problem.whiten) {
+            let [magenta, yellow] = &slopes[marker];
+            let slope = whiten * (magenta + yellow);
+            let residual = residuals.fixed_rows::<NUMBERS>(NUMBERS * at);
+            let square: Matrix3<f64> = slope.transpose() * slope;
+            let right: Vector3<f64> = slope.transpose() * residual;
+            beyond[marker] = solve(&square, &right).map(|more| MarkerDisplacement {
+                normal: more[0],
+                tangential: [more[1], more[2]],
+            });
+        }
+        Ok(beyond)
+    }
+}

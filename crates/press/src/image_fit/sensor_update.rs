@@ -1,0 +1,79 @@
+//! Update of the sensor by both frames.
+//!
+//! The fit of the pressed frame is linear in the departures of the sensor. If the two discs of a marker nearly coincide, their
+//! edges may touch, and pictures are nonlinear within the uncertainty of the departures. The fit then continues with the model
+//! linearised at the sensor that fits both frames.
+
+use std::borrow::Cow;
+
+use nalgebra::{DVector, Vector2};
+
+use super::fit_state::FitState;
+use super::image_problem::{Problem, Residuals};
+use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
+use crate::PressError;
+
+impl<V: View> Problem<'_, V> {
+    /// Free common departures from `sensor` to the sensor fitted at rest, in their standard deviations.
+    pub(super) fn to_rest(&self) -> DVector<f64> {
+        let free = self.fit.free();
+        let steps = free.iter().map(|&number| {
+            (self.rest.common[number] - self.sensor.common[number]) / self.fit.common_stds[number]
+        });
+        DVector::from_iterator(free.len(), steps)
+    }
+
+    /// Misalignment of a marker of the sensor fitted at rest, minus that of `sensor`, rad.
+    pub(super) fn to_rest_of(&self, marker: usize) -> Vector2<f64> {
+        Vector2::from(self.rest.misalignments[marker])
+            - Vector2::from(self.sensor.misalignments[marker])
+    }
+
+    /// Free common departures from the sensor fitted at rest that fit both frames best, in their standard deviations.
+    pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
+        let departures = self
+            .root
+            .tr_solve_lower_triangular(&self.shared(residuals)?);
+        departures.ok_or(PressError::OutOfRange)
+    }
+
+    /// Linearises the model at the sensor that fits both frames, after a fit with the present one. Returns whether this sensor is
+    /// possible.
+    pub(super) fn update_sensor(&mut self, best: &FitState) -> Result<bool, PressError> {
+        let sensor = self.updated_sensor(&best.residuals)?;
+        Ok(self.linearise_at(sensor))
+    }
+
+    /// Linearises the model at a sensor. Returns whether this sensor is possible.
+    pub(super) fn linearise_at(&mut self, sensor: Sensor) -> bool {
+        let rest = self.fit.rest_about(&self.rest, &sensor);
+        let is_possible = rest.is_some();
+        if let Some(rest) = rest {
+            self.rest = Cow::Owned(rest);
+            self.sensor = sensor;
+        }
+        is_possible
+    }
+
+    /// The sensor that fits both frames, from the residuals with the present one.
+    pub(super) fn updated_sensor(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
+        let departures = self.departures(residuals)?;
+        let own = residuals - &self.common * &departures;
+        let mut sensor = self.rest.sensor();
+        for (&number, departure) in self.fit.free().iter().zip(departures.iter()) {
+            sensor.common[number] += departure * self.fit.common_stds[number];
+        }
+        for (marker, local) in self.rest.local.iter().enumerate() {
+            let Some(local) = local else { continue };
+            let mut step = &local.follows * &departures;
+            if let Some(at) = self.counting.iter().position(|one| *one == marker) {
+                let own = own.fixed_rows::<NUMBERS>(NUMBERS * at);
+                step += local.spread * self.by_local[at].transpose() * own;
+            }
+            for (misalignment, step) in sensor.misalignments[marker].iter_mut().zip(step.iter()) {
+                *misalignment = (*misalignment + step).clamp(-MAX_MISALIGNMENT, MAX_MISALIGNMENT);
+            }
+        }
+        Ok(sensor)
+    }
+}

@@ -1,0 +1,116 @@
+//! Unknowns of a press, and chi-squared with its derivatives by them.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::cholesky::solve;
+
+/// Number of unknowns. In this order: the logarithm of the relative curvature; displacements of the contact along both
+/// axes at its place; the indentation; two that differ between a fit of displacements and a fit of images.
+pub(crate) const UNKNOWNS: usize = 6;
+pub(crate) const CURVATURE: usize = 0;
+pub(crate) const ALONG: usize = 1;
+pub(crate) const ACROSS: usize = 2;
+pub(crate) const INDENTATION: usize = 3;
+
+pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
+pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Chi-squared with its derivatives.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    /// Chi-squared, including the deviations from the priors.
+    pub(crate) chi_squared: f64,
+    /// Half its gradient.
+    pub(crate) gradient: Unknowns,
+    /// Half its Hessian, without second derivatives of the model.
+    pub(crate) hessian: Square,
+}
+
+impl Sums {
+    /// The sums after a small step, by their quadratic model.
+    pub(crate) fn after(&self, step: &Unknowns) -> Self {
+        let along = self.hessian * step;
+        Self {
+            chi_squared: self.chi_squared + 2.0 * self.gradient.dot(step) + step.dot(&along),
+            gradient: self.gradient + along,
+            hessian: self.hessian,
+        }
+    }
+
+    /// The sums with one unknown held constant.
+    pub(crate) fn holding(mut self, held: usize) -> Self {
+        self.gradient[held] = 0.0;
+        self.hessian.row_mut(held).fill(0.0);
+        self.hessian.column_mut(held).fill(0.0);
+        self.hessian[(held, held)] = 1.0;
+        self
+    }
+
+    /// The step of Levenberg and Marquardt's method; `None` if the damped Hessian is not positive definite.
+    pub(crate) fn damped_step(&self, damping: f64) -> Option<Unknowns> {
+        let mut damped = self.hessian;
+        for index in 0..UNKNOWNS {
+            damped[(index, index)] *= 1.0 + damping;
+        }
+        solve(&damped, &-self.gradient)
+    }
+
+    /// Derivative of all unknowns by the logarithm of the curvature, at the least chi-squared for each curvature.
+    pub(crate) fn ridge(&self) -> Unknowns {
+        let across = -self.hessian.column(CURVATURE);
+        let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
+        along[CURVATURE] = 1.0;
+        along
+    }
+
+    /// Adds the deviation of an unknown from its prior with this standard deviation.
+    pub(crate) fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
+        self.chi_squared += (off / std) * (off / std);
+        self.gradient[unknown] += off / (std * std);
+        self.hessian[(unknown, unknown)] += 1.0 / (std * std);
+    }
+
+    /// Adds an observation with this residual (in standard deviations) and slopes of the prediction.
+    #[inline]
+    pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
+        for row in 0..UNKNOWNS {
+            let weighted = weight * slopes[row];
+            self.gradient[row] -= weighted * residual;
+            for column in 0..=row {
+                self.hessian[(row, column)] += weighted * slopes[column];
+            }
+        }
+    }
+
+    /// Completes the Hessian, and removes unknowns that are not fitted.
+    pub(crate) fn only(&mut self, sought: &[bool; UNKNOWNS]) {
+        for row in 0..UNKNOWNS {
+            for column in 0..row {
+                if !(sought[row] && sought[column]) {
+                    self.hessian[(row, column)] = 0.0;
+                }
+                self.hessian[(column, row)] = self.hessian[(row, column)];
+            }
+            if !sought[row] {
+                self.gradient[row] = 0.0;
+                self.hessian[(row, row)] = 1.0;
+            }
+        }
+    }
+}
+
+/// The covariance of the unknowns that are fitted; 0 for the others.
+pub(crate) fn of_fitted(covariance: &Square, sought: &[bool; UNKNOWNS]) -> Square {
+    Square::from_fn(|row, column| match sought[row] && sought[column] {
+        true => covariance[(row, column)],
+        false => 0.0,
+    })
+}
+
+/// Variance of C D' a, with the contact's radius a, the relative curvature C and the indentation δ = C D(a): from
+/// C D' da = dδ − δ d ln C.
+pub(crate) fn scaled_radius_variance(covariance: &Square, indentation: f64) -> f64 {
+    covariance[(INDENTATION, INDENTATION)]
+        - 2.0 * indentation * covariance[(INDENTATION, CURVATURE)]
+        + indentation * indentation * covariance[(CURVATURE, CURVATURE)]
+}

@@ -1,0 +1,163 @@
+//! Fits whose camera another frame told.
+
+use nalgebra::DMatrix;
+use palpate_press::DeparturePrior;
+
+use super::*;
+
+/// Numbers of the camera: image's centre, pixels per radian.
+const CAMERA: [usize; 3] = [2, 3, 4];
+
+/// A camera whose departures are counted from others.
+#[derive(Clone, Debug)]
+struct About {
+    ideal: Ideal,
+    common: [f64; 5],
+}
+
+impl View for About {
+    fn pictures(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<Vec<Option<[f64; 4]>>> {
+        let common: Vec<f64> = sensor
+            .common
+            .iter()
+            .zip(self.common)
+            .map(|(more, about)| more + about)
+            .collect();
+        self.ideal.pictures(
+            &SensorState {
+                common: &common,
+                ..*sensor
+            },
+            moved,
+        )
+    }
+}
+
+/// A fit about the camera that a frame at rest tells, with what that leaves unknown of it.
+fn told_by(seen: &[Option<Seen>]) -> ImageFit<About> {
+    let ImageFit {
+        view,
+        markers,
+        bodies,
+        deeper,
+        mut common_stds,
+        misalignment_std,
+        shift_std,
+        ..
+    } = fit(None, ROUGHLY);
+    let rest = fit(None, ROUGHLY).at_rest(seen).unwrap();
+    let shares = rest.covariance().unwrap();
+    let covariance = DMatrix::from_fn(CAMERA.len(), CAMERA.len(), |row, column| {
+        let (row, column) = (CAMERA[row], CAMERA[column]);
+        shares[(row, column)] * ROUGHLY[row] * ROUGHLY[column]
+    });
+    let mut common = [0.0; 5];
+    for (at, number) in CAMERA.into_iter().enumerate() {
+        common[number] = rest.common[number];
+        common_stds[number] = covariance[(at, at)].sqrt();
+    }
+    ImageFit {
+        view: About {
+            ideal: view,
+            common,
+        },
+        markers,
+        bodies,
+        deeper,
+        common_stds,
+        departure_prior: Some(DeparturePrior {
+            numbers: CAMERA.to_vec(),
+            covariance,
+        }),
+        misalignment_std,
+        shift_std,
+    }
+}
+
+/// A frame is not counted twice: the camera that it told leaves all as it is.
+#[test]
+fn a_camera_that_the_frame_at_rest_told_changes_nothing() {
+    let truth = Truth::drawn(11, ROUGHLY);
+    let mut noise = Stream::new(2, 11, Channel::Centroid);
+    let at_rest = truth.at_rest(Some(&mut noise));
+    let seen = truth.seen(&truth.moved(None, [2.5, -1.0], 1.0), Some(&mut noise));
+    let alone = fit(None, ROUGHLY);
+    let rest = alone.at_rest(&at_rest).unwrap();
+    let alone = alone.estimate(&rest, &seen, None).unwrap();
+    let told = told_by(&at_rest);
+    let rest = told.at_rest(&at_rest).unwrap();
+    for number in CAMERA {
+        assert!(rest.common[number].abs() < 1e-9, "{:?}", rest.common);
+    }
+    let told = told.estimate(&rest, &seen, None).unwrap();
+    let close = |one: f64, other: f64| assert!((one / other - 1.0).abs() < 1e-3, "{one} {other}");
+    close(
+        told.relative_curvature.value,
+        alone.relative_curvature.value,
+    );
+    close(told.relative_curvature.std, alone.relative_curvature.std);
+    close(told.indentation.std, alone.indentation.std);
+}
+
+/// A camera that one frame at rest told serves presses after another one: discs are misaligned alike in both.
+#[test]
+fn intervals_hold_with_the_camera_of_another_frame() {
+    let trials = 150;
+    let (mut held, mut squared, mut stated) = (0.0, 0.0, 0.0);
+    for number in 0..trials {
+        let truth = Truth::drawn(number, ROUGHLY);
+        let mut noise = Stream::new(4, number, Channel::Centroid);
+        let fit = told_by(&truth.at_rest(Some(&mut noise)));
+        let rest = fit.at_rest(&truth.at_rest(Some(&mut noise))).unwrap();
+        let seen = truth.seen(&truth.moved(None, [2.5, -1.0], 1.0), Some(&mut noise));
+        let curvature = fit.estimate(&rest, &seen, None).unwrap().object_curvature();
+        held += f64::from(u8::from(curvature.interval.holds(CURVATURE)));
+        squared += (curvature.value - CURVATURE).powi(2);
+        stated += curvature.std.powi(2);
+    }
+    let count = trials as f64;
+    // Three standard deviations of a share of 0.95 in 150 are 0.053.
+    assert!(held / count > 0.89, "{}", held / count);
+    let ratio = (stated / squared).sqrt();
+    assert!((0.83..1.2).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn what_is_no_covariance_is_refused() {
+    let at_rest = Truth::drawn(12, ROUGHLY).at_rest(None);
+    let good = told_by(&at_rest);
+    let refused = |told: DeparturePrior| {
+        let fit = ImageFit {
+            departure_prior: Some(told),
+            ..good.clone()
+        };
+        let said = fit.at_rest(&at_rest).map(|_| ());
+        assert!(matches!(said, Err(PressError::BadSetting(_))), "{said:?}");
+    };
+    let told = good.departure_prior.clone().unwrap();
+    let with = |numbers: &[usize]| DeparturePrior {
+        numbers: numbers.to_vec(),
+        ..told.clone()
+    };
+    for numbers in [[2, 3, 5], [3, 2, 4], [2, 2, 4]] {
+        refused(with(&numbers));
+    }
+    refused(with(&[2, 3]));
+    for (entry, value) in [
+        ((0, 0), -1.0),
+        ((0, 1), 1.0),
+        ((1, 1), f64::NAN),
+        ((2, 2), 0.0),
+    ] {
+        let mut covariance = told.covariance.clone();
+        covariance[entry] = value;
+        refused(DeparturePrior {
+            covariance,
+            ..told.clone()
+        });
+    }
+}

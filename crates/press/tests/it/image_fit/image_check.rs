@@ -1,0 +1,229 @@
+//! Goodness of fits of pictures, and doubts about them.
+
+use palpate_press::{Body, Contact, Doubt, Measured, PressError, PressEstimate, Rest};
+use palpate_sensing::{Channel, Stream};
+
+use super::*;
+use crate::sensor::{distance_from_uniform, doubted_share};
+
+const PRESSES: u64 = 120;
+const AT: [f64; 2] = [2.5, -1.0];
+const TOLD: Measured = Measured {
+    value: 1.0,
+    std: 0.02,
+};
+
+/// A press of another sensor in every trial, whose displacements are changed, as a fit is given it.
+struct Press {
+    fit: ImageFit<Ideal>,
+    rest: Rest,
+    seen: Vec<Option<Seen>>,
+}
+
+impl Press {
+    fn of(
+        number: u64,
+        fit: ImageFit<Ideal>,
+        change: impl Fn(&mut [[MarkerDisplacement; 2]]),
+    ) -> Self {
+        let truth = Truth::drawn(number, ROUGHLY);
+        let mut noise = Stream::new(4, number, Channel::Centroid);
+        let rest = fit.at_rest(&truth.at_rest(Some(&mut noise))).unwrap();
+        let mut moved = truth.moved(None, AT, 1.0);
+        change(&mut moved);
+        let seen = truth.seen(&moved, Some(&mut noise));
+        Self { fit, rest, seen }
+    }
+
+    fn estimate(&self, told: Option<Measured>) -> Result<PressEstimate, PressError> {
+        self.fit.estimate(&self.rest, &self.seen, told)
+    }
+
+    fn doubts(&self, told: Option<Measured>) -> Result<Vec<Doubt>, PressError> {
+        let estimate = self.estimate(told)?;
+        self.fit.doubts(&self.rest, &self.seen, told, &estimate)
+    }
+}
+
+/// Kolmogorov's distance from the uniform distribution, of which 120 draws pass 0.149 once in a hundred times.
+#[test]
+fn p_values_are_uniform_where_the_model_holds() {
+    for told in [None, Some(TOLD)] {
+        let p_value = |number| {
+            let mut stream = Stream::new(5, number, Channel::Indentation);
+            let told = told.map(|told| Measured {
+                value: told.value + told.std * stream.standard_normal(),
+                ..told
+            });
+            let press = Press::of(number, fit(None, ROUGHLY), |_| {});
+            let goodness = press.estimate(told).unwrap().goodness.unwrap();
+            // Four numbers of each marker, less curvature, place and an indentation of which nothing is known.
+            let unknowns = 4 - usize::from(told.is_some());
+            assert_eq!(goodness.freedom, 4 * 81 - unknowns);
+            goodness.p_value
+        };
+        let distance = distance_from_uniform((0..PRESSES).map(p_value).collect());
+        assert!(distance < 0.149, "{distance}");
+    }
+}
+
+/// A sensor that is thought exact, but is not, leaves residuals larger than the errors that are stated.
+#[test]
+fn goodness_knows_what_is_thought_exact() {
+    let known = |stds| {
+        let press = Press::of(3, fit(None, stds), |_| {});
+        press.estimate(None).unwrap().goodness.unwrap().p_value
+    };
+    assert!(known([0.0; 5]) < 1e-6 && known(ROUGHLY) > 0.005);
+}
+
+/// Doubts of trials that gave an estimate.
+fn doubts(
+    trials: u64,
+    fit: impl Fn() -> ImageFit<Ideal>,
+    told: Option<Measured>,
+    change: impl Fn(&mut [[MarkerDisplacement; 2]]),
+) -> Vec<Vec<Doubt>> {
+    let of_trial = |number| Press::of(number, fit(), &change).doubts(told).ok();
+    (0..trials).filter_map(of_trial).collect()
+}
+
+#[test]
+fn sound_pictures_are_seldom_doubted() {
+    let doubts = doubts(PRESSES, || fit(None, ROUGHLY), None, |_| {});
+    assert_eq!(doubts.len() as u64, PRESSES);
+    // Of 120 trials 4.8 are expected at 4 %; more than 10 have a chance of 1 %.
+    assert!(doubted_share(&doubts, None) <= 10.0 / 120.0, "{doubts:?}");
+}
+
+/// Displacements by contacts of a half-space at both depths.
+fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
+    let skin = Skin::new(RADIUS).unwrap();
+    [0, 1].map(|disc| skin.contact(&bodies[disc], CURVATURE, 1.0).unwrap())
+}
+
+#[test]
+fn another_body_is_told() {
+    let doubts = doubts(20, || fit(Some(10.0), ROUGHLY), Some(TOLD), |_| {});
+    assert!(doubts.len() > 15, "{}", doubts.len());
+    assert!(
+        doubted_share(&doubts, Some("large-residuals")) > 0.9,
+        "{doubts:?}"
+    );
+    assert!(
+        doubted_share(&doubts, Some("other-body")) > 0.9,
+        "{doubts:?}"
+    );
+}
+
+/// Markers that move outward, or each another way: no contact is like that, however sharp.
+#[test]
+fn what_no_press_does_is_refused_by_that_name() {
+    let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
+        let press = Press::of(1, fit(None, ROUGHLY), change);
+        [None, Some(TOLD)].map(|told| press.estimate(told).unwrap_err().name())
+    };
+    let outward = refused(|moved| {
+        for disc in moved.iter_mut().flatten() {
+            disc.normal = -disc.normal;
+            disc.tangential = disc.tangential.map(|along| -along);
+        }
+    });
+    let apart = refused(|moved| {
+        for (marker, discs) in moved.iter_mut().enumerate() {
+            for disc in discs {
+                disc.normal = if marker % 2 == 0 { 0.2 } else { -0.2 };
+                disc.tangential = [0.0; 2];
+            }
+        }
+    });
+    assert_eq!([outward, apart], [["other-body"; 2]; 2]);
+}
+
+/// Two more contacts at either side, shallow.
+#[test]
+fn an_elongated_press_is_not_round() {
+    let bodies = bodies(None, 0.0);
+    let contacts = contacts(&bodies);
+    let markers = Markers::new(Skin::new(RADIUS).unwrap(), &places()).unwrap();
+    let [x, y] = AT;
+    let doubts = doubts(
+        20,
+        || fit(None, ROUGHLY),
+        None,
+        |moved| {
+            for side in [-3.0, 3.0] {
+                for (disc, contact) in contacts.iter().enumerate() {
+                    let beside = markers.displacements(contact, [x + side, y]);
+                    for (moved, more) in moved.iter_mut().zip(beside) {
+                        moved[disc].normal += 0.05 * more.normal;
+                        for axis in 0..2 {
+                            moved[disc].tangential[axis] += 0.05 * more.tangential[axis];
+                        }
+                    }
+                }
+            }
+        },
+    );
+    assert_eq!(doubts.len(), 20);
+    assert!(
+        doubted_share(&doubts, Some("not-round")) > 0.9,
+        "{doubts:?}"
+    );
+}
+
+#[test]
+fn a_stated_indentation_that_is_another_is_told() {
+    let other = Measured {
+        value: 1.15,
+        ..TOLD
+    };
+    for std in [TOLD.std, 0.0] {
+        let told = Measured { std, ..other };
+        let doubts = doubts(20, || fit(None, ROUGHLY), Some(told), |_| {});
+        assert!(doubts.len() > 15, "{}", doubts.len());
+        let share = doubted_share(&doubts, Some("other-indentation"));
+        assert!(share > 0.9, "{doubts:?}");
+    }
+}
+
+/// A marker that is off by too little to be left out, but enough to move the curvature; one that moves nothing is left in peace.
+#[test]
+fn one_marker_that_matters_is_named() {
+    let named = |slipped: usize| {
+        let doubts = doubts(
+            40,
+            || fit(None, ROUGHLY),
+            None,
+            |moved| {
+                for disc in &mut moved[slipped] {
+                    disc.tangential[0] += 0.0045;
+                }
+            },
+        );
+        let is_it = |doubt: &Doubt| matches!(doubt, Doubt::SlippedMarker { marker, .. } if *marker == slipped);
+        doubts.iter().filter(|one| one.iter().any(is_it)).count()
+    };
+    let [near, far] = [42, 24].map(named);
+    assert!(near > 15 && far == 0, "{near} and {far} of 40");
+}
+
+#[test]
+fn bad_estimates_are_refused_or_finite() {
+    let press = Press::of(0, fit(None, ROUGHLY), |_| {});
+    let good = press.estimate(None).unwrap();
+    for number in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e-300, 1e300] {
+        let mut bad = good.clone();
+        bad.most_likely_curvature = number;
+        let mut deep = good.clone();
+        deep.indentation.value = number;
+        let mut aside = good.clone();
+        aside.contact = [number; 2];
+        for estimate in [bad, deep, aside] {
+            let found = press.fit.doubts(&press.rest, &press.seen, None, &estimate);
+            for doubt in found.into_iter().flatten() {
+                assert!((0.0..=1.0).contains(&doubt.p_value()), "{doubt:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Bounds on numbers, numbers as text, and ranges and means of numbers.
+
+use super::row::Row;
+use palpate_study::number;
+
+/// Bound on a number; numbers within rounding of a limit count as equal to it.
+#[derive(Clone, Copy)]
+pub(super) enum Bound {
+    AtLeast(f64),
+    AtMost(f64),
+    Above(f64),
+    Below(f64),
+    Between(f64, f64),
+}
+
+/// Bound that accepts only `value`, up to rounding.
+pub(super) const fn is(value: f64) -> Bound {
+    Bound::Between(value, value)
+}
+
+/// Whether two numbers are equal up to the rounding of decimal text.
+pub(super) fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
+}
+
+/// Whether a number of a row is within a bound.
+pub(super) fn within(
+    number: impl Fn(&Row<'_>) -> Option<f64>,
+    bound: Bound,
+) -> impl Fn(&Row<'_>) -> bool {
+    move |row| number(row).is_some_and(|number| bound.holds(number))
+}
+
+impl Bound {
+    pub(super) fn holds(self, value: f64) -> bool {
+        match self {
+            Self::AtLeast(limit) => value >= limit || near(value, limit),
+            Self::AtMost(limit) => value <= limit || near(value, limit),
+            Self::Above(limit) => value > limit && !near(value, limit),
+            Self::Below(limit) => value < limit && !near(value, limit),
+            Self::Between(low, high) => {
+                Self::AtLeast(low).holds(value) && Self::AtMost(high).holds(value)
+            }
+        }
+    }
+
+    /// The limit of `AtLeast` or `AtMost`; none for other bounds.
+    pub(super) fn limit(self) -> Option<f64> {
+        match self {
+            Self::AtLeast(limit) | Self::AtMost(limit) => Some(limit),
+            _ => None,
+        }
+    }
+
+    pub(super) fn words(self, show: fn(f64) -> String) -> String {
+        match self {
+            Self::AtLeast(limit) => format!("at least {}", show(limit)),
+            Self::AtMost(limit) => format!("at most {}", show(limit)),
+            Self::Above(limit) => format!("more than {}", show(limit)),
+            Self::Below(limit) => format!("less than {}", show(limit)),
+            Self::Between(low, high) => span((low, high), show),
+        }
+    }
+}
+
+/// A share in percent, with three significant digits.
+pub(super) fn percent(share: f64) -> String {
+    format!("{} %", short(100.0 * share))
+}
+
+/// A number with three significant digits.
+pub(super) fn short(value: f64) -> String {
+    number::significant(value, 3)
+}
+
+/// `low to high`, formatted by `show`, or one number if both give the same text.
+pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
+    match (show(low), show(high)) {
+        (low, high) if low == high => low,
+        (low, high) => format!("{low} to {high}"),
+    }
+}
+
+/// The smallest and largest of some numbers.
+pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    values.into_iter().fold(None, |range, value| match range {
+        None => Some((value, value)),
+        Some((low, high)) => Some((value.min(low), value.max(high))),
+    })
+}
+
+/// Smallest of some numbers.
+pub(super) fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Greatest of some numbers.
+pub(super) fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Geometric mean of positive numbers.
+pub(super) fn geometric_mean(values: &[f64]) -> f64 {
+    let sum: f64 = values.iter().map(|value| libm::log(*value)).sum();
+    libm::exp(sum / values.len() as f64)
+}

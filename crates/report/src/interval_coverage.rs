@@ -1,0 +1,128 @@
+//! Coverage of the intervals of every estimator: the share that holds the true value.
+
+use crate::records::by_key;
+use crate::{Study, Table};
+use palpate_study::Statistic;
+
+/// Statistics of the coverage of intervals, and the stated coverage of each.
+pub(crate) const STATED: [(Statistic, f64); 3] = [
+    (Statistic::Coverage50, 0.50),
+    (Statistic::Coverage80, 0.80),
+    (Statistic::Coverage95, 0.95),
+];
+
+/// Coverage of the intervals of one estimator with one sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Estimator {
+    /// Kind of scene, estimator and sensor.
+    pub(crate) name: String,
+    /// Indices of the studies that have such intervals, each with the coverage in its rows.
+    pub(crate) studies: Vec<(usize, Vec<Coverage>)>,
+}
+
+/// Coverage of the intervals of a quantity in a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Coverage {
+    /// Row of the study's table.
+    pub(crate) row: usize,
+    /// Shares in the order of [`STATED`].
+    pub(crate) shares: [f64; 3],
+}
+
+impl Estimator {
+    /// Every estimator whose intervals the studies have tested, in the order of appearance. Cells with fewer than two
+    /// successful trials are left out.
+    pub(crate) fn all(studies: &[Study]) -> Vec<Self> {
+        let of_study = |(place, study): (usize, &Study)| {
+            let rows = 0..study.cells().rows();
+            let measured =
+                rows.filter_map(|row| Some((name(study, row)?, measured(study.cells(), row)?)));
+            let estimators = by_key(measured).into_iter();
+            estimators
+                .map(|(name, rows)| (name, (place, rows)))
+                .collect::<Vec<_>>()
+        };
+        let each = studies.iter().enumerate().flat_map(of_study);
+        by_key(each)
+            .into_iter()
+            .map(|(name, studies)| Self { name, studies })
+            .collect()
+    }
+
+    /// All rows of all studies.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &Coverage> {
+        self.studies.iter().flat_map(|(_, rows)| rows)
+    }
+}
+
+fn measured(table: &Table, row: usize) -> Option<Coverage> {
+    let of = |statistic: Statistic| table.statistic(row, statistic.name());
+    let successes = of(Statistic::Trials)? - of(Statistic::Failures)?;
+    let [narrowest, narrow, wide] = STATED.map(|(statistic, _)| of(statistic));
+    let shares = [narrowest?, narrow?, wide?];
+    (successes >= 2.0).then_some(Coverage { row, shares })
+}
+
+/// Kinds of scene, estimator and sensor of a row, as far as the study states them.
+fn name(study: &Study, row: usize) -> Option<String> {
+    let scene = study.text(row, "scene.kind")?;
+    let others = ["scene.estimator", "scene.sensor"].into_iter();
+    let others: Vec<&str> = others.filter_map(|path| kind(study, row, path)).collect();
+    Some(format!("{scene}: {}", others.join(", ")))
+}
+
+/// `kind` of a part of a row's scene, or the part's label if a sweep replaces it.
+fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
+    let kind = study.text(row, &format!("{path}.kind"));
+    kind.or_else(|| study.text(row, path))
+}
+
+/// Means of the shares.
+pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
+    let count = rows.clone().count().max(1) as f64;
+    [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kind;
+    use crate::{Files, Study};
+    use palpate_study::Statistic;
+
+    #[test]
+    fn kinds_are_found_behind_labels() {
+        let config = r#"
+            name = "presses"
+            [scene]
+            kind = "press"
+            estimator = { kind = "half-space" }
+            [[sweep]]
+            paths = ["scene.noise", "scene.sensor"]
+            values = [[{ label = "loud", std = 1 }, { label = "by eye", kind = "rendered" }], [{ label = "low" }, { kind = "direct" }]]
+            [[sweep]]
+            path = "scene.model"
+            values = [{ label = "soft", kind = "bonded-layer" }]
+        "#;
+        let statistics = Statistic::ALL.map(Statistic::name).join(",");
+        let rest = ",".repeat(Statistic::ALL.len() - 1);
+        let row = |cell: usize, sensor: &str| format!("{cell},{sensor},soft,q,1,{rest}\n");
+        let cells = format!(
+            "cell,scene.sensor,scene.model,quantity,unit,{statistics}\n{}{}{}",
+            row(0, "by eye"),
+            row(1, "direct"),
+            row(2, "unheard of")
+        );
+        let files = [
+            ("run.toml", config.to_owned()),
+            ("cells.csv", cells),
+            ("failures.csv", "cell,kind,count,first_trial\n".to_owned()),
+        ];
+        let study = Study::read(Files::in_memory(files)).unwrap();
+        for (row, sensor) in [(0, "rendered"), (1, "direct"), (2, "unheard of")] {
+            assert_eq!(kind(&study, row, "scene.sensor"), Some(sensor));
+            assert_eq!(kind(&study, row, "scene.model"), Some("bonded-layer"));
+            assert_eq!(kind(&study, row, "scene.estimator"), Some("half-space"));
+            assert_eq!(kind(&study, row, "scene.object"), None);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Sections of the page below those of the studies: coverage of the intervals, measurements, and glossary.
+
+use crate::interval_coverage::{Coverage, Estimator, mean_shares};
+use crate::page::least_width;
+use crate::records::Records;
+use crate::tradeoff::{Answer, AutoModel, Tradeoff};
+use crate::{Files, ReportError, Study, phrases, plot};
+use minijinja::context;
+use minijinja::value::Value;
+use palpate_study::glossary::{SUBJECTS, meaning};
+use palpate_study::label::{self, with_unit};
+use palpate_study::number::{self, finite, grouped};
+use palpate_study::{Quantity, Statistic};
+
+/// Coverage below which intervals of 95 % are reported as too narrow.
+const MIN_COVERAGE: f64 = 0.90;
+
+/// Section on the coverage of the intervals of each estimator; `None` if the studies have no intervals.
+///
+/// # Errors
+/// The figure cannot be drawn.
+pub(crate) fn coverage(studies: &[Study]) -> Result<Option<Value>, ReportError> {
+    let estimators = Estimator::all(studies);
+    if estimators.is_empty() {
+        return Ok(None);
+    }
+    let figure = plot::coverage_figure(&estimators)?;
+    let least = least_width(&figure);
+    let svg = Value::from_safe_string(figure.svg);
+    let estimators: Vec<Value> = estimators.iter().map(|it| estimator(it, studies)).collect();
+    Ok(Some(
+        context! { svg, least, estimators, short => percent(MIN_COVERAGE) },
+    ))
+}
+
+fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
+    let rows: Vec<&Coverage> = estimator.rows().collect();
+    let of_studies: Vec<Value> = estimator
+        .studies
+        .iter()
+        .map(|(place, rows)| {
+            let study = &studies[*place];
+            let lowest = rows
+                .iter()
+                .min_by(|a, b| a.shares[2].total_cmp(&b.shares[2]));
+            let lowest = lowest.map(|row| (percent(row.shares[2]), words(study, row.row)));
+            context! {
+                section => place + 1,
+                name => study.name(),
+                lowest,
+                ..counted(&rows.iter().collect::<Vec<_>>())
+            }
+        })
+        .collect();
+    context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
+}
+
+/// Number of rows, their mean coverage, and number of rows with too narrow intervals.
+fn counted(rows: &[&Coverage]) -> Value {
+    let shares = mean_shares(rows.iter().copied()).map(percent);
+    let short = rows
+        .iter()
+        .filter(|row| row.shares[2] < MIN_COVERAGE)
+        .count();
+    context! { rows => grouped(rows.len() as u64), shares, short => grouped(short as u64) }
+}
+
+/// Name of the quantity and swept values of a row.
+fn words(study: &Study, row: usize) -> String {
+    let table = study.cells();
+    let quantity = label::quantity(table.quantity(row));
+    let values = plot::swept_values(table, row);
+    std::iter::once(quantity)
+        .chain(values)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Folder that contains the folders of all studies; `None` if there is no such folder.
+pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
+    let mut parents = studies.iter().map(|study| study.dir().parent());
+    let first = parents.next()??;
+    let is_shared = parents.all(|parent| parent == Some(first));
+    is_shared.then(|| Files::in_folder(first))
+}
+
+/// Sections for `tradeoff/` and `peers.csv`, if the folder contains them.
+///
+/// # Errors
+/// A table is malformed.
+pub(crate) fn measurements(folder: &Files) -> Result<Value, ReportError> {
+    type Section = fn(&Files) -> Result<Value, ReportError>;
+    let section = |name: &str, make: Section| {
+        let there = folder.contain(name).then(|| make(folder));
+        there.transpose()
+    };
+    let tradeoff = section("tradeoff", |folder| tradeoff(&folder.within("tradeoff")))?;
+    let peers = section("peers.csv", peers)?;
+    Ok(context! { tradeoff, peers })
+}
+
+fn tradeoff(folder: &Files) -> Result<Value, ReportError> {
+    let tradeoff = Tradeoff::read(folder)?;
+    let pictures = plot::pareto_figures(&tradeoff)?;
+    let ladders = tradeoff.ladders.iter().zip(pictures);
+    let ladders: Vec<Value> = ladders
+        .map(|(ladder, picture)| {
+            let targets: Vec<String> = ladder.scenes.first().map_or(Vec::new(), |scene| {
+                scene.answers.iter().map(|it| it.target.clone()).collect()
+            });
+            let scenes: Vec<Value> = ladder
+                .scenes
+                .iter()
+                .map(|scene| {
+                    let answers: Vec<Value> = scene.answers.iter().map(answer).collect();
+                    context! { ease => &scene.ease, what => &scene.what, answers }
+                })
+                .collect();
+            context! {
+                title => &ladder.title,
+                least => least_width(&picture),
+                svg => Value::from_safe_string(picture.svg),
+                targets,
+                scenes,
+            }
+        })
+        .collect();
+    let stages = shown(Records::read(folder, "stages.csv", &[])?.into_parts());
+    let promises: Vec<Value> = tradeoff.auto_models.iter().map(auto_model).collect();
+    Ok(context! { ladders, stages, promises, machine => &tradeoff.machine })
+}
+
+fn auto_model(model: &AutoModel) -> Value {
+    context! {
+        kind => &model.kind,
+        scenes => model.scenes,
+        kept => model.successes,
+        with_rivals => model.with_rivals,
+        ratio => model.largest_ratio.map(|ratio| format!("{ratio:.2}")),
+    }
+}
+
+fn answer(answer: &Answer) -> Value {
+    let cost = phrases::cost(answer.instructions, answer.ns);
+    context! { rung => &answer.rung, cost, error => answer.error.map(number::rounded) }
+}
+
+/// Header and rows of a table.
+type Parts = (Vec<String>, Vec<Vec<String>>);
+
+/// Table of `peers.csv` with the verdicts in its second column, and the machine if all rows have the same.
+fn peers(folder: &Files) -> Result<Value, ReportError> {
+    let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
+    let machine = take_constant(&mut parts, "machine");
+    let (header, rows) = &mut parts;
+    let verdict = header.iter().position(|name| name == "verdict");
+    if let Some(verdict) = verdict.filter(|&verdict| verdict > 1) {
+        for row in std::iter::once(header).chain(rows) {
+            row[1..=verdict].rotate_right(1);
+        }
+    }
+    Ok(context! { table => shown(parts), machine })
+}
+
+/// Removes a column that is the same in all rows, and returns its text.
+fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
+    let at = header.iter().position(|column| column == name)?;
+    let constant = rows.first()?[at].clone();
+    if rows.iter().any(|row| row[at] != constant) {
+        return None;
+    }
+    for row in std::iter::once(header).chain(rows) {
+        row.remove(at);
+    }
+    Some(constant)
+}
+
+/// Table for the template, with headers in words.
+fn shown((header, rows): Parts) -> Value {
+    let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
+    let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
+    let rows: Vec<Vec<Value>> = rows.iter().map(spoken).collect();
+    context! { header, rows }
+}
+
+/// A header in words, with its unit of time in brackets.
+fn heading(name: &str) -> String {
+    let units = [("_us", "µs"), ("_ns", "ns")];
+    let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));
+    let (name, unit) = units.into_iter().find_map(split).unwrap_or((name, ""));
+    with_unit(&name.replace('_', " "), unit)
+}
+
+/// Cell of a table, and whether it is a number; a long number is rounded.
+fn spoken(cell: &str) -> Value {
+    const LONG: usize = 6;
+    match finite(cell) {
+        Some(number) if cell.len() > LONG => {
+            context! { text => number::significant(number, 4), number => true }
+        }
+        Some(_) => context! { text => cell, number => true },
+        None => context! { text => cell, number => false },
+    }
+}
+
+/// Section with the glossary of `palpate explain`: terms by subject, then quantities and statistics. Only terms have an
+/// anchor on the page.
+pub(crate) fn glossary() -> Vec<Value> {
+    let words = SUBJECTS.iter().map(|subject| {
+        let terms = subject.terms.iter();
+        let terms: Vec<Value> = terms
+            .map(|term| context! { place => place(term.name), ..entry(term.name, term.meaning) })
+            .collect();
+        context! { title => subject.title, terms }
+    });
+    let quantities = Quantity::ALL.iter();
+    let quantities: Vec<Value> = quantities.map(|one| entry(one.name, one.meaning)).collect();
+    let statistics = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
+    let statistics: Vec<Value> = statistics
+        .map(|one| entry(one.name(), one.meaning()))
+        .collect();
+    words
+        .chain([
+            context! { title => "Quantities", terms => quantities },
+            context! { title => "Statistics of them over the trials of a cell", terms => statistics },
+        ])
+        .collect()
+}
+
+fn entry(name: &str, meaning: &str) -> Value {
+    context! { name, meaning }
+}
+
+/// Anchor of a term on the page; `None` if the word is not the name of a term.
+pub(crate) fn address(word: &str) -> Option<String> {
+    let term = meaning(word)?;
+    (term.name == word).then(|| place(word))
+}
+
+/// Anchor of a term: its letters and digits, joined by dashes.
+fn place(word: &str) -> String {
+    let parts = word.split(|letter: char| !letter.is_ascii_alphanumeric());
+    let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
+    format!("word-{}", parts.join("-"))
+}

@@ -1,0 +1,212 @@
+//! Classes of shape over the grid of each cell: read from `map.csv`, and as shapes to draw.
+
+use super::selection::Request;
+use super::style::CLASSES;
+use crate::ReportError;
+use crate::records::Records;
+
+/// Columns to read, in this order.
+const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
+
+/// Index of a class in [`CLASSES`]; `None` for an empty cell of the table.
+pub(crate) type Class = Option<usize>;
+
+/// The maps of a table, in order of appearance.
+#[derive(Debug)]
+pub(crate) struct Maps {
+    /// Unit of x and y as in the table; may be empty.
+    pub(crate) unit: String,
+    pub(crate) cells: Vec<CellMap>,
+}
+
+/// Map of one cell: `side` × `side` points, x slowest.
+#[derive(Debug)]
+pub(crate) struct CellMap {
+    pub(crate) cell: u64,
+    pub(crate) side: usize,
+    /// Mean x of each line of points with the same x, rising.
+    pub(crate) x: Vec<f64>,
+    /// Mean y of each line of points with the same y, rising.
+    pub(crate) y: Vec<f64>,
+    pub(crate) estimated: Vec<Class>,
+    pub(crate) truth: Vec<Class>,
+}
+
+impl CellMap {
+    /// Share of correct points among those with a true class; `None` without true classes.
+    pub(crate) fn share_correct(&self) -> Option<f64> {
+        let known = self.truth.iter().zip(&self.estimated);
+        let known: Vec<_> = known.filter(|(truth, _)| truth.is_some()).collect();
+        let correct = known.iter().filter(|(truth, found)| truth == found).count();
+        (!known.is_empty()).then(|| correct as f64 / known.len() as f64)
+    }
+}
+
+/// Reads `map.csv`.
+pub(crate) fn read(of: Request<'_>) -> Result<Maps, ReportError> {
+    let table = Records::read(of.study.files(), "map.csv", &COLUMNS)?.filled()?;
+    let cells = table.by_cell(0)?;
+    let map = |(cell, rows): &(u64, Vec<usize>)| cell_map(of, &table, *cell, rows);
+    Ok(Maps {
+        unit: table.unit(1).to_owned(),
+        cells: cells.iter().map(map).collect::<Result<_, _>>()?,
+    })
+}
+
+fn cell_map(
+    of: Request<'_>,
+    table: &Records,
+    cell: u64,
+    rows: &[usize],
+) -> Result<CellMap, ReportError> {
+    let side = rows.len().isqrt();
+    if side * side != rows.len() {
+        let count = rows.len();
+        return Err(of.bad(format!(
+            "map.csv has {count} points of cell {cell}, which is no square grid"
+        )));
+    }
+    let column = |at: usize| -> Result<Vec<f64>, ReportError> {
+        rows.iter().map(|row| table.number(*row, at)).collect()
+    };
+    let (x, y) = (column(1)?, column(2)?);
+    let mean = |line: &dyn Fn(usize) -> f64| (0..side).map(|k| line(k) / side as f64).sum::<f64>();
+    let x: Vec<f64> = (0..side).map(|i| mean(&|j| x[i * side + j])).collect();
+    let y: Vec<f64> = (0..side).map(|j| mean(&|i| y[i * side + j])).collect();
+    for (name, lines) in [("x", &x), ("y", &y)] {
+        if lines.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Err(of.bad(format!(
+                "the points of cell {cell} in map.csv are no grid of {side} × {side} with x slowest: {name} does not rise"
+            )));
+        }
+    }
+    let classes = |at: usize| -> Result<Vec<Class>, ReportError> {
+        rows.iter().map(|row| class(table, *row, at)).collect()
+    };
+    Ok(CellMap {
+        cell,
+        side,
+        x,
+        y,
+        estimated: classes(3)?,
+        truth: classes(4)?,
+    })
+}
+
+fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportError> {
+    let text = table.text(row, column);
+    let known = CLASSES.iter().position(|(name, _)| *name == text);
+    match (known, text) {
+        (None, "") | (Some(_), _) => Ok(known),
+        (None, _) => Err(table.bad(row, column, "one of the eight classes of shape")),
+    }
+}
+
+/// Rectangle of squares of one class: lines `x.0..x.1` by `y.0..y.1` of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Band {
+    pub(crate) class: Class,
+    pub(crate) x: (usize, usize),
+    pub(crate) y: (usize, usize),
+}
+
+/// Bands of a `side` × `side` grid, x slowest. Equal neighbours along y and equal lines along x are joined.
+pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
+    let mut bands: Vec<Band> = Vec::new();
+    let mut start = 0;
+    while start < side {
+        let line = |i: usize| &classes[i * side..(i + 1) * side];
+        let same = (start..side)
+            .take_while(|i| line(*i) == line(start))
+            .count();
+        let mut along = 0;
+        for run in line(start).chunk_by(|a, b| a == b) {
+            bands.push(Band {
+                class: run[0],
+                x: (start, start + same),
+                y: (along, along + run.len()),
+            });
+            along += run.len();
+        }
+        start += same;
+    }
+    bands
+}
+
+/// Edge between squares, from one grid corner to another: (x, y), each from 0 to `side`.
+pub(crate) type Edge = [(usize, usize); 2];
+
+/// Edges between squares of different classes. Straight edges are joined.
+pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {
+    let mut edges = Vec::new();
+    for across in 1..side {
+        let mut run = |differs: &dyn Fn(usize) -> bool,
+                       corner: &dyn Fn(usize) -> (usize, usize)| {
+            let mut from = None;
+            for k in 0..=side {
+                match (k < side && differs(k), from) {
+                    (true, None) => from = Some(k),
+                    (false, Some(start)) => {
+                        edges.push([corner(start), corner(k)]);
+                        from = None;
+                    }
+                    _ => {}
+                }
+            }
+        };
+        run(
+            &|y| classes[(across - 1) * side + y] != classes[across * side + y],
+            &|y| (across, y),
+        );
+        run(
+            &|x| classes[x * side + across - 1] != classes[x * side + across],
+            &|x| (x, across),
+        );
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 × 3, x slowest:
+    /// ```text
+    /// x = 0: a a b      x = 1: a a b      x = 2: b b b
+    /// ```
+    const GRID: [Class; 9] = [
+        Some(0),
+        Some(0),
+        Some(1),
+        Some(0),
+        Some(0),
+        Some(1),
+        Some(1),
+        Some(1),
+        Some(1),
+    ];
+
+    #[test]
+    fn bands_cover_each_square_once_with_its_class() {
+        let bands = bands(3, &GRID);
+        assert_eq!(bands.len(), 3);
+        let mut covered = [None; 9];
+        for band in bands {
+            for x in band.x.0..band.x.1 {
+                for y in band.y.0..band.y.1 {
+                    assert_eq!(covered[3 * x + y], None);
+                    covered[3 * x + y] = Some(band.class);
+                }
+            }
+        }
+        assert_eq!(covered, GRID.map(Some));
+    }
+
+    #[test]
+    fn boundaries_are_straight_lines_around_the_corner() {
+        let mut found = boundaries(3, &GRID);
+        found.sort_unstable();
+        assert_eq!(found, [[(0, 2), (2, 2)], [(2, 0), (2, 2)]]);
+        assert!(boundaries(1, &GRID[..1]).is_empty());
+    }
+}

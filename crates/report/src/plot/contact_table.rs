@@ -1,0 +1,167 @@
+//! `trace.csv` and `readings.csv` of a glide: true contacts of the fingers, and readings.
+
+use crate::records::Records;
+use crate::{Files, ReportError};
+
+/// Columns of `trace.csv`, in the order read.
+const TRACE: [&str; 10] = [
+    "finger", "x", "y", "z", "normal_x", "normal_y", "normal_z", "tip_x", "tip_y", "tip_z",
+];
+/// Columns of `readings.csv`.
+const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
+
+/// Largest distance of two equal places, relative to the size of all contacts.
+const RELATIVE_TOLERANCE: f64 = 1e-6;
+
+/// A place or a direction.
+pub(crate) type Vector = [f64; 3];
+
+/// True contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    pub(crate) place: Vector,
+    /// Unit normal; `None` if the normal in the table is zero.
+    pub(crate) normal: Option<Vector>,
+    /// Centre of the fingertip.
+    pub(crate) tip: Vector,
+}
+
+/// Contacts of one finger, and its readings if they differ from the contacts.
+#[derive(Debug, Clone)]
+pub(crate) struct Finger {
+    /// Name of the finger in the table.
+    pub(crate) name: String,
+    pub(crate) touches: Vec<Touch>,
+    pub(crate) readings: Vec<Vector>,
+}
+
+/// The contacts of one pass.
+#[derive(Debug)]
+pub(crate) struct Contacts {
+    /// Unit of the places as in the table; may be empty.
+    pub(crate) unit: String,
+    /// In order of appearance, at least one, each with at least one contact.
+    pub(crate) fingers: Vec<Finger>,
+    /// Root mean square distance of a reading from its contact, if there are readings that differ and as many
+    /// as contacts.
+    pub(crate) off: Option<f64>,
+    /// Whether the centres of the fingertips differ from the contacts.
+    pub(crate) tips_apart: bool,
+}
+
+impl Touch {
+    /// End of a stroke of this length along the normal.
+    pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
+        let normal = self.normal?;
+        Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))
+    }
+}
+
+/// Reads `trace.csv` and, if there is one, `readings.csv`.
+pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
+    let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
+    let touch = |row: usize| -> Result<Touch, ReportError> {
+        Ok(Touch {
+            place: vector(&table, row, 1)?,
+            normal: unit(vector(&table, row, 4)?),
+            tip: vector(&table, row, 7)?,
+        })
+    };
+    let finger = |(name, rows): (&str, Vec<usize>)| -> Result<Finger, ReportError> {
+        Ok(Finger {
+            name: name.to_owned(),
+            touches: rows
+                .into_iter()
+                .map(touch)
+                .collect::<Result<_, ReportError>>()?,
+            readings: Vec::new(),
+        })
+    };
+    let fingers = table.by_text(0).into_iter().map(finger);
+    let mut fingers = fingers.collect::<Result<Vec<Finger>, _>>()?;
+    let size = size(&fingers);
+    let touches = || fingers.iter().flat_map(|finger| &finger.touches);
+    let tips_apart =
+        touches().any(|touch| distance(touch.place, touch.tip) > RELATIVE_TOLERANCE * size);
+    let off = match files.contain("readings.csv") {
+        true => add_readings(files, &mut fingers, size)?,
+        false => None,
+    };
+    Ok(Contacts {
+        unit: table.unit(1).to_owned(),
+        fingers,
+        off,
+        tips_apart,
+    })
+}
+
+/// Adds the readings to their fingers, unless they equal the contacts.
+fn add_readings(
+    files: &Files,
+    fingers: &mut [Finger],
+    size: f64,
+) -> Result<Option<f64>, ReportError> {
+    let table = Records::read(files, "readings.csv", &READINGS)?.filled()?;
+    let mut readings: Vec<Vec<Vector>> = vec![Vec::new(); fingers.len()];
+    for row in 0..table.rows() {
+        let at = fingers
+            .iter()
+            .position(|known| known.name == table.text(row, 0));
+        let at = at.ok_or_else(|| table.bad(row, 0, "a finger of trace.csv"))?;
+        readings[at].push(vector(&table, row, 1)?);
+    }
+    let paired = fingers
+        .iter()
+        .zip(&readings)
+        .all(|(finger, read)| finger.touches.len() == read.len());
+    let distances: Vec<f64> = fingers
+        .iter()
+        .zip(&readings)
+        .flat_map(|(finger, read)| finger.touches.iter().zip(read))
+        .map(|(touch, reading)| distance(touch.place, *reading))
+        .collect();
+    if paired
+        && distances
+            .iter()
+            .all(|distance| *distance <= RELATIVE_TOLERANCE * size)
+    {
+        return Ok(None);
+    }
+    for (finger, readings) in fingers.iter_mut().zip(readings) {
+        finger.readings = readings;
+    }
+    let mean = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
+    Ok(paired.then(|| mean.sqrt()))
+}
+
+fn vector(table: &Records, row: usize, first: usize) -> Result<Vector, ReportError> {
+    Ok([
+        table.number(row, first)?,
+        table.number(row, first + 1)?,
+        table.number(row, first + 2)?,
+    ])
+}
+
+fn unit(vector: Vector) -> Option<Vector> {
+    let length = distance(vector, [0.0; 3]);
+    (length > 0.0).then(|| vector.map(|part| part / length))
+}
+
+fn distance(a: Vector, b: Vector) -> f64 {
+    libm::hypot(libm::hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2])
+}
+
+/// The longest side of a box around all contacts.
+fn size(fingers: &[Finger]) -> f64 {
+    let side = |axis: usize| {
+        let places = fingers
+            .iter()
+            .flat_map(|finger| &finger.touches)
+            .map(|touch| touch.place[axis]);
+        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+            (low.min(at), high.max(at))
+        });
+        ends.1 - ends.0
+    };
+    side(0).max(side(1)).max(side(2))
+}

@@ -1,0 +1,96 @@
+//! Figure of the measured coverage of intervals against the stated one, one panel per estimator.
+
+use super::drawing::Figure;
+use super::scale::Scale;
+use super::series::{self, Content, Line, Plot, SeriesKey};
+use super::sheet::Words;
+use super::style::{FRAME, Marker, Style};
+use crate::ReportError;
+use crate::interval_coverage::{Estimator, STATED};
+
+/// Range of the x axis: stated shares, percent.
+const STATED_RANGE: [f64; 2] = [45.0, 99.0];
+
+/// Draws the share of the intervals that hold the true value: the median over the cells of an estimator, with bars from
+/// the 5 % to the 95 % quantile.
+pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
+    let words = Words::new(
+        "calibration-of-intervals",
+        "Do intervals hold the truth as often as they say?",
+        "Each panel is of one estimator and sensor, over the cells of all studies. Below the dashed line intervals are \
+         too narrow, above it too wide.",
+        &[],
+    );
+    let labels = [
+        "stated share of intervals that hold the true value (%)",
+        "measured share (%)",
+    ];
+    let scales = [STATED_RANGE, [0.0, 100.0]].map(|[low, high]| Scale::exactly(low, high));
+    let panels = estimators.iter().map(panel).collect();
+    let compared = ["median cell; bars: nine of ten cells", "as stated"];
+    let plot = Plot {
+        series: SeriesKey {
+            compared: Some(compared.map(str::to_owned).into()),
+            ..SeriesKey::default()
+        },
+        ..Plot::new(labels.map(str::to_owned), scales, panels)
+    };
+    series::figure(words, vec![plot])
+}
+
+fn panel(estimator: &Estimator) -> Content {
+    let mut points = Vec::new();
+    let mut bars = Vec::new();
+    for (at, (_, stated)) in STATED.into_iter().enumerate() {
+        let mut shares: Vec<f64> = estimator.rows().map(|row| row.shares[at]).collect();
+        shares.sort_by(f64::total_cmp);
+        let [low, median, high] = [0.05, 0.5, 0.95].map(|share| 100.0 * quantile(&shares, share));
+        points.push((100.0 * stated, median));
+        bars.push((100.0 * stated, [low, high]));
+    }
+    let neutral = Style {
+        colour: FRAME,
+        marker: Marker::Dot,
+    };
+    Content {
+        title: estimator.name.clone(),
+        lines: vec![
+            Line::new(
+                neutral,
+                true,
+                vec![STATED_RANGE.map(|share| (share, share)).to_vec()],
+            ),
+            Line {
+                bars,
+                ..Line::new(Style::of(0), false, vec![points])
+            },
+        ],
+        ..Content::default()
+    }
+}
+
+/// Quantile of sorted numbers, interpolated linearly; 0 without numbers.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return 0.0;
+    };
+    let place = share * last as f64;
+    let below = place as usize;
+    let above = sorted[last.min(below + 1)];
+    sorted[below] + (place - below as f64) * (above - sorted[below])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quantile;
+
+    #[test]
+    fn quantiles_lie_between_neighbours() {
+        let sorted = [1.0, 2.0, 4.0];
+        for (share, expected) in [(0.0, 1.0), (0.25, 1.5), (0.5, 2.0), (0.75, 3.0), (1.0, 4.0)] {
+            assert_eq!(quantile(&sorted, share), expected);
+        }
+        assert_eq!(quantile(&[3.0], 0.95), 3.0);
+        assert_eq!(quantile(&[], 0.5), 0.0);
+    }
+}

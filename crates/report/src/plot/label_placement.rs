@@ -1,0 +1,204 @@
+//! Placement of labels beside points, so that no label covers another label or a point.
+
+use super::lettering::width;
+use super::sheet::Point;
+
+/// Font size of a label.
+pub(super) const NAME: i32 = 45;
+/// Possible distances of a label from its point.
+const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
+/// Distance above which a label gets a line to its point.
+const MAX_WITHOUT_LEADER: i32 = 60;
+/// Number of these distances for points that are not on the front.
+const BESIDE: usize = 2;
+const DIRECTIONS: usize = 24;
+/// Half the height of a label with the space around it.
+const HALF: i32 = 28;
+/// Half the side of the square around a point that labels should not cover.
+const POINT: i32 = 18;
+
+/// Cost of a place for each thing that the label covers or crosses, in units of distance from its point.
+const HIDES_NAME: i32 = 3_000_000;
+const LEADER_CROSSES_NAME: i32 = 1_000_000;
+const HIDES_POINT: i32 = 300_000;
+const OUTSIDE: i32 = 30_000_000;
+const CROSSES_FRONT: i32 = 90;
+const HIDES_BEATEN: i32 = 90;
+const HIDES_BAR: i32 = 90;
+
+/// Label in its place.
+pub(super) struct PlacedLabel {
+    pub(super) text: String,
+    /// Left end, at the middle of its height.
+    pub(super) place: Point,
+    /// Line from the point to the label, if they are far apart.
+    pub(super) leader: Option<[Point; 2]>,
+    pub(super) bounds: Bounds,
+    /// Whether its point is on the front.
+    pub(super) of_front: bool,
+}
+
+/// A rectangle: left, top, right, bottom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bounds([i32; 4]);
+
+impl Bounds {
+    fn around((x, y): Point, half: Point) -> Self {
+        Self([x - half.0, y - half.1, x + half.0, y + half.1])
+    }
+
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let [left, top, right, bottom] = self.0;
+        let [other_left, other_top, other_right, other_bottom] = other.0;
+        left < other_right && other_left < right && top < other_bottom && other_top < bottom
+    }
+
+    fn within(&self, frame: [i32; 4]) -> bool {
+        let [left, top, right, bottom] = self.0;
+        left >= frame[0] + 6
+            && top >= frame[1] + 3
+            && right <= frame[2] - 6
+            && bottom <= frame[3] - 3
+    }
+
+    /// Whether a segment crosses it or passes close to it.
+    fn is_crossed(&self, from: Point, to: Point) -> bool {
+        along(from, to).any(|at| self.meets(&Self::around(at, (3, 3))))
+    }
+
+    /// Its place nearest to a point.
+    fn nearest(&self, (x, y): Point) -> Point {
+        let [left, top, right, bottom] = self.0;
+        (x.clamp(left, right), y.clamp(top, bottom))
+    }
+}
+
+/// Places the labels of points one after the other within a frame: first those of points on the front, each where it
+/// covers the least, then those of other points that have room. Labels also avoid `bars`.
+pub(super) fn place(
+    front: &[(String, Point)],
+    beaten: &[(String, Point)],
+    bars: &[[Point; 2]],
+    frame: [i32; 4],
+) -> Vec<PlacedLabel> {
+    let points = |named: &[(String, Point)]| named.iter().map(|(_, place)| *place).collect();
+    let [of_front, of_beaten]: [Vec<Point>; 2] = [points(front), points(beaten)];
+    let mut names: Vec<PlacedLabel> = Vec::new();
+    let all = front.iter().map(|named| (named, true));
+    for ((text, point), is_on_front) in all.chain(beaten.iter().map(|named| (named, false))) {
+        let half_width = width(text, NAME) / 2 + 6;
+        let reach = match is_on_front {
+            true => DISTANCES.len(),
+            false => BESIDE,
+        };
+        let candidates = DISTANCES[..reach].iter().flat_map(|&distance| {
+            (0..DIRECTIONS).map(move |at| candidate(*point, half_width, distance, at))
+        });
+        let covers = |bounds: &Bounds| {
+            let covered = bars
+                .iter()
+                .filter(|[low, high]| bounds.is_crossed(*low, *high));
+            HIDES_BAR * covered.count() as i32
+        };
+        let hidden = |bounds: &Bounds| {
+            covers(bounds) + hidden(bounds, *point, &names, &of_front, &of_beaten, frame)
+        };
+        let best = candidates.min_by_key(|(distance, bounds)| distance + hidden(bounds));
+        let best = best.filter(|(_, bounds)| is_on_front || hidden(bounds) == 0);
+        let Some((distance, bounds)) = best else {
+            continue;
+        };
+        let [left, top, _, bottom] = bounds.0;
+        names.push(PlacedLabel {
+            text: text.clone(),
+            place: (left + 6, (top + bottom) / 2),
+            leader: (distance > MAX_WITHOUT_LEADER).then(|| [*point, bounds.nearest(*point)]),
+            bounds,
+            of_front: is_on_front,
+        });
+    }
+    names
+}
+
+/// Label at a distance in one of the directions; direction 0 is to the right.
+fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
+    let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
+    let (sine, cosine) = libm::sincos(angle);
+    let along = |part: f64, length: i32| (part * f64::from(length)) as i32;
+    let centre = (
+        x + along(cosine, distance + half_width),
+        y - along(sine, distance + HALF),
+    );
+    (distance, Bounds::around(centre, (half_width, HALF)))
+}
+
+/// Cost of a place: the things that a label there covers or crosses.
+fn hidden(
+    bounds: &Bounds,
+    own: Point,
+    names: &[PlacedLabel],
+    front: &[Point],
+    beaten: &[Point],
+    frame: [i32; 4],
+) -> i32 {
+    let mut cost = if bounds.within(frame) { 0 } else { OUTSIDE };
+    let point = |place: &&Point| bounds.meets(&Bounds::around(**place, (POINT, POINT)));
+    cost += HIDES_POINT * front.iter().filter(point).count() as i32;
+    cost += HIDES_BEATEN * beaten.iter().filter(point).count() as i32;
+    let leader = bounds.nearest(own);
+    for name in names {
+        if bounds.meets(&name.bounds) {
+            cost += HIDES_NAME;
+        } else if name.bounds.is_crossed(own, leader) {
+            cost += LEADER_CROSSES_NAME;
+        }
+        if let Some([from, to]) = name.leader
+            && bounds.is_crossed(from, to)
+        {
+            cost += HIDES_NAME;
+        }
+    }
+    let crossings = front.windows(2);
+    let crossings = crossings.filter(|pair| bounds.is_crossed(pair[0], pair[1]));
+    cost + CROSSES_FRONT * crossings.count() as i32
+}
+
+/// Places along a segment.
+fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
+    (0..=40).map(move |step| {
+        let on_the_way = |from: i32, to: i32| from + step * (to - from) / 40;
+        (on_the_way(from.0, to.0), on_the_way(from.1, to.1))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_label_covers_a_label_or_a_point_even_between_close_points() {
+        let named: Vec<(String, Point)> = (0..9)
+            .map(|at| {
+                let place = (240 + 75 * at, 60 + 33 * at);
+                (format!("RK4 × {}, Montana", 1 << at), place)
+            })
+            .collect();
+        let names = place(&named, &[], &[], [0, 0, 2100, 690]);
+        assert_eq!(names.len(), named.len());
+        for (at, name) in names.iter().enumerate() {
+            assert!(name.bounds.within([0, 0, 2100, 690]), "{}", name.text);
+            for other in &names[..at] {
+                assert!(
+                    !name.bounds.meets(&other.bounds),
+                    "{} {}",
+                    name.text,
+                    other.text
+                );
+            }
+            for (_, point) in &named {
+                let point = Bounds::around(*point, (POINT, POINT));
+                assert!(!name.bounds.meets(&point), "{}", name.text);
+            }
+        }
+    }
+}

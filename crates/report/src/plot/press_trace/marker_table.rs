@@ -1,0 +1,192 @@
+//! `trace.csv` and `readings.csv` of a press: true and read displacements of the markers.
+
+use crate::records::Records;
+use crate::{Files, ReportError, phrases};
+use palpate_study::label::spoken_unit;
+use palpate_study::number;
+
+/// Columns of `trace.csv`, in the order read.
+const TRACE: [&str; 6] = [
+    "x",
+    "y",
+    "radial_position",
+    "normal_displacement",
+    "tangential_x",
+    "tangential_y",
+];
+/// Columns of `readings.csv`; the last two may be missing.
+const READINGS: [&str; 5] = [
+    "x",
+    "y",
+    "normal_displacement",
+    "tangential_x",
+    "tangential_y",
+];
+/// Largest difference between equal places, relative to the largest coordinate.
+const RELATIVE_TOLERANCE: f64 = 1e-6;
+
+/// Displacement of a marker.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Displacement {
+    /// Inward.
+    pub(super) normal: f64,
+    /// Along the skin, in the axes of the marker's place; `None` if it was not read.
+    pub(super) tangential: Option<[f64; 2]>,
+}
+
+/// Marker on the skin.
+#[derive(Debug, Clone)]
+pub(super) struct Marker {
+    /// Place of the marker on the skin at rest.
+    pub(super) place: [f64; 2],
+    /// Distance from the contact.
+    pub(super) radial: f64,
+    pub(super) truth: Displacement,
+    /// `None` if the marker was not tracked.
+    pub(super) reading: Option<Displacement>,
+}
+
+/// A press.
+#[derive(Debug)]
+pub(super) struct Trace {
+    /// Unit of all lengths, as in the tables; may be empty.
+    pub(super) unit: String,
+    /// At least one, in the order of `trace.csv`.
+    pub(super) markers: Vec<Marker>,
+    /// Whether displacements along the skin were read.
+    pub(super) reads_tangential: bool,
+}
+
+/// Reads both files.
+pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
+    let trace = Records::read(files, "trace.csv", &TRACE)?.filled()?;
+    one_unit(&trace, trace.unit(0), TRACE.len())?;
+    let mut markers = (0..trace.rows())
+        .map(|row| {
+            Ok(Marker {
+                place: pair(&trace, row, 0)?,
+                radial: trace.number(row, 2)?,
+                truth: Displacement {
+                    normal: trace.number(row, 3)?,
+                    tangential: Some(pair(&trace, row, 4)?),
+                },
+                reading: None,
+            })
+        })
+        .collect::<Result<Vec<Marker>, ReportError>>()?;
+
+    let read = |columns| Records::read(files, "readings.csv", columns);
+    let (readings, reads_tangential) = match read(&READINGS) {
+        Err(ReportError::MissingColumn { column, .. }) if column == READINGS[3] => {
+            (read(&READINGS[..3])?, false)
+        }
+        other => (other?, true),
+    };
+    let columns = if reads_tangential { 5 } else { 3 };
+    one_unit(&readings, trace.unit(0), columns)?;
+    add_readings(&readings, reads_tangential, &mut markers)?;
+    Ok(Trace {
+        unit: trace.unit(0).to_owned(),
+        markers,
+        reads_tangential,
+    })
+}
+
+/// Checks that all of the first `columns` are in this unit.
+fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
+    match (0..columns).find(|column| table.unit(*column) != unit) {
+        None => Ok(()),
+        Some(column) => Err(table.in_another_unit(column, unit)),
+    }
+}
+
+fn pair(table: &Records, row: usize, first: usize) -> Result<[f64; 2], ReportError> {
+    Ok([table.number(row, first)?, table.number(row, first + 1)?])
+}
+
+/// Adds each reading to the marker at its place. A marker has at most one reading.
+fn add_readings(
+    table: &Records,
+    with_tangential: bool,
+    markers: &mut [Marker],
+) -> Result<(), ReportError> {
+    let coordinates = markers.iter().flat_map(|marker| marker.place);
+    let near = RELATIVE_TOLERANCE * coordinates.map(f64::abs).fold(0.0, f64::max);
+    let mut by_x: Vec<usize> = (0..markers.len()).collect();
+    by_x.sort_by(|a, b| markers[*a].place[0].total_cmp(&markers[*b].place[0]));
+    for row in 0..table.rows() {
+        let [x, y] = pair(table, row, 0)?;
+        let first = by_x.partition_point(|marker| markers[*marker].place[0] < x - near);
+        let found = by_x[first..]
+            .iter()
+            .take_while(|marker| markers[**marker].place[0] <= x + near)
+            .find(|marker| {
+                let Marker { place, reading, .. } = &markers[**marker];
+                reading.is_none() && (place[1] - y).abs() <= near
+            });
+        let marker = *found.ok_or_else(|| {
+            table.bad(row, 0, "the place of a marker of trace.csv, once for each")
+        })?;
+        markers[marker].reading = Some(Displacement {
+            normal: table.number(row, 2)?,
+            tangential: with_tangential.then(|| pair(table, row, 3)).transpose()?,
+        });
+    }
+    Ok(())
+}
+
+impl Trace {
+    /// Number of markers without a reading.
+    pub(super) fn lost(&self) -> usize {
+        let lost = |marker: &&Marker| marker.reading.is_none();
+        self.markers.iter().filter(lost).count()
+    }
+
+    /// Root mean square error of the readings: of the normal displacement, and of the distance between the read and the
+    /// true place along the skin.
+    pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
+        let read = || {
+            let markers = self.markers.iter();
+            markers.filter_map(|marker| Some((marker.truth, marker.reading?)))
+        };
+        let normal = read().map(|(truth, reading)| reading.normal - truth.normal);
+        let tangential = read().filter_map(|(truth, reading)| {
+            let ([x, y], [read_x, read_y]) = (truth.tangential?, reading.tangential?);
+            Some(libm::hypot(read_x - x, read_y - y))
+        });
+        (rms(normal), rms(tangential))
+    }
+
+    /// Text with the number of markers, the number without a reading, and the error of the readings.
+    pub(super) fn subtitle(&self) -> String {
+        let count = self.markers.len();
+        let mut markers = format!("{count} marker{}", if count == 1 { "" } else { "s" });
+        if self.lost() > 0 {
+            markers += &format!(", {} without a reading", self.lost());
+        }
+        let (normal, tangential) = self.off();
+        let text = |off: Option<f64>, of: &str| Some(format!("{} {of}", self.length(off?, 3)));
+        let off = [text(normal, "inward"), text(tangential, "along the skin")];
+        let off: Vec<String> = off.into_iter().flatten().collect();
+        if !off.is_empty() {
+            markers += &format!("; rms error {}", off.join(", "));
+        }
+        phrases::sentence(&[], &markers)
+    }
+
+    /// A length with its unit.
+    pub(super) fn length(&self, length: f64, digits: usize) -> String {
+        let text = format!(
+            "{} {}",
+            number::significant(length, digits),
+            spoken_unit(&self.unit)
+        );
+        text.trim_end().to_owned()
+    }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
+    let squares: f64 = values.iter().map(|value| value * value).sum();
+    (!values.is_empty()).then(|| (squares / values.len() as f64).sqrt())
+}

@@ -1,0 +1,237 @@
+//! Direction away from the contact, whose place is found from the markers' distances to it.
+
+/// Steps of the search for the curvature of the skin, and bisections of the step found.
+const STEPS: u32 = 60;
+const REFINEMENTS: u32 = 60;
+/// Largest curvature of the skin, times the largest distance: the half circle from pole to pole.
+const ROUNDEST: f64 = 3.1;
+/// Ridge of the least squares, relative to the trace of the matrix, for directions that the places do not determine.
+const RIDGE: f64 = 1e-13;
+/// Largest distance of a marker at the contact, relative to the largest distance of all.
+const AT_CONTACT: f64 = 1e-6;
+
+/// Unit vector away from the contact at each place, in the apex's axes carried along the meridian of the place; `None` at
+/// the contact. `places` are logarithm maps from the apex of a spherical skin of any radius, `distances` their great-circle
+/// distances from the contact.
+pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
+    let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
+    let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
+    if size <= f64::MIN_POSITIVE {
+        return vec![None; places.len()];
+    }
+    let places: Vec<[f64; 2]> = places.iter().map(|p| p.map(|part| part / size)).collect();
+    let distances: Vec<f64> = distances.iter().map(|d| d / size).collect();
+    let contact = |curvature: f64| Contact::fitted(curvature, &places, &distances);
+
+    let step = ROUNDEST / f64::from(STEPS);
+    let coarse = (0..=STEPS).map(|k| contact(f64::from(k) * step));
+    let Some(best) = coarse.min_by(|a, b| a.misfit.total_cmp(&b.misfit)) else {
+        return vec![None; places.len()];
+    };
+    let (mut low, mut high) = ((best.curvature - step).max(0.0), best.curvature + step);
+    let mut best = best;
+    for _ in 0..REFINEMENTS {
+        let (a, b) = (low + (high - low) * 0.382, low + (high - low) * 0.618);
+        let (first, second) = (contact(a), contact(b));
+        let better = if first.misfit <= second.misfit {
+            high = b;
+            first
+        } else {
+            low = a;
+            second
+        };
+        if better.misfit < best.misfit {
+            best = better;
+        }
+    }
+    places.iter().map(|place| best.away_at(*place)).collect()
+}
+
+/// Contact on a sphere of this curvature, with the apex at the origin and the centre below it.
+struct Contact {
+    curvature: f64,
+    place: [f64; 3],
+    /// Sum of squared differences of squared chords.
+    misfit: f64,
+}
+
+impl Contact {
+    /// Fits the contact C, so that its chords to the places p agree best with the distances. With the apex as origin and
+    /// the radius R, |p − C|² = |p|² − 2 p·C − 2 R C_z, which is linear in C_x, C_y and R C_z.
+    fn fitted(curvature: f64, places: &[[f64; 2]], distances: &[f64]) -> Self {
+        let chord = |length: f64| length * over(0.5 * length * curvature);
+        let rows: Vec<([f64; 3], f64)> = places
+            .iter()
+            .zip(distances)
+            .map(|(place, distance)| {
+                let length = libm::hypot(place[0], place[1]);
+                let [x, y, _] = on_sphere(*place, curvature);
+                let cosine = libm::cos(length * curvature);
+                let difference = chord(length).powi(2) - chord(*distance).powi(2);
+                ([2.0 * x, 2.0 * y, 2.0 * cosine], difference)
+            })
+            .collect();
+        let solution = least_squares(&rows);
+        let misfit = rows
+            .iter()
+            .map(|(row, value)| (dot(*row, solution) - value).powi(2));
+        Self {
+            curvature,
+            place: [solution[0], solution[1], curvature * solution[2]],
+            misfit: misfit.sum(),
+        }
+    }
+
+    /// The unit vector away from the contact, in the axes of `place`.
+    fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
+        let length = libm::hypot(place[0], place[1]);
+        let [x, y, z] = on_sphere(place, self.curvature);
+        let from = [x - self.place[0], y - self.place[1], z - self.place[2]];
+        let (sin, cos) = libm::sincos(length * self.curvature);
+        let (east, north) = if length > 0.0 {
+            (place[0] / length, place[1] / length)
+        } else {
+            (1.0, 0.0)
+        };
+        let along = dot(from, [cos * east, cos * north, -sin]);
+        let across = dot(from, [-north, east, 0.0]);
+        let far = libm::hypot(along, across);
+        let in_axes = [
+            (along * east - across * north) / far,
+            (along * north + across * east) / far,
+        ];
+        (far > AT_CONTACT).then_some(in_axes)
+    }
+}
+
+/// Position in space of a place on the skin.
+fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
+    let length = libm::hypot(place[0], place[1]);
+    let stretch = over(length * curvature);
+    let chord = length * over(0.5 * length * curvature);
+    [
+        stretch * place[0],
+        stretch * place[1],
+        -0.5 * curvature * chord * chord,
+    ]
+}
+
+/// sin(x)/x.
+fn over(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { libm::sin(x) / x }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Least squares solution of the rows; the shortest if there are several.
+fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
+    let sum =
+        |term: &dyn Fn(&[f64; 3], f64) -> f64| rows.iter().map(|(r, v)| term(r, *v)).sum::<f64>();
+    let mut matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| sum(&|row, _| row[i] * row[j])));
+    let right = [0, 1, 2].map(|i| sum(&|row, value| row[i] * value));
+    let ridge = RIDGE * (matrix[0][0] + matrix[1][1] + matrix[2][2]).max(f64::MIN_POSITIVE);
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row[i] += ridge;
+    }
+    // Cramer's rule.
+    let column = |j: usize| [matrix[0][j], matrix[1][j], matrix[2][j]];
+    let volume = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| dot(a, cross(b, c));
+    let whole = volume(column(0), column(1), column(2));
+    let [x, y, z] = [
+        volume(right, column(1), column(2)),
+        volume(column(0), right, column(2)),
+        volume(column(0), column(1), right),
+    ];
+    if whole > 0.0 {
+        [x / whole, y / whole, z / whole]
+    } else {
+        [0.0; 3]
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `vector` carried from the apex to the place: turned by its polar angle about the horizontal axis (Rodrigues).
+    fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
+        let length = libm::hypot(place[0], place[1]);
+        let axis = if length > 0.0 {
+            [-place[1] / length, place[0] / length, 0.0]
+        } else {
+            [0.0, 1.0, 0.0]
+        };
+        let (sin, cos) = libm::sincos(length / radius);
+        let (side, share) = (cross(axis, vector), dot(axis, vector) * (1.0 - cos));
+        [0, 1, 2].map(|k| vector[k] * cos + side[k] * sin + axis[k] * share)
+    }
+
+    fn markers(scale: f64) -> Vec<[f64; 2]> {
+        let grid = |k: i32| [f64::from(k % 7 - 3), f64::from(k / 7 - 3)];
+        (0..49)
+            .map(|k| grid(k).map(|part| part * 6.0 * scale))
+            .collect()
+    }
+
+    #[test]
+    fn outward_is_the_gradient_of_the_distance() {
+        for (scale, contact) in [
+            (1.0, [0.0, 0.0]),
+            (1.0, [5.0, -3.0]),
+            (1.0, [6.0, 6.0]),
+            (1e-9, [9e-9, 2e-9]),
+            (1e9, [-4e9, 7e9]),
+        ] {
+            let (radius, places) = (20.0 * scale, markers(scale));
+            let pole = [0.0, 0.0, 1.0];
+            let centre = carried(pole, contact, radius);
+            let at = |place: [f64; 2]| carried(pole, place, radius);
+            let distance = |place: &[f64; 2]| {
+                let (a, b) = (at(*place), centre);
+                let sine = dot(cross(a, b), cross(a, b)).sqrt();
+                radius * libm::atan2(sine, dot(a, b))
+            };
+            let distances: Vec<f64> = places.iter().map(distance).collect();
+            let found = outward(&places, &distances);
+            for ((place, found), distance) in places.iter().zip(found).zip(&distances) {
+                if *distance < 1e-9 * radius {
+                    assert_eq!(found, None);
+                    continue;
+                }
+                // The gradient of the angle between the place and the contact.
+                let sine = libm::sin(distance / radius);
+                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+                let true_one = axes.map(|axis| -dot(carried(axis, *place, radius), centre) / sine);
+                let [x, y] = found.unwrap();
+                let off = libm::hypot(x - true_one[0], y - true_one[1]);
+                assert!(off < 1e-5, "{contact:?} {place:?}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn few_and_odd_markers_have_a_direction_or_none() {
+        assert_eq!(outward(&[[3.0, 4.0]], &[5.0]), [Some([0.6, 0.8])]);
+        assert_eq!(outward(&[[0.0, 0.0]], &[0.0]), [None]);
+        let row = [[-2.0, 0.0], [0.0, 0.0], [2.0, 0.0]];
+        let found = outward(&row, &[2.0, 0.0, 2.0]);
+        assert_eq!(found, [Some([-1.0, 0.0]), None, Some([1.0, 0.0])]);
+        for odd in [5e-324, 1e100] {
+            for away in [0.0, odd, -odd] {
+                let found = outward(&[[odd, odd], [-odd, 0.0]], &[away, 0.0]);
+                let finite = |[x, y]: [f64; 2]| x.is_finite() && y.is_finite();
+                assert!(found.into_iter().flatten().all(finite), "{odd} {away}");
+            }
+        }
+    }
+}

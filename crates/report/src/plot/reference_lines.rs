@@ -1,0 +1,128 @@
+//! Reference lines and reference points that a `[[plot]]` states.
+
+use super::scale::Spacing;
+use super::series::{Mark, OPEN_MARKER, PointSet};
+use super::style::{FRAME, Style};
+use crate::records::distinct;
+use crate::table::same;
+use palpate_study::{config, number};
+use plotters::style::Color;
+
+/// Axis of a plot, with the factor from numbers of the table to displayed numbers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisScale {
+    pub(crate) name: char,
+    pub(crate) spacing: Spacing,
+    /// Factor from numbers of the table to displayed numbers.
+    pub(crate) factor: f64,
+}
+
+impl AxisScale {
+    /// Displayed number for `value`. The error says why the `what` there cannot be drawn.
+    fn place(self, value: f64, what: &str) -> Result<f64, String> {
+        let place = value * self.factor;
+        let refused = |why| {
+            format!(
+                "the {what} at {} = {} is {why}",
+                self.name,
+                number::exact(value)
+            )
+        };
+        self.spacing
+            .refusal(place)
+            .map_or(Ok(place), |why| Err(refused(why)))
+    }
+}
+
+/// Reference lines of a plot; the error says why one cannot be drawn.
+pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Vec<Mark>, String> {
+    let place = |mark: &config::Mark| {
+        let on_x = mark.axis == config::MarkAxis::X;
+        let along = if on_x { x } else { y };
+        Ok(Mark {
+            on_x,
+            at: along.place(mark.value, "mark")?,
+            label: mark.label.clone(),
+            style: FRAME.stroke_width(4),
+        })
+    };
+    marks.iter().map(place).collect()
+}
+
+/// Sets of reference points, each with its panel.
+#[derive(Debug, Default)]
+pub(crate) struct Points {
+    sets: Vec<(Option<String>, PointSet)>,
+}
+
+impl Points {
+    /// Places the points of a plot. `series` returns the style of a series by name, and `panels` are the values of the
+    /// panels. The error says why a set cannot be drawn.
+    pub(crate) fn of(
+        points: &[config::Points],
+        [x, y]: [AxisScale; 2],
+        panels: &[&str],
+        series: impl Fn(&str) -> Result<Style, String>,
+    ) -> Result<Self, String> {
+        let labels = distinct(points.iter().map(|set| &set.label));
+        let mut sets = Vec::new();
+        for set in points {
+            let label = &set.label;
+            if let Some(panel) = &set.panel
+                && !panels.iter().any(|shown| same(shown, panel))
+            {
+                let shown = panels.join(", ");
+                return Err(format!(
+                    "the points {label:?} are of the panel {panel:?}; shown: {shown}"
+                ));
+            }
+            let shape = labels.iter().position(|known| *known == label);
+            let look = Style::open(shape.unwrap_or(0));
+            let of_series = set.series.as_deref().map(&series).transpose();
+            let of_series = of_series.map_err(|why| format!("the points {label:?}: {why}"))?;
+            let place = |(a, b): (&f64, &f64)| Ok((x.place(*a, "point")?, y.place(*b, "point")?));
+            let placed = PointSet {
+                label: label.clone(),
+                style: Style {
+                    colour: of_series.unwrap_or(look).colour,
+                    ..look
+                },
+                size: OPEN_MARKER,
+                at: set
+                    .x
+                    .iter()
+                    .zip(&set.y)
+                    .map(place)
+                    .collect::<Result<_, String>>()?,
+            };
+            sets.push((set.panel.clone(), placed));
+        }
+        Ok(Self { sets })
+    }
+
+    /// Sets of points in the panel of this value, including sets without a panel.
+    pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
+        let here = |panel: &Option<String>| match (panel, value) {
+            (Some(panel), Some(value)) => same(panel, value),
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        let sets = self.sets.iter().filter(|(panel, _)| here(panel));
+        sets.map(|(_, set)| set.clone()).collect()
+    }
+
+    /// Label and style of each set; the colour is neutral if points of one label differ in colour.
+    pub(crate) fn legend(&self) -> Vec<(String, Style)> {
+        let mut entries: Vec<(String, Style)> = Vec::new();
+        for (_, set) in &self.sets {
+            match entries.iter_mut().find(|(label, _)| *label == set.label) {
+                Some((_, style)) if style.colour != set.style.colour => {
+                    style.colour = Style::open(0).colour;
+                }
+                Some(_) => {}
+                None => entries.push((set.label.clone(), set.style)),
+            }
+        }
+        entries
+    }
+}

@@ -1,0 +1,98 @@
+//! The contact equations: their forms, and the velocity of the contact.
+
+use nalgebra::{Point3, Vector2, Vector3};
+use palpate_geometry::{CurvatureForm, TangentForm};
+
+use crate::integrator::System;
+use crate::{Contact, Motion, RollFault};
+
+/// The form of the contact equations that is integrated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chart {
+    /// Without charts, so without poles.
+    #[default]
+    Free,
+    /// Montana's form in charts, with a motion that is steady in this frame.
+    Montana(HeldAxis),
+}
+
+/// The frame in which a motion is steady.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HeldAxis {
+    /// The frame that is parallel-transported along the path: "a fixed axis in the instantaneous contact frame".
+    #[default]
+    Transported,
+    /// The Gauss frame of the probe's chart, which also twists. Both frames are equal along a line of symmetry.
+    Chart,
+}
+
+impl Chart {
+    /// The name of the form, for use after the name of an integrator.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Free => "chart-free",
+            Self::Montana(_) => "in charts",
+        }
+    }
+}
+
+/// The contact equations in one form.
+pub(crate) trait ContactEquations<const N: usize>: System<N> {
+    fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
+
+    /// The contact point on the object. It also exists after the contact has ended.
+    fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
+}
+
+/// The contact's velocity c on the object in the tangent basis `(x, y)` of `object`, from `(K₁ + K₂) c = drive` (in
+/// orthonormal axes).
+///
+/// With `W = |∇F|`, multiplied by `W` along `x` and by `W²` along `y`, the equations are:
+///
+/// ```text
+/// [ W/R₁ + F_xx        F_xy     ] [c_x]   [ W  drive_x ]
+/// [     F_xy      W³/R₁ + F_yy  ] [c_y] = [ W² drive_y ]
+/// ```
+#[inline]
+pub(crate) fn contact_velocity(
+    probe_curvature: f64,
+    object: &TangentForm,
+    drive: &Vector2<f64>,
+) -> Result<Vector2<f64>, RollFault> {
+    let (w, ww) = (object.steepness, object.steepness_squared);
+    let a11 = probe_curvature * w + object.xx;
+    let a22 = probe_curvature * ww * w + object.yy;
+    let a12 = object.xy;
+    let determinant = a11 * a22 - a12 * a12;
+    // Positive definite, beyond the rounding errors of the sums.
+    let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
+    if !(a11 > 0.0 && determinant > floor) {
+        return Err(conforming(probe_curvature, *object, determinant));
+    }
+    let (g1, g2) = (w * drive.x, ww * drive.y);
+    Ok(Vector2::new(
+        (a22 * g1 - a12 * g2) / determinant,
+        (a11 * g2 - a12 * g1) / determinant,
+    ))
+}
+
+/// The velocities of the contact on the object and on the probe, in the contact frame.
+pub(crate) fn contact_velocities(
+    radius: f64,
+    object: &CurvatureForm,
+    motion: &Motion,
+) -> Result<(Vector2<f64>, Vector2<f64>), RollFault> {
+    let form = TangentForm::of_unit_normal(Vector3::z(), *object);
+    let on_object = contact_velocity(1.0 / radius, &form, &motion.drive_on_object(radius))?;
+    Ok((on_object, on_object - motion.sliding))
+}
+
+#[cold]
+fn conforming(probe_curvature: f64, object: TangentForm, determinant: f64) -> RollFault {
+    let relative_curvature = probe_curvature + object.curvature().principal().k_min;
+    if determinant.is_finite() && relative_curvature.is_finite() {
+        RollFault::Conforming { relative_curvature }
+    } else {
+        RollFault::NotFinite
+    }
+}

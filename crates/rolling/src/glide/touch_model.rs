@@ -1,0 +1,201 @@
+//! Models that find the contact of a gliding fingertip.
+
+use nalgebra::Vector2;
+use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_statistics::Number;
+use thiserror::Error;
+
+use super::search::ACCEPTED_MISS;
+use super::touch::{Fingertip, Foot, GlideError};
+use crate::Model;
+
+/// A model that finds the contact of a fingertip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TouchModel {
+    /// The closed form if there is one, otherwise Newton's method with this tolerance.
+    Auto {
+        /// Largest error of the contact's position, relative to the tip's radius, from [`Model::SMALLEST_TOLERANCE`] to
+        /// [`Model::LARGEST_TOLERANCE`].
+        tolerance: f64,
+    },
+    /// Only the closed form. It exists for points, and for round tips on planes, spheres, dishes and cylinders.
+    ClosedForm,
+    /// Newton's method on the offset surface of a round tip.
+    Newton {
+        /// Largest error of the contact's position, as in [`TouchModel::Auto`].
+        tolerance: f64,
+    },
+}
+
+impl Default for TouchModel {
+    fn default() -> Self {
+        Self::Auto {
+            tolerance: Self::DEFAULT_TOLERANCE,
+        }
+    }
+}
+
+impl TouchModel {
+    /// Default tolerance, relative to the tip's radius.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-12;
+}
+
+/// A glide that cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum InvalidTouch {
+    /// The fingertip has an invalid radius.
+    #[error("{0}")]
+    Tip(#[from] InvalidShape),
+    /// The set rung cannot compute these contacts.
+    #[error("the {rung} rung cannot do this: {reason}")]
+    Unsupported {
+        /// Name of the rung.
+        rung: &'static str,
+        /// The reason, in words.
+        reason: String,
+    },
+    /// The tolerance is out of range.
+    #[error(
+        "tolerance is {tolerance}; it must be from {} to {}",
+        Number(Model::SMALLEST_TOLERANCE),
+        Number(Model::LARGEST_TOLERANCE),
+        tolerance = Number(*tolerance)
+    )]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+}
+
+/// A rung that finds contacts, ready to use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum TouchRung {
+    /// A point touches vertically below.
+    Point,
+    Offset(Offset),
+    Newton {
+        radius: f64,
+        tolerance: f64,
+    },
+}
+
+impl TouchRung {
+    pub(super) fn cheapest(object: &Shape, fingertip: Fingertip, tolerance: f64) -> Self {
+        match fingertip {
+            Fingertip::Point => Self::Point,
+            Fingertip::Sphere { radius } => {
+                let newton = Self::Newton { radius, tolerance };
+                Offset::of(object, radius).map_or(newton, Self::Offset)
+            }
+        }
+    }
+
+    /// The rung of `model`.
+    pub(super) fn new(
+        model: TouchModel,
+        object: &Shape,
+        fingertip: Fingertip,
+    ) -> Result<Self, InvalidTouch> {
+        let unsupported = |rung, reason| Err(InvalidTouch::Unsupported { rung, reason });
+        let tolerance = match model {
+            TouchModel::Auto { tolerance } | TouchModel::Newton { tolerance } => tolerance,
+            TouchModel::ClosedForm => TouchModel::DEFAULT_TOLERANCE,
+        };
+        if !(Model::SMALLEST_TOLERANCE..=Model::LARGEST_TOLERANCE).contains(&tolerance) {
+            return Err(InvalidTouch::Tolerance { tolerance });
+        }
+        match (
+            model,
+            fingertip,
+            Self::cheapest(object, fingertip, tolerance),
+        ) {
+            (TouchModel::ClosedForm, _, Self::Newton { .. }) => {
+                let reason = format!("a round tip on a {} has no closed form", object.name());
+                unsupported("closed form", reason)
+            }
+            (TouchModel::Newton { .. }, Fingertip::Point, _) => {
+                unsupported("Newton", "a point touches straight below".to_owned())
+            }
+            (TouchModel::Newton { .. }, Fingertip::Sphere { radius }, _) => {
+                Ok(Self::Newton { radius, tolerance })
+            }
+            (TouchModel::Auto { .. } | TouchModel::ClosedForm, _, cheapest) => Ok(cheapest),
+        }
+    }
+}
+
+/// The surface on which the centre of a round tip lies. For planes, spheres, dishes and cylinders it is of the same kind as
+/// the object.
+///
+/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. The contact is on the
+/// line from there to the object's centre or axis. Seen from above, the contact is at `R/(R ± r)` of the distance to the
+/// tip's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Offset {
+    kind: Kind,
+    pub(super) tip_radius: f64,
+    /// Radius of the object, length; 1 for a plane.
+    radius: f64,
+    /// Radius of the offset surface, length; 1 for a plane.
+    offset_radius: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Plane,
+    /// Offset of a sphere or dish, whose normals point away from or to a centre.
+    Round,
+    /// Offset of a cylinder, whose normals point away from an axis.
+    Cylinder(Vector2<f64>),
+}
+
+impl Offset {
+    /// The offset of `object` for a tip of `tip_radius`; `None` if the offset is of another kind.
+    pub(super) fn of(object: &Shape, tip_radius: f64) -> Option<Self> {
+        let (kind, radius, outwards) = match object {
+            Shape::Plane(_) => (Kind::Plane, 1.0, 0.0),
+            Shape::Sphere(sphere) => (Kind::Round, sphere.radius(), tip_radius),
+            Shape::Dish(dish) => (Kind::Round, dish.radius(), -tip_radius),
+            Shape::Cylinder(cylinder) => {
+                let axis = cylinder.axis().xy();
+                (Kind::Cylinder(axis), cylinder.radius(), tip_radius)
+            }
+            _ => return None,
+        };
+        Some(Self {
+            kind,
+            tip_radius,
+            radius,
+            offset_radius: radius + outwards,
+        })
+    }
+
+    /// The contact of the tip that is held above `centre`.
+    pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
+        // The dish is as tight as the tip, or tighter.
+        if self.offset_radius <= ACCEPTED_MISS * self.radius {
+            return Err(GlideError::two_contacts(self.tip_radius, &centre));
+        }
+        let base = match self.kind {
+            Kind::Plane => centre,
+            Kind::Round => Vector2::zeros(),
+            Kind::Cylinder(axis) => axis * axis.dot(&centre),
+        };
+        let out = centre - base;
+        if self.kind != Kind::Plane && out.norm() >= self.offset_radius {
+            return Err(GlideError::contact_lost(self.tip_radius, &centre));
+        }
+        let at = base + out * (self.radius / self.offset_radius);
+        let foot = Foot::at(object, object.contact_at(at.x, at.y)?)?;
+        if foot.normal.z <= 0.0 {
+            return Err(GlideError::contact_lost(self.tip_radius, &centre));
+        }
+        let miss = (foot.tip_centre(self.tip_radius).xy().coords - centre).norm();
+        let lengths = centre.norm() + at.norm() + self.tip_radius;
+        if miss <= ACCEPTED_MISS * lengths {
+            Ok(foot)
+        } else {
+            Err(GlideError::no_convergence(self.tip_radius, &centre, miss))
+        }
+    }
+}

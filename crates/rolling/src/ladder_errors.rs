@@ -1,0 +1,219 @@
+//! Errors and costs of the ladder's rungs, measured on the noiseless rolls, and the choice of an integrator by them.
+
+use crate::integration::{Integration, Method};
+use crate::integrator::Dop853;
+use crate::ladder::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
+use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls, TOLERANCES};
+
+/// Safety factor on a measured error before it is compared with a tolerance.
+const MARGIN: f64 = 1.25;
+/// Tolerance of the reference integration, as a share of the required tolerance.
+const REFERENCE_SHARE: f64 = 1e-3;
+/// Number of evaluations in a step of DOP853.
+const STAGES: usize = 12;
+/// Cost of an evaluation in DOP853, including the step control, relative to one in RK4. In instructions it is 2.1 on a saddle,
+/// 1.5 on an ellipsoid, and less on a formula.
+const RELATIVE_COST: f64 = 1.5;
+/// Numbers of steps that are tried, cheapest first.
+const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
+
+/// Largest number of evaluations in one integration of all rolls during the choice: the larger of this number, and of this
+/// number per motion.
+const MAX_EVALUATIONS: usize = 20_000;
+const MAX_EVALUATIONS_PER_MOTION: usize = 60;
+/// Tolerances of DOP853 on the displayed ladder.
+const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
+
+/// A rung of the ladder, with its error and cost on the noiseless rolls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRung {
+    /// The model of the rung; never [`Model::Auto`].
+    pub model: Model,
+    /// The rung with its setting, in words.
+    pub name: String,
+    /// The largest error of a contact at the end of a roll, relative to its length scale, compared with DOP853 at the
+    /// smallest tolerance; or the reason why the rung cannot compute these rolls.
+    pub outcome: Result<f64, String>,
+    /// Number of evaluations of the contact equations in all rolls; 0 for a closed form.
+    pub evaluations: usize,
+}
+
+impl Roller {
+    /// The rungs that can compute these noiseless rolls, cheapest first, including the chosen rung. `chart` is for the
+    /// integrators.
+    pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
+        let rk4 = (0..=6).map(|power| Model::Rk4 {
+            steps: 1 << power,
+            chart,
+        });
+        let dop853 = LADDER_TOLERANCES.map(|tolerance| Model::Dop853 { tolerance, chart });
+        let mut models = vec![Model::ClosedForm, Model::Meridian];
+        models.extend(rk4.chain(dop853));
+        let chosen = self.choice().model;
+        if !models.contains(&chosen) {
+            models.push(chosen);
+        }
+        let mut rungs = self.measure(&models, chart, rolls);
+        rungs.sort_by_key(|rung| rung.evaluations);
+        rungs
+    }
+
+    /// Error and cost of each of these models on these rolls. `chart` is for the reference integrator.
+    pub fn measure(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
+        let tolerance = Model::SMALLEST_TOLERANCE;
+        let reference = self.ends_on(Model::Dop853 { tolerance, chart }, rolls);
+        let setting = self.setting();
+        models
+            .iter()
+            .map(|model| {
+                let ends = self.ends_on(*model, rolls);
+                let evaluations = ends.as_ref().map_or(0, |ends| ends.evaluations);
+                MeasuredRung {
+                    model: *model,
+                    name: model.name(),
+                    outcome: ends.and_then(|ends| {
+                        let reference = reference.as_ref().map_err(Clone::clone)?;
+                        Ok(setting.distance(&ends, reference))
+                    }),
+                    evaluations,
+                }
+            })
+            .collect()
+    }
+
+    fn ends_on(&self, model: Model, rolls: Rolls<'_>) -> Result<Ends, String> {
+        let roller = self.on(model, rolls).map_err(|error| match error {
+            InvalidRoll::Unsupported { reason, .. } => reason,
+            error => error.to_string(),
+        })?;
+        let mut ends = Ends::default();
+        for roll in rolls.rolls {
+            let (contact, evaluations) = roller.follow(roll).map_err(|error| error.to_string())?;
+            ends.contacts.push(contact);
+            ends.evaluations += evaluations;
+        }
+        Ok(ends)
+    }
+}
+
+/// Reasons why no rung can be measured on the noiseless rolls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unmeasured {
+    /// A roll ends before its motions do, or cannot begin.
+    Ends,
+    /// The rolls need more evaluations than the choice may use.
+    TooLong,
+}
+
+/// Contacts at the ends of all rolls, and the number of evaluations of the contact equations.
+#[derive(Default)]
+struct Ends {
+    contacts: Vec<Contact>,
+    evaluations: usize,
+}
+
+/// The tolerance of the reference integration.
+pub(crate) fn finer(tolerance: f64) -> f64 {
+    (REFERENCE_SHARE * tolerance).max(Model::SMALLEST_TOLERANCE)
+}
+
+impl Method {
+    /// This method with a limited number of evaluations. RK4 does not change, because its number is fixed.
+    fn within(self, evaluations: usize) -> Self {
+        match self {
+            Self::Rk4(_) => self,
+            Self::Dop853(method) => Self::Dop853(Dop853 {
+                most_steps: method.most_steps.min(evaluations / STAGES),
+                ..method
+            }),
+        }
+    }
+}
+
+impl Setting<'_> {
+    /// The cheapest setting of an integrator that meets the tolerance on the noiseless rolls, or the most accurate setting.
+    ///
+    /// The coarsest sufficient tolerance of DOP853 is also the cheapest, on noisy rolls as well.
+    pub(crate) fn cheapest_integrator(
+        &self,
+        tolerance: f64,
+        chart: Chart,
+        rolls: Rolls<'_>,
+    ) -> Result<(Rung, Choice), Unmeasured> {
+        if !rolls.all_run() {
+            return Err(Unmeasured::Ends);
+        }
+        let finest = finer(tolerance);
+        let reference = self.ends(rolls, dop853_method(finest), chart)?;
+        let error = |ends: &Ends| MARGIN * self.distance(ends, &reference);
+        let reason = |error: f64| {
+            let measured = error / MARGIN;
+            format!("no closed form; errs by {measured:.1e} on the noiseless rolls")
+        };
+
+        let mut adaptive = (finest, reference.evaluations, finest);
+        for setting in TOLERANCES {
+            if setting < finest {
+                break;
+            }
+            let ends = self.ends(rolls, dop853_method(setting), chart)?;
+            let error = error(&ends);
+            if error <= tolerance {
+                adaptive = (setting, ends.evaluations, error);
+                break;
+            }
+        }
+        let (setting, evaluations, bound) = adaptive;
+        let bound = bound.max(Model::SMALLEST_TOLERANCE);
+        let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
+        for steps in RK4_STEPS {
+            if (4 * steps * motions) as f64 >= RELATIVE_COST * evaluations as f64 {
+                break;
+            }
+            // Steps may be too long for the surface. Shorter steps may still work.
+            let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
+                continue;
+            };
+            let error = error(&ends);
+            if error <= tolerance {
+                return Ok(rk4(steps, chart, reason(error), Some(error)));
+            }
+        }
+        Ok(dop853(setting, chart, reason(bound), Some(bound)))
+    }
+
+    /// Ends of all rolls, by one integrator.
+    fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
+        let mut ends = Ends::default();
+        let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
+        let most = MAX_EVALUATIONS.max(MAX_EVALUATIONS_PER_MOTION.saturating_mul(motions));
+        for roll in rolls.rolls {
+            let mut contact = self.first;
+            for motion in roll {
+                let method = method.within(most.saturating_sub(ends.evaluations));
+                let (next, evaluations) = Integration { method, chart }
+                    .advance(&self.bodies, &contact, motion)
+                    .map_err(|error| match error.fault {
+                        RollFault::TooManySteps { .. } => Unmeasured::TooLong,
+                        _ => Unmeasured::Ends,
+                    })?;
+                contact = next;
+                ends.evaluations += evaluations;
+            }
+            ends.contacts.push(contact);
+        }
+        Ok(ends)
+    }
+
+    /// Largest distance between contacts on either body, relative to the length scale.
+    fn distance(&self, one: &Ends, other: &Ends) -> f64 {
+        let radius = self.bodies.probe.radius();
+        let distance = |(a, b): (&Contact, &Contact)| {
+            let on_object = (a.on_object - b.on_object).norm();
+            let on_probe = (a.on_probe(radius) - b.on_probe(radius)).norm();
+            on_object.max(on_probe) / self.bodies.length_scale
+        };
+        let pairs = one.contacts.iter().zip(&other.contacts);
+        pairs.map(distance).fold(0.0, f64::max)
+    }
+}

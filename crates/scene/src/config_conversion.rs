@@ -1,0 +1,65 @@
+//! Converts the parts of a config that rolls and glides share: objects, pads and their errors.
+
+use std::fmt::Display;
+
+use palpate_geometry::formula::Formula;
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{InvalidShape, Shape};
+use palpate_sensing::{InvalidSensor, PadLayout};
+use palpate_statistics::Number;
+
+use palpate_study::FieldError;
+use palpate_study::config::{self, ObjectConfig};
+
+/// Error of a setting that is out of its range.
+pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> FieldError {
+    FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
+}
+
+/// Error at the parameter of a sensor, which is a field of `table`.
+pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
+    let path = format!("{table}.{}", error.setting);
+    range_error(&path, error.expected, error.value)
+}
+
+/// The object of a scene.
+pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
+    match config {
+        ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),
+        ObjectConfig::Dish { radius } => Dish::new(*radius).map(Shape::Dish),
+        ObjectConfig::Plane {} => Ok(Shape::Plane(Plane)),
+        ObjectConfig::Cylinder {
+            radius,
+            direction_deg,
+        } => Cylinder::new(*radius, direction_deg.to_radians()).map(Shape::Cylinder),
+        ObjectConfig::Ellipsoid { semi_axes } => Ellipsoid::new(*semi_axes).map(Shape::Ellipsoid),
+        ObjectConfig::Torus {
+            major_radius,
+            minor_radius,
+        } => Torus::new(*major_radius, *minor_radius).map(Shape::Torus),
+        ObjectConfig::Paraboloid { c } => Graph::paraboloid(*c).map(Shape::Paraboloid),
+        ObjectConfig::Saddle { a } => Graph::saddle(*a).map(Shape::Saddle),
+        ObjectConfig::HeightField {
+            formula,
+            parameters,
+        } => {
+            let formula = Formula::parse(formula, parameters).map_err(|error| FieldError {
+                path: "scene.object.formula".to_owned(),
+                message: error.kind.to_string(),
+                part: error.span,
+            })?;
+            Ok(Shape::HeightField(Graph::of_formula(formula)))
+        }
+    }
+    .map_err(|error: InvalidShape| {
+        let path = format!("scene.object.{}", error.setting);
+        range_error(&path, error.expected, error.value)
+    })
+}
+
+pub(crate) const fn pad_layout(layout: config::PadLayout) -> PadLayout {
+    match layout {
+        config::PadLayout::Square => PadLayout::Square,
+        config::PadLayout::Uniform => PadLayout::Uniform,
+    }
+}

@@ -1,0 +1,81 @@
+//! Tables of a glide: its trace, and maps of the curvature that trials estimate.
+
+use palpate_ep2::{Contact, Ep2Error, regions};
+use palpate_estimators::push_map_point;
+use palpate_study::config::LengthUnit;
+use palpate_study::{MapTable, Table};
+
+use super::glide_trial::GlideScene;
+use crate::trace::{Trace, counted};
+
+const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
+
+impl GlideScene {
+    /// Records one pass of every finger: in trial number `trial`, or without noise if it is `None`.
+    pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
+        let header = std::iter::once("finger".to_owned())
+            .chain(lengths(["x", "y", "z"], unit))
+            .chain(NORMAL.map(str::to_owned))
+            .chain(lengths(["tip_x", "tip_y", "tip_z"], unit));
+        let mut contacts = Table::new(header);
+        for one in &self.touches {
+            let touch = &one.touch;
+            let row = touch.point.iter().chain(touch.normal.iter());
+            contacts.push(one.finger, row.chain(touch.tip_centre.iter()).copied());
+        }
+        let fingers = self.touches.last().map_or(0, |last| last.finger + 1);
+        let fingers = counted(fingers, "finger");
+        Trace {
+            what: format!("{} of {fingers}", counted(contacts.rows.len(), "contact")),
+            contacts,
+            readings: readings_table(&self.readings(trial), unit),
+            camera: None,
+        }
+    }
+
+    /// Adds the map of trial number `trial`: one row per point of the grid; x changes slowest.
+    pub(super) fn push_map(
+        &self,
+        cell: usize,
+        trial: u64,
+        table: &mut MapTable,
+    ) -> Result<(), Ep2Error> {
+        let fit = self.fit(Some(trial))?;
+        let world: Vec<_> = self.grid.places.iter().map(|place| place.point).collect();
+        let points = fit.points_at(&world)?;
+        let regions = regions(self.grid.side, &points, &self.grid.thresholds)?;
+        let places = points.iter().zip(&self.grid.places).zip(&regions.of_point);
+        for ((point, truth), region) in places {
+            push_map_point(
+                table,
+                Some((cell, truth.class)),
+                point,
+                Some(*region),
+                &self.grid.thresholds,
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Readings as a table that `palpate estimate glide` accepts, one row per contact.
+fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
+    let with_normals = contacts
+        .first()
+        .is_some_and(|contact| contact.normal.is_some());
+    let normal = with_normals.then_some(NORMAL).into_iter().flatten();
+    let header = std::iter::once("finger".to_owned()).chain(lengths(["x", "y", "z"], unit));
+    let mut table = Table::new(header.chain(normal.map(str::to_owned)));
+    for contact in contacts {
+        let normal = contact.normal.iter().flat_map(|normal| normal.iter());
+        let row: Vec<f64> = contact.position.iter().chain(normal).copied().collect();
+        table.push(contact.finger, row);
+    }
+    table
+}
+
+fn lengths(names: [&'static str; 3], unit: LengthUnit) -> impl Iterator<Item = String> {
+    names
+        .into_iter()
+        .map(move |name| format!("{name}_{}", unit.as_str()))
+}

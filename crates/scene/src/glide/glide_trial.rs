@@ -1,0 +1,214 @@
+//! A glide that is ready to run, and its trials.
+
+use nalgebra::Vector3;
+use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch, RoundTip};
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_rolling::Touch;
+use palpate_sensing::{Channel, NormalError, PositionError, Stream};
+use palpate_statistics::BadSetting;
+
+use crate::ladder::Ladder;
+use crate::scene::{Need, Outcome, Trials};
+use crate::trace::{Trace, TraceError};
+use palpate_estimators::{GlideFit, study_map_table};
+use palpate_study::config::{GlideConfig, LengthUnit};
+use palpate_study::{FieldError, MapTable, Quantity};
+
+/// Quantities that a glide estimates, at every place of its grid.
+pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
+    Quantity::GAUSSIAN_CURVATURE,
+    Quantity::MEAN_CURVATURE,
+    Quantity::CLASS,
+];
+
+/// A glide that is ready to run: the truth, the sensor, the noise and the method of a cell.
+#[derive(Clone, Debug)]
+pub struct GlideScene {
+    pub(super) seed: u64,
+    pub(super) config: GlideConfig,
+    /// The true contacts.
+    pub(super) touches: Vec<FingerTouch>,
+    /// Contacts as the sensor reports them, without noise.
+    pub(super) noiseless_readings: Vec<Contact>,
+    pub(super) noise: ContactNoise,
+    /// Set if the sensor reports another point of the tip than the contact.
+    pub(super) tip: Option<RoundTip>,
+    pub(super) method: GlideFit,
+    pub(super) grid: TrueGrid,
+    pub(super) needs: Vec<Need>,
+}
+
+/// A contact of a finger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FingerTouch {
+    pub(super) finger: usize,
+    pub(super) touch: Touch,
+}
+
+/// Errors of positions and normals; `None` if they are exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ContactNoise {
+    pub(super) position: Option<PositionError>,
+    pub(super) normal: Option<NormalError>,
+}
+
+/// Grid at which estimates are compared with the true values.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TrueGrid {
+    /// Number of points along each side.
+    pub(super) side: usize,
+    /// The true surface at each point; x changes slowest.
+    pub(super) places: Vec<TruePlace>,
+    pub(super) thresholds: ShapeThresholds,
+}
+
+/// The true surface at one point of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TruePlace {
+    pub(super) point: nalgebra::Point3<f64>,
+    pub(super) gaussian: f64,
+    pub(super) mean: f64,
+    pub(super) class: ShapeClass,
+}
+
+impl TruePlace {
+    /// True value of a quantity.
+    fn value(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::GAUSSIAN_CURVATURE => Some(self.gaussian),
+            Quantity::MEAN_CURVATURE => Some(self.mean),
+            Quantity::CLASS => Some(1.0),
+            _ => None,
+        }
+    }
+}
+
+impl GlideScene {
+    /// Contacts that the sensor reports: in trial number `trial`, or without noise if it is `None`.
+    pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
+        let mut contacts = self.noiseless_readings.clone();
+        let Some(trial) = trial else {
+            return contacts;
+        };
+        if let Some(error) = &self.noise.position {
+            let mut stream = Stream::new(self.seed, trial, Channel::Position);
+            for contact in &mut contacts {
+                contact.position = error.read(&mut stream, &contact.position);
+            }
+        }
+        if let Some(error) = &self.noise.normal {
+            let mut stream = Stream::new(self.seed, trial, Channel::Normal);
+            for normal in contacts.iter_mut().filter_map(|one| one.normal.as_mut()) {
+                *normal = error.read(&mut stream, normal);
+            }
+        }
+        contacts
+    }
+
+    /// Fits a surface to the readings of a trial, or to noiseless readings.
+    pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
+        let readings = self.readings(trial);
+        let contacts = match &self.tip {
+            Some(tip) => tip.contacts(&readings, &Vector3::z(), &self.method)?,
+            None => readings,
+        };
+        self.method.fit(&Patch::new(&contacts, &Vector3::z())?)
+    }
+}
+
+impl Trials for GlideScene {
+    fn quantities(&self) -> &'static [Quantity] {
+        &GLIDE_QUANTITIES
+    }
+
+    fn is_random(&self) -> bool {
+        self.noise.position.is_some() || self.noise.normal.is_some()
+    }
+
+    fn estimable(&self) -> Result<(), FieldError> {
+        self.fit(None).map(drop).map_err(|error| fit_error(&error))
+    }
+
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        let fit = self.fit(Some(trial)).map_err(|error| error.name())?;
+        for place in &self.grid.places {
+            let curvature = fit
+                .curvature_at(&place.point)
+                .map_err(|error| error.name())?;
+            let uncertainty = curvature.uncertainty;
+            let is_right = curvature.class(&self.grid.thresholds) == place.class;
+            let outcomes = [
+                Outcome {
+                    std: uncertainty.map(|one| one.gaussian_std),
+                    ..Outcome::plain(curvature.gaussian, place.gaussian)
+                },
+                Outcome {
+                    std: uncertainty.map(|one| one.mean_std),
+                    ..Outcome::plain(curvature.mean, place.mean)
+                },
+                Outcome::plain(f64::from(u8::from(is_right)), 1.0),
+            ];
+            for (quantity, outcome) in outcomes.into_iter().enumerate() {
+                observe(quantity, outcome);
+            }
+        }
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        let quantity = *GLIDE_QUANTITIES.get(quantity)?;
+        let mut values = self.grid.places.iter().map(|place| place.value(quantity));
+        let first = values.next()??;
+        values.all(|value| value == Some(first)).then_some(first)
+    }
+
+    fn true_class(&self) -> Option<&'static str> {
+        let places = &self.grid.places;
+        let count = |class: ShapeClass| places.iter().filter(|place| place.class == class).count();
+        let mut classes = ShapeClass::ALL.into_iter();
+        let most = classes.find(|class| 2 * count(*class) > places.len());
+        most.map(ShapeClass::name)
+    }
+
+    fn needs(&self) -> Vec<Need> {
+        self.needs.clone()
+    }
+
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
+        self.measured_ladder().map(Some)
+    }
+
+    fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        Ok(self.record(trial, unit))
+    }
+
+    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Ok(study_map_table(unit))
+    }
+
+    fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {
+        self.push_map(cell, trial, table)
+            .map_err(|error| error.name())
+    }
+}
+
+/// Names the config field that makes the fit to noiseless contacts fail.
+fn fit_error(error: &Ep2Error) -> FieldError {
+    let path = match error {
+        Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
+            "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
+            "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
+            setting => format!("scene.estimator.{setting}"),
+        },
+        Ep2Error::TooFewContacts { .. }
+        | Ep2Error::Coincident { .. }
+        | Ep2Error::Collinear { .. }
+        | Ep2Error::Undetermined { .. } => "scene.motion".to_owned(),
+        _ => "scene".to_owned(),
+    };
+    FieldError::at(path, error)
+}

@@ -1,0 +1,294 @@
+//! The calibration of a camera sensor, by frames at rest and by presses on a plane.
+
+use std::sync::Arc;
+
+use palpate_chromatouch::MarkerMotion;
+use palpate_press::{MarkerDisplacement, PressError};
+use palpate_statistics::Number;
+use palpate_study::FieldError;
+use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers};
+use palpate_tracking::{
+    Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Marker,
+    NormalCalibration, NormalFrom, NormalPoint,
+};
+
+use super::PressFailure;
+use super::camera_model::{AT_REST, MarkerMeasurement, SimulatedCamera};
+use super::plan::PressSetup;
+use super::truth::{DiscMarkers, PressGeometry};
+
+const PATH: &str = "scene.sensor.calibration";
+
+/// A calibration, and the errors of the displacements that it yields.
+#[derive(Clone, Debug)]
+pub(super) struct CameraCalibration {
+    pub(super) calibration: Calibration,
+    /// Standard deviations of normal and tangential displacements near a contact.
+    pub(super) stds: [Option<f64>; 2],
+}
+
+/// Marker of a calibration press: its true displacement, and the change of its image.
+struct CalibrationPoint {
+    marker: usize,
+    truth: MarkerDisplacement,
+    change: Change,
+}
+
+impl CameraCalibration {
+    /// Calibrates a sensor with these markers at rest by presses of its apex on a plane, with given displacements.
+    pub(super) fn new(
+        setup: &PressSetup<'_>,
+        config: &CameraConfig,
+        discs: &DiscMarkers<'_>,
+        frames: &RestFrames,
+        rest: &[Option<Marker>],
+    ) -> Result<Self, FieldError> {
+        let planes = planes(&config.calibration, setup.geometry.indentation);
+        let motions = planes.iter().map(|plane| {
+            let motions = discs.motions(plane);
+            motions.map_err(|error| failed_press(plane, error))
+        });
+        let frames = CalibrationFrames {
+            rest: frames.clone(),
+            motions: motions.collect::<Result<_, _>>()?,
+        };
+        let changes = setup
+            .models
+            .changes(&frames, rest)
+            .map_err(|error| FieldError::at(PATH, error))?;
+        let presses = planes.iter().zip(changes.iter()).map(|(plane, changes)| {
+            let moved = discs.displacements(plane);
+            let moved = moved.map_err(|error| failed_press(plane, error))?;
+            let markers = changes.iter().zip(moved).enumerate();
+            Ok(markers
+                .filter_map(|(marker, (change, truth))| {
+                    Some(CalibrationPoint {
+                        marker,
+                        truth,
+                        change: (*change)?,
+                    })
+                })
+                .collect())
+        });
+        let presses = presses.collect::<Result<Vec<_>, FieldError>>()?;
+        let only = match config.calibration.markers {
+            ShownMarkers::All => None,
+            ShownMarkers::UnderContact => discs.nearest([0.0; 2]),
+        };
+        let calibration =
+            fit(&presses, only, config.normal_from).map_err(|error| FieldError::at(PATH, error))?;
+        Ok(Self {
+            stds: residual_stds(&calibration, &presses),
+            calibration,
+        })
+    }
+}
+
+/// Fits a calibration. Normal displacements use only the marker `only`, if there is one.
+fn fit(
+    presses: &[Vec<CalibrationPoint>],
+    only: Option<usize>,
+    normal_from: config::NormalFrom,
+) -> Result<Calibration, CalibrationError> {
+    let all = || presses.iter().flatten();
+    let normal: Vec<NormalPoint> = all()
+        .filter(|point| only.is_none_or(|only| only == point.marker))
+        .map(|point| NormalPoint {
+            marker: Some(point.marker),
+            normal: point.truth.normal,
+            hue_turns: point.change.hue_turns,
+            growth: point.change.growth,
+        })
+        .collect();
+    let lateral: Vec<LateralPoint> = all()
+        .map(|point| LateralPoint {
+            tangential: point.truth.tangential,
+            shift_px: point.change.shift_px,
+            normal: Some(point.truth.normal),
+        })
+        .collect();
+    let from = match normal_from {
+        config::NormalFrom::Hue => NormalFrom::Hue,
+        config::NormalFrom::Size => NormalFrom::Size,
+        config::NormalFrom::Both => NormalFrom::Both,
+    };
+    let normal = NormalCalibration::fit(&normal, from)?;
+    let lateral = LateralCalibration::fit(&lateral)?;
+    Calibration::new(Some(normal), Some(lateral), None)
+}
+
+/// Calibration presses on a plane; `indentation` is the deepest one if the config states none.
+pub(super) fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
+    let deepest = calibration.indentation.unwrap_or(indentation);
+    let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
+    (1..=calibration.presses)
+        .map(|press| PressGeometry::on_plane(indentation(press)))
+        .collect()
+}
+
+fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
+    let message = format!(
+        "a press on a plane, {} deep, fails: {error}",
+        Number(plane.indentation)
+    );
+    FieldError::at(PATH, message)
+}
+
+/// Rms errors of displacements in the calibration presses, over markers that move at least half as much as the marker
+/// that moves most. There a marker's two discs move most differently, and the readings depend most on the object's
+/// shape.
+fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
+    let mut errors = [Vec::new(), Vec::new()];
+    for points in presses {
+        let half_of_largest = |size: fn(&MarkerDisplacement) -> f64| {
+            let sizes = points.iter().map(|point| size(&point.truth));
+            0.5 * sizes.fold(0.0, f64::max)
+        };
+        let (normal_limit, tangential_limit) = (half_of_largest(inward), half_of_largest(along));
+        for CalibrationPoint {
+            marker,
+            truth,
+            change,
+        } in points
+        {
+            let Some(normal) = calibration.normal(*marker, change) else {
+                continue;
+            };
+            if inward(truth) >= normal_limit {
+                errors[0].push(normal - truth.normal);
+            }
+            if along(truth) >= tangential_limit
+                && let Some([x, y]) = calibration.tangential(change.shift_px, normal)
+            {
+                errors[1].extend([x - truth.tangential[0], y - truth.tangential[1]]);
+            }
+        }
+    }
+    errors.map(|errors| {
+        let squares = errors.iter().map(|error: &f64| error * error);
+        let mean = squares.sum::<f64>() / errors.len() as f64;
+        Some(mean.sqrt()).filter(|std| *std > 0.0)
+    })
+}
+
+fn inward(moved: &MarkerDisplacement) -> f64 {
+    moved.normal.abs()
+}
+
+fn along(moved: &MarkerDisplacement) -> f64 {
+    libm::hypot(moved.tangential[0], moved.tangential[1])
+}
+
+/// The noise of calibration presses uses the trial numbers below this one; the noise of frames at rest uses those above.
+const ABOVE_PRESSES: u64 = AT_REST - 1000;
+
+/// Inputs of the images of the markers at rest: a cache key.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RestFrames {
+    camera: SimulatedCamera,
+    /// Number of frames that are averaged.
+    frames: u32,
+}
+
+impl RestFrames {
+    /// Averages `frames` frames, or uses one if frames have no noise.
+    pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
+        Self {
+            camera: camera.clone(),
+            frames: if camera.is_random { frames } else { 1 },
+        }
+    }
+
+    /// Number of markers.
+    pub(crate) fn size(&self) -> usize {
+        self.camera.optics.array().len()
+    }
+
+    /// Images of the markers; `None` for invisible ones.
+    pub(crate) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
+        let measured = self.measurements(AT_REST)?.into_iter();
+        Ok(measured.map(|one| one.map(|one| one.marker)).collect())
+    }
+
+    /// Mean images of the markers with their errors. The trial numbers from `first` down seed the noise of the frames.
+    pub(super) fn measurements(
+        &self,
+        first: u64,
+    ) -> Result<Vec<Option<MarkerMeasurement>>, PressFailure> {
+        let mut measured = self.camera.at_rest(Some(first))?;
+        let mut others = vec![Vec::new(); measured.len()];
+        for frame in 1..u64::from(self.frames) {
+            let markers = self.camera.at_rest(Some(first.wrapping_sub(frame)))?;
+            for (others, one) in others.iter_mut().zip(markers) {
+                others.extend(one.map(|one| one.marker));
+            }
+        }
+        for (one, others) in measured.iter_mut().zip(&others) {
+            if let Some(one) = one {
+                one.marker = mean(one.marker, others);
+                one.errors = one.errors.averaged(self.frames);
+            }
+        }
+        Ok(measured)
+    }
+}
+
+/// Image of each marker at rest; `None` if the camera does not find it.
+pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
+
+/// Inputs of the changes of images in calibration presses: a cache key.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CalibrationFrames {
+    rest: RestFrames,
+    /// Displacements of the discs of each marker in each press.
+    motions: Vec<Vec<MarkerMotion>>,
+}
+
+/// Changes of each marker's image in each press; `None` where it was not tracked.
+pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
+
+impl CalibrationFrames {
+    /// Number of markers in all presses and at rest.
+    pub(crate) fn size(&self) -> usize {
+        self.rest.size() * (1 + self.motions.len())
+    }
+
+    /// Changes of the markers' images from `rest` to each press.
+    pub(crate) fn changes(&self, rest: &[Option<Marker>]) -> Result<ImageChanges, PressFailure> {
+        let camera = &self.rest.camera;
+        let change = |(motions, press): (&Vec<MarkerMotion>, u64)| {
+            let motions: Vec<_> = motions.iter().copied().map(Some).collect();
+            let tracked = camera.track(rest, &motions, Some(ABOVE_PRESSES - press))?;
+            let tracks = tracked.tracks.iter();
+            Ok(tracks
+                .map(|track| camera.lens.change(track.as_ref()?))
+                .collect())
+        };
+        self.motions.iter().zip(1..).map(change).collect()
+    }
+}
+
+/// The mean of several images of a marker.
+fn mean(first: Marker, others: &[Marker]) -> Marker {
+    // Sums of the differences from the first image: centroid, hue, size.
+    let mut sums = [0.0; 4];
+    for marker in others {
+        let turn = marker.hue_turns - first.hue_turns;
+        let differences = [
+            marker.centroid_px[0] - first.centroid_px[0],
+            marker.centroid_px[1] - first.centroid_px[1],
+            turn - (turn + 0.5).floor(),
+            marker.size_px2 - first.size_px2,
+        ];
+        for (sum, difference) in sums.iter_mut().zip(differences) {
+            *sum += difference;
+        }
+    }
+    let [x, y, hue, size] = sums.map(|sum| sum / (1.0 + others.len() as f64));
+    Marker {
+        centroid_px: [first.centroid_px[0] + x, first.centroid_px[1] + y],
+        hue_turns: (first.hue_turns + hue).rem_euclid(1.0),
+        size_px2: first.size_px2 + size,
+        ..first
+    }
+}

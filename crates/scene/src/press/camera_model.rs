@@ -1,0 +1,358 @@
+//! A camera in the sensor's centre: images of the markers, from the motions of their discs.
+
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Lens, MarkerMotion, OddTerms, Optics, Pose, SeenMarker,
+};
+use palpate_estimators::{marker_image, optics_error};
+use palpate_press::Seen;
+use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_study::FieldError;
+use palpate_study::config::{
+    CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressNoiseConfig, SizeNoise,
+};
+use palpate_tracking::{
+    Equidistant, Finder, FinderSettings, Found, Ground, Marker, MarkerErrors, Mask, Status, Track,
+    match_markers,
+};
+
+use super::PressFailure;
+use super::plan::PressSetup;
+use super::reading::gaussian;
+
+/// Trial number that seeds the noise of the first frame at rest; further frames count down from it.
+pub(super) const AT_REST: u64 = u64::MAX;
+
+/// The camera: its optics, and the fidelity level of its simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SimulatedCamera {
+    pub(super) optics: Optics,
+    /// The lens model that tracking uses.
+    pub(super) lens: Equidistant,
+    pub(super) model: CameraModel,
+    /// Whether images of the same markers differ because of noise.
+    pub(super) is_random: bool,
+    pub(super) seed: u64,
+}
+
+/// Fidelity level of the camera's simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum CameraModel {
+    /// The image of each marker is computed directly, without pixels.
+    Projected(ImageNoise),
+    /// Frames are rendered; markers are found and tracked in them.
+    Rendered,
+}
+
+/// Noise of a marker's image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ImageNoise {
+    /// Error of the mean hue, turns.
+    hue: GaussianError,
+    /// Error of each coordinate of the centroid, px.
+    centroid: GaussianError,
+    /// Relative error of the size.
+    size: GaussianError,
+}
+
+impl ImageNoise {
+    fn new(config: &PressNoiseConfig) -> Result<Self, FieldError> {
+        let hue = config.hue.as_ref();
+        let centroid = config.centroid.as_ref();
+        let size = config.size.as_ref();
+        Ok(Self {
+            hue: gaussian(hue.map(|HueNoise::Gaussian { std }| *std), "hue")?,
+            centroid: gaussian(
+                centroid.map(|CentroidNoise::Gaussian { std }| *std),
+                "centroid",
+            )?,
+            size: gaussian(size.map(|SizeNoise::Gaussian { std }| *std), "size")?,
+        })
+    }
+
+    fn is_random(&self) -> bool {
+        self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
+    }
+
+    /// Covariance of the errors of a marker's image.
+    fn errors(&self) -> MarkerErrors {
+        // An exact image has only numerical errors.
+        const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
+        let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
+        let mut covariance = [[0.0; 4]; 4];
+        for number in 0..4 {
+            covariance[number][number] = stds[number].max(EXACT[number]).powi(2);
+        }
+        MarkerErrors { covariance }
+    }
+
+    fn averaged(self, frames: u32) -> Self {
+        Self {
+            hue: self.hue.averaged(frames),
+            centroid: self.centroid.averaged(frames),
+            size: self.size.averaged(frames),
+        }
+    }
+}
+
+/// Tracks of all markers of the layout in a press.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MarkerTracks {
+    /// Track of each marker from rest to press; `None` if it is not visible at rest.
+    pub(super) tracks: Vec<Option<Track>>,
+    /// Number of markers that were matched to a wrong marker.
+    pub(super) wrong_matches: usize,
+    /// Errors of each marker in the press; `None` if it was not found as a single marker.
+    pub(super) errors: Vec<Option<MarkerErrors>>,
+}
+
+/// The image of a marker as found in a frame, and the covariance of its errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MarkerMeasurement {
+    pub(super) marker: Marker,
+    pub(super) errors: MarkerErrors,
+}
+
+impl MarkerMeasurement {
+    /// The image with its errors, as input of a fit.
+    pub(super) fn image(&self) -> Seen {
+        marker_image(&self.marker, &self.errors)
+    }
+}
+
+impl SimulatedCamera {
+    /// The camera of a config; `is_rendered` selects frames instead of closed forms.
+    pub(super) fn new(
+        setup: &PressSetup<'_>,
+        config: &CameraConfig,
+        is_rendered: bool,
+    ) -> Result<Self, FieldError> {
+        let CameraConfig {
+            size_px,
+            field_deg,
+            k3,
+            k5,
+            frames,
+            light_at_rim,
+            blur_px,
+            seam_width,
+            ..
+        } = *config;
+        let noise = &setup.config.noise;
+        let pixel = noise.pixel.as_ref();
+        let pixel = gaussian(pixel.map(|PixelNoise::Gaussian { std }| *std), "pixel")?;
+        let lens = Lens::fisheye(OddTerms { k3, k5 });
+        let camera = Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))?;
+        let blemishes = Blemishes {
+            light_at_rim,
+            blur_px,
+            seams: setup.sphere.seams(seam_width),
+            pixel_std: pixel.averaged(frames).std(),
+        };
+        let array = setup.sphere.made(setup.places, setup.seed)?;
+        let pose = Pose::new(config.place, config.turn_deg.map(f64::to_radians));
+        let optics = Optics::new(array, camera, Colours::default(), blemishes)
+            .and_then(|optics| optics.seen_from(pose))
+            .map_err(|error| optics_error(&error))?;
+        let (model, is_random) = if is_rendered {
+            (CameraModel::Rendered, pixel.is_random())
+        } else {
+            let noise = ImageNoise::new(noise)?.averaged(frames);
+            (CameraModel::Projected(noise), noise.is_random())
+        };
+        let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())
+            .and_then(|lens| lens.with_odd_terms([k3, k5]))
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
+        Ok(Self {
+            optics,
+            lens,
+            model,
+            is_random,
+            seed: setup.seed,
+        })
+    }
+
+    /// The camera without noise and pixels.
+    pub(super) fn exact(&self) -> Option<Self> {
+        let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
+        Some(Self {
+            model: CameraModel::Projected(noise),
+            ..self.clone()
+        })
+    }
+
+    /// Images of the markers at rest, with the noise of trial number `trial`, if any.
+    pub(super) fn at_rest(
+        &self,
+        trial: Option<u64>,
+    ) -> Result<Vec<Option<MarkerMeasurement>>, PressFailure> {
+        let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
+        let images = self.optics.project(&motions)?;
+        match self.model {
+            CameraModel::Projected(noise) => {
+                let markers = self.with_noise(images, noise, trial).into_iter();
+                let errors = noise.errors();
+                Ok(markers
+                    .map(|marker| marker.map(|marker| MarkerMeasurement { marker, errors }))
+                    .collect())
+            }
+            CameraModel::Rendered => {
+                let found = self.find_markers(&motions, trial)?;
+                let mut rest = vec![None; motions.len()];
+                for (marker, errors) in found.markers.into_iter().zip(found.errors) {
+                    if let Some(nearest) = nearest(&images, marker.centroid_px) {
+                        rest[nearest] = Some(MarkerMeasurement { marker, errors });
+                    }
+                }
+                Ok(rest)
+            }
+        }
+    }
+
+    /// Tracks markers that moved by `motions` (`None`: lost), with the noise of trial number `trial`, if any.
+    pub(super) fn track(
+        &self,
+        rest: &[Option<Marker>],
+        motions: &[Option<MarkerMotion>],
+        trial: Option<u64>,
+    ) -> Result<MarkerTracks, PressFailure> {
+        let images = self.optics.project(motions)?;
+        match self.model {
+            CameraModel::Projected(noise) => {
+                let markers = self.with_noise(images, noise, trial);
+                let errors = markers.iter().map(|marker| marker.map(|_| noise.errors()));
+                let errors = errors.collect();
+                let tracks = rest.iter().zip(markers);
+                Ok(MarkerTracks {
+                    tracks: tracks
+                        .map(|(rest, pressed)| rest.map(|rest| exact_track(rest, pressed)))
+                        .collect(),
+                    wrong_matches: 0,
+                    errors,
+                })
+            }
+            CameraModel::Rendered => {
+                let visible: Vec<usize> =
+                    (0..rest.len()).filter(|&one| rest[one].is_some()).collect();
+                let at_rest: Vec<Marker> = rest.iter().flatten().copied().collect();
+                let found = self.find_markers(motions, trial)?;
+                let matched = match_markers(&at_rest, &found.markers);
+                let mut all = MarkerTracks {
+                    tracks: vec![None; rest.len()],
+                    wrong_matches: 0,
+                    errors: vec![None; rest.len()],
+                };
+                for (&marker, track) in visible.iter().zip(matched) {
+                    let is_other = track.change().is_some()
+                        && track
+                            .pressed
+                            .and_then(|pressed| nearest(&images, pressed.centroid_px))
+                            != Some(marker);
+                    all.wrong_matches += usize::from(is_other);
+                    all.errors[marker] = track.pressed.and_then(|marker| found.errors_of(&marker));
+                    all.tracks[marker] = Some(track);
+                }
+                Ok(all)
+            }
+        }
+    }
+
+    /// Standard deviation of the pixel noise, in levels of 255; `None` without frames or noise.
+    pub(super) fn pixel_std(&self) -> Option<f64> {
+        let std = self.optics.blemishes().pixel_std;
+        let is_rendered = matches!(self.model, CameraModel::Rendered);
+        Some(std).filter(|&std| is_rendered && std > 0.0)
+    }
+
+    /// Number of pixels rendered per frame.
+    pub(super) fn pixels(&self) -> f64 {
+        match self.model {
+            CameraModel::Projected(_) => 0.0,
+            CameraModel::Rendered => f64::from(self.optics.camera().size_px()).powi(2),
+        }
+    }
+
+    /// Renders a frame, with the pixel noise of trial number `trial`, if any.
+    pub(super) fn render(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        trial: Option<u64>,
+    ) -> Result<image::RgbImage, PressFailure> {
+        let mut stream = trial.map(|trial| Stream::new(self.seed, trial, Channel::Pixel));
+        Ok(self.optics.render(motions, stream.as_mut())?)
+    }
+
+    /// Adds noise to the images of the markers.
+    fn with_noise(
+        &self,
+        images: Vec<Option<SeenMarker>>,
+        noise: ImageNoise,
+        trial: Option<u64>,
+    ) -> Vec<Option<Marker>> {
+        let exact = |image: SeenMarker| Marker {
+            centroid_px: image.centroid_px,
+            hue_turns: image.hue_turns,
+            size_px2: image.size_px2,
+            pixels: 0,
+        };
+        let Some(trial) = trial.filter(|_| noise.is_random()) else {
+            return images.into_iter().map(|image| image.map(exact)).collect();
+        };
+        let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
+            .map(|channel| Stream::new(self.seed, trial, channel));
+        // Draw for every marker, visible or not, so that scenes share random numbers.
+        let noisy = |image: Option<SeenMarker>| {
+            let hue = noise.hue.draw(&mut hues);
+            let centroid = [(); 2].map(|()| noise.centroid.draw(&mut centroids));
+            let size = noise.size.draw(&mut sizes);
+            let image = exact(image?);
+            Some(Marker {
+                centroid_px: [0, 1].map(|axis| image.centroid_px[axis] + centroid[axis]),
+                hue_turns: (image.hue_turns + hue).rem_euclid(1.0),
+                size_px2: image.size_px2 * libm::exp(size),
+                ..image
+            })
+        };
+        images.into_iter().map(noisy).collect()
+    }
+
+    /// Finds the markers in a rendered frame.
+    fn find_markers(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        trial: Option<u64>,
+    ) -> Result<Found, PressFailure> {
+        let camera = self.optics.camera();
+        let mut finder = Finder::new(FinderSettings {
+            mask: Some(Mask {
+                centre_px: camera.centre_px(),
+                radius_px: camera.rim_px(),
+            }),
+            ground: Some(Ground::Bright),
+            ..FinderSettings::default()
+        })?;
+        Ok(finder.find(&self.render(motions, trial)?)?)
+    }
+}
+
+fn exact_track(rest: Marker, pressed: Option<Marker>) -> Track {
+    Track {
+        rest: Some(rest),
+        pressed,
+        status: match pressed {
+            Some(_) => Status::Tracked,
+            None => Status::Lost,
+        },
+    }
+}
+
+/// Index of the marker nearest to a place in the image.
+fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
+    let distance =
+        |image: &SeenMarker| libm::hypot(image.centroid_px[0] - x, image.centroid_px[1] - y);
+    images
+        .iter()
+        .enumerate()
+        .filter_map(|(marker, image)| Some((marker, distance(image.as_ref()?))))
+        .min_by(|one, other| one.1.total_cmp(&other.1))
+        .map(|(marker, _)| marker)
+}

@@ -1,0 +1,296 @@
+//! Lines about a press for `palpate check`: its models, its noise, and warnings.
+
+use palpate_estimators::{assumed_body, large_contact_warning};
+use palpate_press::{ContactRegime, PressEstimate};
+use palpate_statistics::Number;
+use palpate_study::Warning;
+use palpate_study::config::{
+    Baseline, CameraConfig, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown,
+    NormalFrom, PixelNoise, PressModelConfig, PressNoiseConfig, PressProbeConfig,
+    PressSensorConfig, SizeNoise,
+};
+
+use super::reading::PressNoise;
+use super::trial::{PressCase, PressEstimator, PressScene};
+use super::truth::TruePress;
+use crate::scene::Need;
+
+/// Warning about exact displacements along the skin.
+const EXACT_TANGENTIAL: &str = "displacements along the skin have no error and outweigh all \
+    others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
+
+impl PressScene {
+    /// The models of the scene and its noise, with warnings.
+    pub(super) fn description(&self) -> Vec<Need> {
+        let mut needs = vec![Need::from(self.model_text())];
+        match &self.case {
+            PressCase::Press { truth, .. } => needs.extend(self.contact_needs(truth)),
+            PressCase::NoPress(error) => {
+                let name = error.name();
+                let text = format!("no press; every trial fails as `{name}`: {error}");
+                needs.push(Warning::new("no-press", text, []).into());
+            }
+        }
+        needs.extend(self.reading_needs());
+        needs.extend(self.estimator_needs());
+        needs.extend(self.exact_warning().map(Need::from));
+        needs
+    }
+
+    /// The model of the body, with the reason of `auto`.
+    fn model_text(&self) -> String {
+        let model = match self.choice.model.reference() {
+            PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
+            PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
+                "Hertz contact on a half-space, at the markers' depth: closed form"
+            }
+            PressModelConfig::BondedLayer { .. } => {
+                "incompressible layer bonded to a rigid core: computed numerically"
+            }
+        };
+        match self.choice.tolerance {
+            Some(_) => format!("{model} ({})", self.choice.reason),
+            None => model.to_owned(),
+        }
+    }
+
+    /// The regime of the contact, with warnings about its size.
+    fn contact_needs(&self, truth: &TruePress) -> Vec<Need> {
+        let skin = self.markers.skin();
+        let (object, shift) = (truth.geometry.object.curvature, truth.geometry.shift);
+        let radius = truth.contact_radius;
+        let regime = ContactRegime::of(skin.curvature(), object);
+        let shape = match regime {
+            ContactRegime::Convex => ": the object bulges",
+            ContactRegime::Concave => ": the object is hollow, less so than the sensor is round",
+            ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
+        };
+        let mut needs = vec![Need::from(format!("{} contact{shape}", regime.name()))];
+        let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
+        let relative = skin.curvature() + object;
+        let large = large_contact_warning(relative, radius, skin.radius(), is_layer);
+        needs.extend(large.map(Need::from));
+        if shift.abs() > radius {
+            let numbers = [("shift", shift), ("contact_radius", radius)];
+            let [shift, radius] = numbers.map(|(_, number)| Number::rounded(number));
+            let text = format!(
+                "the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
+            );
+            needs.push(Warning::new("large-shift", text, numbers).into());
+        }
+        needs
+    }
+
+    /// The errors of the readings, and the sensor.
+    fn reading_needs(&self) -> Vec<Need> {
+        let camera = self.case.camera();
+        let mut needs = Vec::new();
+        match displacement_noise(&self.noise) {
+            Some(noise) => needs.push(noise.into()),
+            None if camera.is_some_and(|camera| camera.is_random()) => {}
+            None => needs.push("no noise: no random numbers are drawn".to_owned().into()),
+        }
+        let markers = self.places.len();
+        let plural = if markers == 1 { "" } else { "s" };
+        let with = if self.has_tangential {
+            "with"
+        } else {
+            "without"
+        };
+        let displacements = |frames| {
+            format!(
+                "{markers} marker{plural}, {with} displacements along the skin{}",
+                averaged(frames)
+            )
+        };
+        let (level, config) = match &self.config.sensor {
+            PressSensorConfig::Direct { frames, .. } => {
+                needs.push(format!("direct sensor: {}", displacements(*frames)).into());
+                let is_exact = !self.noise.tangential.is_random();
+                if self.has_tangential && self.noise.normal.is_random() && is_exact {
+                    let code = "exact-tangential-displacements";
+                    needs.push(Warning::new(code, EXACT_TANGENTIAL, []).into());
+                }
+                return needs;
+            }
+            PressSensorConfig::Projected(camera) => (
+                "projected sensor: the camera's image of each marker in closed form, no pixels"
+                    .to_owned(),
+                camera,
+            ),
+            PressSensorConfig::Rendered(camera) => (
+                format!(
+                    "rendered sensor: frames of {0} x {0} px, in which markers are found and tracked",
+                    camera.size_px
+                ),
+                camera,
+            ),
+        };
+        needs.push(format!("{level}: {}", displacements(config.frames)).into());
+        needs.push(calibration_text(config).into());
+        if let Some(camera) = camera {
+            let visible = camera.rest.iter().flatten().count();
+            if visible < markers {
+                let text = format!("the camera sees {visible} of {markers} markers");
+                let numbers = [("visible", visible as f64), ("markers", markers as f64)];
+                needs.push(Warning::new("hidden-markers", text, numbers).into());
+            }
+        }
+        needs.extend(camera_noise(&self.config.noise).map(Need::from));
+        needs
+    }
+
+    /// The estimator, with warnings about it.
+    fn estimator_needs(&self) -> Vec<Need> {
+        let (body, has_depth) = assumed_body(&self.config.estimator);
+        let priors = self.config.estimator.priors();
+        let indentation = match priors.indentation {
+            Indentation::Known => "indentation given",
+            Indentation::Fitted => "indentation fitted",
+        };
+        let baseline = match priors.baseline {
+            Baseline::Known => "",
+            Baseline::Fitted => ", baseline fitted",
+        };
+        let noise = match priors.noise {
+            NoiseKnown::Stated => "noise as stated",
+            NoiseKnown::Found => "noise found from the residuals",
+        };
+        let fit = format!("least-squares fit of {body}, {indentation}{baseline}, {noise}");
+        let mut needs = vec![Need::from(fit)];
+        if let PressEstimator::NoFit(error) = &self.estimator {
+            let name = error.name();
+            let text = format!("no estimator; every trial fails as `{name}`: {error}");
+            needs.push(Warning::new("no-estimator", text, []).into());
+        }
+        let PressProbeConfig::MarkerSphere { marker_depth, .. } = self.config.probe;
+        let at_surface = matches!(self.choice.model, PressModelConfig::Hertz { .. });
+        if at_surface && has_depth && marker_depth > 0.0 {
+            let text = "the model moves the markers as if they were at the surface; the estimator assumes them at their depth";
+            let numbers = [("marker_depth", marker_depth)];
+            needs.push(Warning::new("markers-at-surface", text, numbers).into());
+        }
+        needs
+    }
+
+    /// Warns if the estimate fails or is biased even without noise.
+    fn exact_warning(&self) -> Option<Warning> {
+        if let PressCase::NoPress(_) = &self.case {
+            return None;
+        }
+        match self.exact() {
+            Ok(estimate) => bias_warning(estimate, self.geometry.object.curvature),
+            Err(error) => {
+                let name = error.name();
+                let text = format!("even without noise the estimate fails as `{name}`: {error}");
+                Some(Warning::new("no-estimate", text, []))
+            }
+        }
+    }
+}
+
+/// The noise of displacements and of the indentation, if there is any.
+fn displacement_noise(noise: &PressNoise) -> Option<String> {
+    let errors = [
+        (
+            noise.normal.is_random(),
+            "normal displacements, drawn per marker",
+        ),
+        (
+            noise.tangential.is_random(),
+            "tangential displacements, drawn per marker and component",
+        ),
+        (noise.indentation.error.is_random(), "the given indentation"),
+        (noise.gain.is_random(), "the gain of a press"),
+        (noise.has_outliers(), "some markers, which are wrong"),
+    ];
+    let errors = errors.into_iter().filter(|(is_random, _)| *is_random);
+    let errors: Vec<&str> = errors.map(|(_, quantity)| quantity).collect();
+    (!errors.is_empty()).then(|| format!("noise: Gaussian errors of {}", errors.join("; of ")))
+}
+
+fn averaged(frames: u32) -> String {
+    match frames {
+        1 => String::new(),
+        frames => format!(", the mean of {frames} frames"),
+    }
+}
+
+fn calibration_text(camera: &CameraConfig) -> String {
+    let from = match camera.normal_from {
+        NormalFrom::Hue => "hue",
+        NormalFrom::Size => "size",
+        NormalFrom::Both => "hue and size",
+    };
+    let presses = camera.calibration.presses;
+    format!(
+        "normal displacements from the {from} of markers, calibrated by {presses} presses on a plane"
+    )
+}
+
+/// The noise of the camera, if there is any.
+fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
+    let mut errors = Vec::new();
+    if let Some(PixelNoise::Gaussian { std }) = noise.pixel {
+        errors.push(format!("{std} levels of 255 in each colour of each pixel"));
+    }
+    if let Some(HueNoise::Gaussian { std }) = noise.hue {
+        errors.push(format!("{std} turns in each hue"));
+    }
+    if let Some(CentroidNoise::Gaussian { std }) = noise.centroid {
+        errors.push(format!("{std} px in each centroid"));
+    }
+    if let Some(SizeNoise::Gaussian { std }) = noise.size {
+        errors.push(format!("{} % in each size", 100.0 * std));
+    }
+    if noise.sensor.is_some() {
+        errors.push("parameters of the sensor, redrawn in every trial".to_owned());
+    }
+    if let Some(LostMarkers { count }) = noise.lost_markers {
+        errors.push(format!("{count} markers lost"));
+    }
+    (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
+}
+
+/// Error, relative to the relative curvature, above which a noiseless estimate counts as biased.
+const BIAS_LIMIT: f64 = 0.5;
+/// The same limit if the interval of the estimate excludes the truth.
+const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
+
+/// Warns if an estimate without noise is far from the object's curvature.
+fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
+    let estimated = estimate.object_curvature();
+    let relative = estimate.sensor_curvature + object;
+    let error = (estimated.value - object).abs();
+    if error <= EXCLUDED_BIAS_LIMIT * relative {
+        return None;
+    }
+    match error > BIAS_LIMIT * relative || !estimated.interval.holds(object) {
+        true => {
+            let numbers = [
+                ("estimated_curvature", estimated.value),
+                ("true_curvature", object),
+            ];
+            let [estimated, object] = numbers.map(|(_, number)| Number::rounded(number));
+            let text = format!(
+                "even without noise the estimated curvature is {estimated}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
+            );
+            Some(Warning::new("biased-estimate", text, numbers))
+        }
+        false => unexplained_warning(estimate),
+    }
+}
+
+/// A fit to noiseless readings with the correct body explains at least this fraction of the variance of normal
+/// displacements.
+const MIN_R_SQUARED: f64 = 0.95;
+
+/// Warns if the fit explains the noiseless readings badly: with noise its result is unpredictable.
+fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
+    let explained = estimate.r_squared;
+    (explained < MIN_R_SQUARED).then(|| {
+        let percent = 100.0 * explained.max(0.0);
+        let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: what it assumes of body, contact or readings does not hold here");
+        Warning::new("unexplained-readings", text, [("r_squared", explained)])
+    })
+}

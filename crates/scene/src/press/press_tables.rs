@@ -1,0 +1,143 @@
+//! Tables of one press: its trace, and its profile along a radius.
+
+use palpate_estimators::tracks_table;
+use palpate_study::config::LengthUnit;
+use palpate_study::{MapTable, Table};
+
+use super::PressFailure;
+use super::trial::PressScene;
+use crate::trace::{CameraTrace, Trace, counted};
+
+/// Number of points of a profile.
+const PLACES: u32 = 121;
+/// Length of a profile from the contact's centre, in contact radii.
+const REACH: f64 = 3.0;
+
+impl PressScene {
+    /// Records one press: in trial number `trial`, or without noise if it is `None`.
+    pub(super) fn record(
+        &self,
+        trial: Option<u64>,
+        unit: LengthUnit,
+    ) -> Result<Trace, PressFailure> {
+        let (truth, sensor) = self.case.press()?;
+        let unit = unit.as_str();
+        let named = |name: &&str| format!("{name}_{unit}");
+        let truths = ["x", "y", "radial_position", "normal_displacement"];
+        let tangential = ["tangential_x", "tangential_y"];
+        let header = truths.iter().chain(&tangential).map(named);
+        let mut contacts = Table::new(std::iter::once("marker".to_owned()).chain(header));
+        let distances = self.markers.distances(self.geometry.at);
+        let rows = self.places.iter().zip(distances).zip(&truth.markers);
+        for (marker, (([x, y], distance), moved)) in rows.enumerate() {
+            let [along_x, along_y] = moved.tangential;
+            contacts.push(marker, [*x, *y, distance, moved.normal, along_x, along_y]);
+        }
+
+        let reading = self.reading(trial)?;
+        let tangential = self.has_tangential.then_some(&tangential);
+        let header = ["x", "y", "normal_displacement"];
+        let header = header.iter().chain(tangential.into_iter().flatten());
+        let mut readings = Table::new(header.map(named));
+        for (marker, normal, tangential) in reading.markers() {
+            let [x, y] = self.places[marker];
+            let mut row = vec![x, y, normal];
+            if self.has_tangential {
+                row.extend(tangential);
+            }
+            readings.push_numbers(row);
+        }
+        let scale = sensor.camera().map_or_else(String::new, |sensor| {
+            let px_per_rad = sensor.camera.lens.px_per_rad();
+            format!(", seen with {px_per_rad:.3} px per rad")
+        });
+        let count = match readings.rows.len() {
+            all if all == contacts.rows.len() => String::new(),
+            some => format!("{some} of "),
+        };
+        let camera = match (sensor.camera(), reading.camera) {
+            (Some(sensor), Some(camera)) => Some(CameraTrace {
+                markers: tracks_table(camera.tracks.tracks.iter().map(Option::as_ref)),
+                frames: sensor.frames(truth, trial)?,
+            }),
+            _ => None,
+        };
+        Ok(Trace {
+            what: format!(
+                "{count}{} under a stated indentation of {} {unit}{scale}",
+                counted(contacts.rows.len(), "marker"),
+                reading.indentation
+            ),
+            contacts,
+            readings,
+            camera,
+        })
+    }
+
+    /// Empty table of profiles: true and estimated displacements against the distance from the contact. Values that
+    /// an estimate does not provide stay empty.
+    pub(super) fn profile_table(unit: LengthUnit) -> MapTable {
+        let unit = unit.as_str();
+        let header = format!(
+            "cell,radial_position_{unit},normal_displacement_{unit},radial_displacement_{unit},\
+             estimated_normal_displacement_{unit},estimated_radial_displacement_{unit}"
+        );
+        MapTable::new(&header, "estimates of cells")
+    }
+
+    /// Adds the profile of this scene, with the estimate of trial number `trial`.
+    ///
+    /// # Errors
+    /// [`PressFailure`] without a press (no row is added) or if the trial failed (rows have true values only).
+    pub(super) fn push_profile(
+        &self,
+        cell: usize,
+        trial: u64,
+        table: &mut MapTable,
+    ) -> Result<(), PressFailure> {
+        let contact = self.body.contact(&self.markers, &self.geometry)?;
+        let estimated = self.estimated_displacement(trial);
+        for place in 0..PLACES {
+            let share = f64::from(place) / f64::from(PLACES - 1);
+            let position = REACH * contact.radius * share;
+            let estimate = match &estimated {
+                Ok(displacement) => displacement(position),
+                Err(_) => [None, None],
+            };
+            let truth = contact.displacement(position);
+            table.text(cell);
+            let numbers = [position, truth.normal, truth.radial].map(Some);
+            for number in numbers.into_iter().chain(estimate) {
+                table.number(number);
+            }
+            table.end_row();
+        }
+        estimated.map(drop)
+    }
+
+    /// Estimated normal and radial displacement of a trial, as a function of the distance from its contact.
+    fn estimated_displacement(
+        &self,
+        trial: u64,
+    ) -> Result<impl Fn(f64) -> [Option<f64>; 2], PressFailure> {
+        let estimate = self.estimate(&self.reading(Some(trial))?)?;
+        let body = &self.estimator.fit()?.body;
+        let contact = body.press(
+            estimate.relative_curvature.value,
+            estimate.indentation.value,
+        )?;
+        let moves_tangentially = body.moves_tangentially();
+        // A Gaussian's gain is its amplitude; the gain of other bodies belongs to the sensor.
+        let amplitude = estimate
+            .gain
+            .filter(|_| !moves_tangentially)
+            .map_or(1.0, |gain| gain.value);
+        Ok(move |distance| {
+            let moved = contact.displacement(distance);
+            [
+                Some(amplitude * moved.normal),
+                moves_tangentially.then_some(moved.radial),
+            ]
+        })
+    }
+}

@@ -1,0 +1,451 @@
+//! Readings of a press: the sensors of the markers and of the indentation, and their noise.
+
+use std::sync::Arc;
+
+use palpate_chromatouch::MarkerMotion;
+use palpate_estimators::{MarkerImages, pressed_images};
+use palpate_press::{CalibrationPress, Markers, Measured, Reading};
+use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
+use palpate_study::FieldError;
+use palpate_study::config::{CameraConfig, GainNoise, LengthNoise, PressNoiseConfig};
+use palpate_tracking::{Change, Marker};
+
+use super::PressFailure;
+use super::camera_calibration::{CameraCalibration, RestFrames};
+use super::camera_model::{AT_REST, CameraModel, MarkerTracks, SimulatedCamera};
+use super::plan::PressSetup;
+use super::sensor_variation::SensorVariation;
+use super::truth::{DiscMarkers, PressGeometry, TruePress};
+
+/// Smaller shifts of a marker's image are rounding errors and count as 0, px.
+const ROUNDING_PX: f64 = 1e-9;
+
+/// Reading of one tracked marker.
+#[derive(Clone, Copy, Debug)]
+struct MarkerReading {
+    normal: f64,
+    tangential: [f64; 2],
+}
+
+/// Readings of one press. Only [`PressSensor::read`] makes them.
+#[derive(Clone, Debug)]
+pub(super) struct PressReading {
+    /// Indices of the tracked markers, in ascending order.
+    tracked: Vec<usize>,
+    /// Normal displacement of each tracked marker.
+    normal: Vec<f64>,
+    /// Tangential displacement of each tracked marker.
+    tangential: Vec<[f64; 2]>,
+    /// Reading of the indentation.
+    pub(super) indentation: f64,
+    /// The camera's tracks and images of all markers; `None` with a direct sensor.
+    pub(super) camera: Option<CameraReading>,
+}
+
+/// A camera's reading of a press.
+#[derive(Clone, Debug)]
+pub(super) struct CameraReading {
+    pub(super) tracks: MarkerTracks,
+    pub(super) images: MarkerImages,
+}
+
+impl PressReading {
+    /// Index, normal and tangential displacement of each tracked marker.
+    pub(super) fn markers(&self) -> impl ExactSizeIterator<Item = (usize, f64, [f64; 2])> {
+        let readings = self.normal.iter().zip(&self.tangential);
+        let tracked = self.tracked.iter().zip(readings);
+        tracked.map(|(&marker, (&normal, &tangential))| (marker, normal, tangential))
+    }
+
+    /// The tracked markers of a layout; `None` if all are tracked.
+    pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
+        let has_lost = self.tracked.len() < layout.places().len();
+        has_lost.then(|| layout.subset(&self.tracked))
+    }
+
+    /// The readings as input of a fit; `markers` are the tracked ones.
+    pub(super) fn fit_input<'a>(
+        &'a self,
+        markers: &'a Markers,
+        has_tangential: bool,
+        indentation: Option<Measured>,
+    ) -> Reading<'a> {
+        Reading {
+            markers,
+            normal: &self.normal,
+            tangential: has_tangential.then_some(&self.tangential),
+            indentation,
+        }
+    }
+}
+
+/// Sensor of the markers in a press.
+#[derive(Clone, Debug)]
+pub(super) enum PressSensor {
+    /// Reads the displacements of all markers directly.
+    Direct,
+    /// Reads the displacements of the markers that a camera tracks.
+    Camera(Box<CameraPressSensor>),
+}
+
+impl PressSensor {
+    /// Reads a press: without noise, or in trial number `trial`.
+    pub(super) fn read(
+        &self,
+        truth: &TruePress,
+        noise: &PressNoise,
+        trial: Option<u64>,
+    ) -> Result<PressReading, PressFailure> {
+        let (mut markers, camera) = match self {
+            Self::Direct => {
+                let markers = truth.markers.iter().map(|moved| {
+                    Some(MarkerReading {
+                        normal: moved.normal,
+                        tangential: moved.tangential,
+                    })
+                });
+                (markers.collect(), None)
+            }
+            Self::Camera(camera) => {
+                let reading = camera.read(truth, trial)?;
+                (camera.displacements(&reading.tracks), Some(reading))
+            }
+        };
+        if let Some(trial) = trial {
+            noise.add_to(&mut markers, trial);
+        }
+        let tracked = markers.iter().flatten();
+        Ok(PressReading {
+            normal: tracked.clone().map(|marker| marker.normal).collect(),
+            tangential: tracked.map(|marker| marker.tangential).collect(),
+            tracked: (0..markers.len())
+                .filter(|&marker| markers[marker].is_some())
+                .collect(),
+            indentation: noise.indentation.read(&truth.geometry, trial),
+            camera,
+        })
+    }
+
+    pub(super) fn camera(&self) -> Option<&CameraPressSensor> {
+        match self {
+            Self::Direct => None,
+            Self::Camera(camera) => Some(camera),
+        }
+    }
+}
+
+/// Sensor of the indentation, such as a robot's pose.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct IndentationSensor {
+    pub(super) error: GaussianError,
+    seed: u64,
+}
+
+impl IndentationSensor {
+    /// Reads the indentation of a press: without noise, or in trial number `trial`.
+    pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
+        let error = trial.map_or(0.0, |trial| {
+            let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
+            self.error.draw(&mut stream)
+        });
+        geometry.indentation + error
+    }
+}
+
+/// Errors of the readings of a press.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PressNoise {
+    /// Error of each normal displacement.
+    pub(super) normal: GaussianError,
+    /// Error of each component of each tangential displacement.
+    pub(super) tangential: GaussianError,
+    pub(super) indentation: IndentationSensor,
+    /// Error of the factor on all normal displacements.
+    pub(super) gain: GaussianError,
+    /// Number of outliers among the markers.
+    outliers: usize,
+    /// Additional error of the outliers.
+    outlier: GaussianError,
+    seed: u64,
+}
+
+impl PressNoise {
+    /// Noise of a config for this number of markers, averaged over `frames`.
+    pub(super) fn new(
+        config: &PressNoiseConfig,
+        frames: u32,
+        markers: usize,
+        seed: u64,
+    ) -> Result<Self, FieldError> {
+        let length = |noise: &Option<LengthNoise>, key: &str| {
+            gaussian(
+                noise.as_ref().map(|LengthNoise::Gaussian { std }| *std),
+                key,
+            )
+        };
+        let gain = config.gain.as_ref().map(|GainNoise::Gaussian { std }| *std);
+        let wrong = config.wrong_markers.as_ref();
+        Ok(Self {
+            outliers: marker_count(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?,
+            normal: length(&config.normal_displacement, "normal_displacement")?.averaged(frames),
+            tangential: length(&config.tangential_displacement, "tangential_displacement")?
+                .averaged(frames),
+            indentation: IndentationSensor {
+                error: length(&config.indentation, "indentation")?,
+                seed,
+            },
+            gain: gaussian(gain, "gain")?,
+            outlier: gaussian(wrong.map(|wrong| wrong.std), "wrong_markers")?,
+            seed,
+        })
+    }
+
+    /// Whether trials differ; the flags state whether tangential displacements and the indentation are read.
+    pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
+        self.normal.is_random()
+            || (has_tangential && self.tangential.is_random())
+            || (has_indentation && self.indentation.error.is_random())
+            || self.gain.is_random()
+            || self.has_outliers()
+    }
+
+    pub(super) fn has_outliers(&self) -> bool {
+        self.outliers > 0 && self.outlier.is_random()
+    }
+
+    /// Adds the errors of a trial to the readings of all markers of the layout. It draws the errors of markers that are
+    /// not tracked too, so that scenes share random numbers.
+    fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
+        let stream = |channel| Stream::new(self.seed, trial, channel);
+        let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
+        let mut normals = stream(Channel::NormalDisplacement);
+        let mut tangentials = stream(Channel::TangentialDisplacement);
+        for marker in markers.iter_mut() {
+            let normal = self.normal.draw(&mut normals);
+            let [x, y] = [(); 2].map(|()| self.tangential.draw(&mut tangentials));
+            if let Some(marker) = marker {
+                marker.disturb(gain, [normal, x, y]);
+            }
+        }
+        if self.has_outliers() {
+            let mut stream = stream(Channel::WrongMarkers);
+            for marker in stream.choose(self.outliers, markers.len()) {
+                let errors = [(); 3].map(|()| self.outlier.draw(&mut stream));
+                if let Some(marker) = &mut markers[marker] {
+                    marker.disturb(1.0, errors);
+                }
+            }
+        }
+    }
+}
+
+impl MarkerReading {
+    fn disturb(&mut self, gain: f64, [normal, x, y]: [f64; 3]) {
+        self.normal = self.normal * gain + normal;
+        self.tangential[0] += x;
+        self.tangential[1] += y;
+    }
+}
+
+/// Gaussian error with this standard deviation, 0 by default; `noise` names its config field.
+pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
+    GaussianError::new(std.unwrap_or(0.0))
+        .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
+}
+
+/// Number of markers that a noise affects; an error if it exceeds `markers`.
+fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
+    let count = count.unwrap_or(0) as usize;
+    if count <= markers {
+        return Ok(count);
+    }
+    let message = format!("must be at most the number of markers {markers}, is {count}");
+    Err(FieldError::at(
+        format!("scene.noise.{noise}.count"),
+        message,
+    ))
+}
+
+/// A calibrated camera that reads one press.
+#[derive(Clone, Debug)]
+pub(super) struct CameraPressSensor {
+    pub(super) camera: SimulatedCamera,
+    /// Image of each marker of the layout at rest; `None` if it is not visible.
+    pub(super) rest: Arc<[Option<Marker>]>,
+    pub(super) calibration: CameraCalibration,
+    /// Number of lost markers, chosen at random in every trial.
+    lost_markers: usize,
+    /// The marker nearest to the contact.
+    central_marker: usize,
+    /// Change of that marker's image without noise and pixels.
+    pub(super) true_change: Option<MarkerChange>,
+    /// Redraws the sensor in every trial, if the config says so.
+    pub(super) variation: Option<SensorVariation>,
+}
+
+/// Change of a marker's image in a press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MarkerChange {
+    /// Change of its mean hue, turns.
+    pub(super) hue_turns: f64,
+    /// Shift of its centroid, in pixels at the scale of the image centre.
+    pub(super) shift_px: f64,
+}
+
+impl CameraPressSensor {
+    /// Builds and calibrates the camera of a config for a press whose markers have these `discs`.
+    pub(super) fn new(
+        setup: &PressSetup<'_>,
+        (config, is_rendered): (&CameraConfig, bool),
+        discs: &DiscMarkers<'_>,
+        truth: &TruePress,
+    ) -> Result<Self, FieldError> {
+        let camera = SimulatedCamera::new(setup, config, is_rendered)?;
+        let lost = setup.config.noise.lost_markers.as_ref();
+        let lost = lost.map(|lost| lost.count);
+        let lost_markers = marker_count(lost, "lost_markers", setup.places.len())?;
+        let frames = RestFrames::new(&camera, config.calibration.rest_frames);
+        let rest = setup
+            .models
+            .at_rest(&frames)
+            .map_err(|error| FieldError::at("scene.sensor", error))?;
+        if rest.iter().flatten().next().is_none() {
+            let message = "the camera sees no marker: see `scene.sensor.field_deg`";
+            return Err(FieldError::at("scene.sensor", message));
+        }
+        let calibration = CameraCalibration::new(setup, config, discs, &frames, &rest)?;
+        let central_marker = discs.nearest(setup.geometry.at).unwrap_or(0);
+        Ok(Self {
+            true_change: true_change(&camera, &truth.discs, central_marker),
+            variation: SensorVariation::new(setup, config)?,
+            camera,
+            rest,
+            calibration,
+            lost_markers,
+            central_marker,
+        })
+    }
+
+    /// Number of markers that are visible at rest, minus the lost ones.
+    pub(super) fn visible(&self) -> usize {
+        let visible = self.rest.iter().flatten().count();
+        visible.saturating_sub(self.lost_markers)
+    }
+
+    /// Whether readings differ between trials.
+    pub(super) fn is_random(&self) -> bool {
+        self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
+    }
+
+    /// Tracks the markers of a press, in trial number `trial` with its noise and its sensor.
+    fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
+        let (tracks, own_rest) = match (&self.variation, trial) {
+            (Some(variation), Some(number)) => {
+                let sensor = variation.sensor(&self.camera, &truth.geometry, number)?;
+                let motions = self.without_lost(&sensor.motions, trial);
+                let tracks = sensor.camera.track(&sensor.markers, &motions, trial)?;
+                (tracks, Some(sensor.rest))
+            }
+            _ => {
+                let motions = self.without_lost(&truth.discs, trial);
+                (self.camera.track(&self.rest, &motions, trial)?, None)
+            }
+        };
+        let images = MarkerImages {
+            own_rest,
+            calibrating: Vec::new(),
+            pressed: pressed_images(&tracks.tracks, &tracks.errors),
+        };
+        Ok(CameraReading { tracks, images })
+    }
+
+    /// Displacement of each marker of the layout, by the calibration; `None` if the marker is not tracked.
+    fn displacements(&self, tracks: &MarkerTracks) -> Vec<Option<MarkerReading>> {
+        let calibration = &self.calibration.calibration;
+        let reading = |(marker, change): (usize, Option<Change>)| {
+            let change = change?;
+            let normal = calibration.normal(marker, &change)?;
+            let tangential = calibration.tangential(change.shift_px, normal)?;
+            Some(MarkerReading { normal, tangential })
+        };
+        let changes = tracks.tracks.iter();
+        let changes = changes.map(|track| self.camera.lens.change(track.as_ref()?));
+        changes.enumerate().map(reading).collect()
+    }
+
+    /// Calibration presses of a trial's sensor, with its readings; none if all trials share a sensor.
+    pub(super) fn calibration_presses(
+        &self,
+        truth: &TruePress,
+        trial: u64,
+    ) -> Result<Vec<CalibrationPress>, PressFailure> {
+        let variation = self.variation.as_ref();
+        variation.map_or(Ok(Vec::new()), |variation| {
+            variation.calibration_presses(&self.camera, &truth.geometry, trial)
+        })
+    }
+
+    /// The frames at rest and pressed, if the camera renders frames.
+    pub(super) fn frames(
+        &self,
+        truth: &TruePress,
+        trial: Option<u64>,
+    ) -> Result<Option<[image::RgbImage; 2]>, PressFailure> {
+        if !matches!(self.camera.model, CameraModel::Rendered) {
+            return Ok(None);
+        }
+        let rest = vec![Some(MarkerMotion::default()); truth.discs.len()];
+        let pressed = self.without_lost(&truth.discs, trial);
+        let pressed = self.camera.render(&pressed, trial)?;
+        let at_rest = trial.map(|_| AT_REST);
+        Ok(Some([self.camera.render(&rest, at_rest)?, pressed]))
+    }
+
+    /// Motions of the discs; `None` for the markers that are lost in a trial.
+    fn without_lost(
+        &self,
+        motions: &[MarkerMotion],
+        trial: Option<u64>,
+    ) -> Vec<Option<MarkerMotion>> {
+        let mut motions: Vec<_> = motions.iter().copied().map(Some).collect();
+        if let Some(trial) = trial.filter(|_| self.lost_markers > 0) {
+            let mut stream = Stream::new(self.camera.seed, trial, Channel::LostMarkers);
+            for marker in stream.choose(self.lost_markers, motions.len()) {
+                motions[marker] = None;
+            }
+        }
+        motions
+    }
+
+    /// Change of the image of the marker nearest to the contact, if it is tracked.
+    pub(super) fn central_change(&self, tracks: &MarkerTracks) -> Option<MarkerChange> {
+        MarkerChange::new(&self.camera, tracks, self.central_marker)
+    }
+}
+
+/// Change of a marker's image in the press, without noise and pixels.
+fn true_change(
+    camera: &SimulatedCamera,
+    motions: &[MarkerMotion],
+    marker: usize,
+) -> Option<MarkerChange> {
+    let exact = camera.exact()?;
+    let rest = exact.at_rest(None).ok()?;
+    let rest: Vec<_> = rest.iter().map(|one| Some((*one)?.marker)).collect();
+    let motions: Vec<_> = motions.iter().copied().map(Some).collect();
+    let tracks = exact.track(&rest, &motions, None).ok()?;
+    MarkerChange::new(&exact, &tracks, marker)
+}
+
+impl MarkerChange {
+    fn new(camera: &SimulatedCamera, tracks: &MarkerTracks, marker: usize) -> Option<Self> {
+        let change = camera.lens.change(tracks.tracks.get(marker)?.as_ref()?)?;
+        let [x, y] = change.shift_px;
+        Some(Self {
+            hue_turns: change.hue_turns,
+            shift_px: Some(libm::hypot(x, y))
+                .filter(|&shift| shift > ROUNDING_PX)
+                .unwrap_or(0.0),
+        })
+    }
+}

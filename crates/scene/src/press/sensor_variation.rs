@@ -1,0 +1,156 @@
+//! Sensor parameters that are redrawn in every trial.
+
+use std::sync::Arc;
+
+use palpate_chromatouch::{Departure, MarkerMotion};
+use palpate_estimators::{departure_stds, pressed_images};
+use palpate_press::{Body, CalibrationPress, Markers, PressError, Seen};
+use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_study::FieldError;
+use palpate_study::config::{CameraConfig, PressModelConfig};
+use palpate_tracking::Marker;
+
+use super::PressFailure;
+use super::camera_calibration::{RestFrames, planes};
+use super::camera_model::{AT_REST, SimulatedCamera};
+use super::plan::PressSetup;
+use super::truth::{PressGeometry, SoftBody, marker_motions};
+
+/// Number of noise trial numbers that each trial with a redrawn sensor reserves, below those of shared frames.
+const NUMBERS_PER_TRIAL: u64 = 1000;
+/// The numbers of calibration presses start this far below that of the trial's first frame at rest.
+const PRESS_NUMBERS: u64 = NUMBERS_PER_TRIAL / 2;
+
+/// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
+const fn rest_number(trial: u64) -> u64 {
+    AT_REST.wrapping_sub(NUMBERS_PER_TRIAL.wrapping_mul(trial.wrapping_add(2)))
+}
+
+/// Draws the sensor parameters of each trial.
+#[derive(Clone, Debug)]
+pub(super) struct SensorVariation {
+    errors: Vec<GaussianError>,
+    model: PressModelConfig,
+    markers: Markers,
+    /// Nominal depths of the magenta and the yellow discs.
+    depths: [f64; 2],
+    rest_frames: u32,
+    /// Calibration presses on a plane.
+    calibration: Vec<PressGeometry>,
+    /// Largest misalignment of a marker, as a fraction of the yellow diameter.
+    misalignment: f64,
+}
+
+/// The sensor of a trial.
+pub(super) struct VariedSensor {
+    pub(super) camera: SimulatedCamera,
+    /// Lengths by which the magenta and the yellow discs are deeper than nominal.
+    deeper: [f64; 2],
+    /// Motions of the discs in the press.
+    pub(super) motions: Vec<MarkerMotion>,
+    /// Images of the markers at rest, with their covariances.
+    pub(super) rest: Arc<[Option<Seen>]>,
+    pub(super) markers: Vec<Option<Marker>>,
+}
+
+impl SensorVariation {
+    /// The variation of a config's sensor; `None` if all trials share one sensor.
+    pub(super) fn new(
+        setup: &PressSetup<'_>,
+        camera: &CameraConfig,
+    ) -> Result<Option<Self>, FieldError> {
+        let Some(noise) = &setup.config.noise.sensor else {
+            return Ok(None);
+        };
+        let depths = setup.sphere.disc_depths()?;
+        let errors = departure_stds(noise).map(|std| {
+            GaussianError::new(std).map_err(|error| FieldError::at("scene.noise.sensor", error))
+        });
+        Ok(Some(Self {
+            errors: errors.into_iter().collect::<Result<_, _>>()?,
+            model: setup.model.clone(),
+            markers: setup.markers.clone(),
+            depths: [depths.magenta, depths.yellow],
+            rest_frames: camera.calibration.rest_frames,
+            calibration: planes(&camera.calibration, setup.geometry.indentation),
+            misalignment: setup.sphere.misalignment(),
+        }))
+    }
+
+    /// Draws the sensor of a trial around the `nominal` one, and moves its discs by a press.
+    pub(super) fn sensor(
+        &self,
+        nominal: &SimulatedCamera,
+        geometry: &PressGeometry,
+        trial: u64,
+    ) -> Result<VariedSensor, PressFailure> {
+        let mut stream = Stream::new(nominal.seed, trial, Channel::Sensor);
+        let mut numbers = [0.0; Departure::NUMBERS];
+        for (number, error) in numbers.iter_mut().zip(&self.errors) {
+            *number = error.draw(&mut stream);
+        }
+        let departure = nominal.optics.possible(Departure::of(numbers));
+        let optics = nominal.optics.departed(&departure)?;
+        let array = optics.array().clone();
+        // The misalignments of number 0 belong to the sensor that the trials of other scenes share.
+        let array = array.misaligned_in(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
+        let camera = SimulatedCamera {
+            optics: optics.misaligned(&array.misalignments())?,
+            ..nominal.clone()
+        };
+        let motions = self.motions(geometry, departure.depths)?;
+        let frames = RestFrames::new(&camera, self.rest_frames);
+        let measured = frames.measurements(rest_number(trial))?;
+        Ok(VariedSensor {
+            camera,
+            deeper: departure.depths,
+            motions,
+            rest: measured
+                .iter()
+                .map(|one| Some(one.as_ref()?.image()))
+                .collect(),
+            markers: measured.iter().map(|one| Some((*one)?.marker)).collect(),
+        })
+    }
+
+    /// Calibration presses of a trial's sensor, with its readings.
+    pub(super) fn calibration_presses(
+        &self,
+        nominal: &SimulatedCamera,
+        geometry: &PressGeometry,
+        trial: u64,
+    ) -> Result<Vec<CalibrationPress>, PressFailure> {
+        let sensor = self.sensor(nominal, geometry, trial)?;
+        let press = |(press, number): (&PressGeometry, u64)| {
+            let motions = self.motions(press, sensor.deeper)?;
+            let motions: Vec<Option<MarkerMotion>> = motions.into_iter().map(Some).collect();
+            let number = rest_number(trial).wrapping_sub(PRESS_NUMBERS + number);
+            let tracked = sensor
+                .camera
+                .track(&sensor.markers, &motions, Some(number))?;
+            Ok(CalibrationPress {
+                seen: pressed_images(&tracked.tracks, &tracked.errors),
+                relative_curvature: self.markers.skin().curvature() + press.object.curvature,
+                at: press.at,
+                indentation: press.indentation,
+            })
+        };
+        self.calibration.iter().zip(0..).map(press).collect()
+    }
+
+    /// Motions of the discs in a press if they lie `deeper` than nominal.
+    pub(super) fn motions(
+        &self,
+        geometry: &PressGeometry,
+        deeper: [f64; 2],
+    ) -> Result<Vec<MarkerMotion>, PressError> {
+        let displacements = |disc: usize| {
+            let depth = self.depths[disc] + deeper[disc];
+            let radius = self.markers.skin().radius();
+            let body = SoftBody::new(&self.model, radius, depth, Body::solved_layer);
+            let body = body.map_err(|_| PressError::OutOfRange)?;
+            Ok::<_, PressError>((body.displacements(&self.markers, geometry)?, None))
+        };
+        Ok(marker_motions([displacements(0)?, displacements(1)?]))
+    }
+}

@@ -1,0 +1,403 @@
+//! A press that is ready to run, and its trials.
+
+use std::sync::OnceLock;
+
+use palpate_estimators::{ImageEstimator, MarkerImages};
+use palpate_press::{
+    Bounds, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate, Reading,
+};
+use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
+use palpate_study::config::{
+    Indentation, LengthUnit, PressConfig, PressEstimatorConfig, PressObjectConfig,
+    PressSensorConfig,
+};
+use palpate_study::{FieldError, MapTable, Quantity};
+
+use super::PressFailure;
+use super::plan::{Choice, PressRungs};
+use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
+use super::truth::{PressGeometry, SoftBody, TruePress};
+use crate::ladder::Ladder;
+use crate::scene::{Need, Outcome, Trials};
+use crate::trace::{Trace, TraceError};
+
+/// Quantities of a press that is read directly.
+static DIRECT_QUANTITIES: [Quantity; 7] = [
+    Quantity::RELATIVE_CURVATURE,
+    Quantity::EFFECTIVE_RADIUS,
+    Quantity::OBJECT_CURVATURE,
+    Quantity::INDENTATION,
+    Quantity::CONTACT_RADIUS,
+    Quantity::R_SQUARED,
+    Quantity::OBJECT_RADIUS,
+];
+
+/// Quantities of a press with a camera. It adds the errors of each tracked marker, the hue change and the shift of
+/// the marker under the contact, and the results of tracking.
+static CAMERA_QUANTITIES: [Quantity; 14] = [
+    Quantity::RELATIVE_CURVATURE,
+    Quantity::EFFECTIVE_RADIUS,
+    Quantity::OBJECT_CURVATURE,
+    Quantity::INDENTATION,
+    Quantity::CONTACT_RADIUS,
+    Quantity::R_SQUARED,
+    Quantity::NORMAL_DISPLACEMENT,
+    Quantity::TANGENTIAL_DISPLACEMENT,
+    Quantity::HUE_CHANGE,
+    Quantity::CENTROID_SHIFT,
+    Quantity::MARKERS_TRACKED,
+    Quantity::WRONG_MATCHES,
+    Quantity::PIXELS,
+    Quantity::OBJECT_RADIUS,
+];
+
+/// A press that is ready to run: the truth, the sensor, the noise and the estimator of a cell.
+#[derive(Clone, Debug)]
+pub struct PressScene {
+    pub(super) config: PressConfig,
+    pub(super) choice: Choice,
+    pub(super) rungs: PressRungs,
+    pub(super) markers: Markers,
+    /// Chart coordinates of the markers.
+    pub(super) places: Vec<[f64; 2]>,
+    pub(super) body: SoftBody,
+    pub(super) geometry: PressGeometry,
+    pub(super) case: PressCase,
+    /// Whether displacements along the skin are read.
+    pub(super) has_tangential: bool,
+    pub(super) noise: PressNoise,
+    pub(super) estimator: PressEstimator,
+    pub(super) bounds: Option<Bounds>,
+    /// Estimate from readings without noise, computed on first use.
+    pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
+}
+
+/// A press with its sensor, or why there is no press.
+#[derive(Clone, Debug)]
+pub(super) enum PressCase {
+    Press {
+        truth: TruePress,
+        sensor: PressSensor,
+    },
+    /// The press is impossible: every trial fails by the name of this error.
+    NoPress(PressError),
+}
+
+impl PressCase {
+    pub(super) fn press(&self) -> Result<(&TruePress, &PressSensor), PressError> {
+        match self {
+            Self::Press { truth, sensor } => Ok((truth, sensor)),
+            Self::NoPress(error) => Err(*error),
+        }
+    }
+
+    /// The camera that reads the press; `None` with a direct sensor or without a press.
+    pub(super) fn camera(&self) -> Option<&CameraPressSensor> {
+        self.press().ok().and_then(|(_, sensor)| sensor.camera())
+    }
+}
+
+/// The estimator of a press.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per cell")]
+pub(super) enum PressEstimator {
+    /// A fit to displacements of markers and, if the config uses it, one to their images.
+    Fit(ForwardFit, Option<ImageEstimator>),
+    /// No fit can be built: every trial fails by the name of this error.
+    NoFit(PressError),
+}
+
+impl PressEstimator {
+    pub(super) fn fit(&self) -> Result<&ForwardFit, PressError> {
+        match self {
+            Self::Fit(fit, _) => Ok(fit),
+            Self::NoFit(error) => Err(*error),
+        }
+    }
+
+    /// The fit to images, with the images of a reading.
+    pub(super) fn images<'a>(
+        &'a self,
+        reading: &'a PressReading,
+    ) -> Option<(&'a ImageEstimator, &'a MarkerImages)> {
+        match self {
+            Self::Fit(_, images) => images
+                .as_ref()
+                .zip(reading.camera.as_ref().map(|camera| &camera.images)),
+            Self::NoFit(_) => None,
+        }
+    }
+}
+
+/// Stated standard deviation of the indentation that an estimator gets; `None` if it gets none.
+pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<f64> {
+    let priors = estimator.priors();
+    (priors.indentation == Indentation::Known).then_some(priors.indentation_std)
+}
+
+impl PressScene {
+    /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if it
+    /// estimates them from the residuals.
+    pub fn stated_stds(&self) -> [Option<f64>; 2] {
+        let fit = self.estimator.fit();
+        fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
+    }
+
+    /// Readings of the sensor: without noise, or in trial number `trial`.
+    pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
+        let (truth, sensor) = self.case.press()?;
+        sensor.read(truth, &self.noise, trial)
+    }
+
+    /// Estimate from readings without noise.
+    pub(super) fn exact(&self) -> Result<&PressEstimate, &PressFailure> {
+        let estimate = || self.estimate(&self.reading(None)?);
+        self.exact.get_or_init(estimate).as_ref()
+    }
+
+    pub(super) fn estimate(&self, reading: &PressReading) -> Result<PressEstimate, PressFailure> {
+        match self.estimator.images(reading) {
+            Some((fit, images)) => Ok(fit.estimate(images, self.given_indentation(reading))?),
+            None => self.with_fit(reading, |fit, reading| fit.estimate(reading)),
+        }
+    }
+
+    /// The indentation that the estimator gets, if any.
+    pub(super) fn given_indentation(&self, reading: &PressReading) -> Option<Measured> {
+        given_indentation_std(&self.config.estimator).map(|std| Measured {
+            value: reading.indentation,
+            std,
+        })
+    }
+
+    /// Applies `then` to the fit to displacements and its input.
+    pub(super) fn with_fit<T>(
+        &self,
+        reading: &PressReading,
+        then: impl FnOnce(&ForwardFit, &Reading<'_>) -> Result<T, PressError>,
+    ) -> Result<T, PressFailure> {
+        let tracked = reading.subset(&self.markers);
+        let markers = tracked.as_ref().unwrap_or(&self.markers);
+        let indentation = self.given_indentation(reading);
+        let input = reading.fit_input(markers, self.has_tangential, indentation);
+        Ok(then(self.estimator.fit()?, &input)?)
+    }
+
+    /// Index of a quantity among the scene's quantities, if the scene has it.
+    fn place(&self, quantity: Quantity) -> Option<usize> {
+        self.quantities().iter().position(|one| *one == quantity)
+    }
+
+    fn true_value(&self, quantity: Quantity) -> Option<f64> {
+        let object = &self.geometry.object;
+        let relative_curvature = self.markers.skin().curvature() + object.curvature;
+        match quantity {
+            Quantity::RELATIVE_CURVATURE => Some(relative_curvature),
+            Quantity::EFFECTIVE_RADIUS => {
+                (relative_curvature > 0.0).then(|| relative_curvature.recip())
+            }
+            Quantity::OBJECT_CURVATURE => Some(object.curvature),
+            Quantity::INDENTATION => Some(self.geometry.indentation),
+            Quantity::CONTACT_RADIUS => {
+                let press = self.case.press().ok();
+                press.map(|(truth, _)| truth.contact_radius)
+            }
+            Quantity::R_SQUARED => Some(1.0),
+            Quantity::OBJECT_RADIUS => object.radius,
+            _ => None,
+        }
+    }
+
+    /// Reports the quantities that a camera adds, after a successful estimate.
+    fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Outcome)) {
+        let PressCase::Press { truth, sensor } = &self.case else {
+            return;
+        };
+        let (Some(sensor), Some(CameraReading { tracks, .. })) = (sensor.camera(), &reading.camera)
+        else {
+            return;
+        };
+        let mut report = |place: Option<usize>, outcome: Outcome| {
+            if let Some(place) = place {
+                observe(place, outcome);
+            }
+        };
+        let normal_place = self.place(Quantity::NORMAL_DISPLACEMENT);
+        let tangential_place = self.place(Quantity::TANGENTIAL_DISPLACEMENT);
+        for (marker, normal, tangential) in reading.markers() {
+            let moved = &truth.markers[marker];
+            report(normal_place, Outcome::plain(normal, moved.normal));
+            if self.has_tangential {
+                for (read, truth) in tangential.into_iter().zip(moved.tangential) {
+                    report(tangential_place, Outcome::plain(read, truth));
+                }
+            }
+        }
+        let mut report = |quantity, outcome| report(self.place(quantity), outcome);
+        if let (Some(read), Some(exact)) = (sensor.central_change(tracks), sensor.true_change) {
+            let hue = Outcome::plain(read.hue_turns, exact.hue_turns);
+            report(Quantity::HUE_CHANGE, hue);
+            let shift = Outcome::plain(read.shift_px, exact.shift_px);
+            report(Quantity::CENTROID_SHIFT, shift);
+        }
+        let (tracked, visible) = (reading.markers().len(), sensor.visible());
+        let tracked = Outcome::plain(tracked as f64, visible as f64);
+        report(Quantity::MARKERS_TRACKED, tracked);
+        let wrong = Outcome::plain(tracks.wrong_matches as f64, 0.0);
+        report(Quantity::WRONG_MATCHES, wrong);
+        report(Quantity::PIXELS, Outcome::exact(sensor.camera.pixels()));
+    }
+
+    /// Quantities that the press of a config observes.
+    pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
+        let all: &[Quantity] = match config.sensor {
+            PressSensorConfig::Direct { .. } => &DIRECT_QUANTITIES,
+            PressSensorConfig::Projected(_) | PressSensorConfig::Rendered(_) => &CAMERA_QUANTITIES,
+        };
+        match config.object {
+            PressObjectConfig::Plane {} => &all[..all.len() - 1],
+            PressObjectConfig::Sphere { .. } | PressObjectConfig::Dish { .. } => all,
+        }
+    }
+}
+
+impl Trials for PressScene {
+    fn quantities(&self) -> &'static [Quantity] {
+        Self::quantities_of(&self.config)
+    }
+
+    fn is_random(&self) -> bool {
+        let camera = self.case.camera();
+        let has_indentation = given_indentation_std(&self.config.estimator).is_some();
+        camera.is_some_and(CameraPressSensor::is_random)
+            || self.noise.is_random(self.has_tangential, has_indentation)
+    }
+
+    /// Fails if there are too few markers or a setting of the method is invalid. If there is no press, or the camera
+    /// cannot image it, the scene can still run: its trials fail.
+    fn estimable(&self) -> Result<(), FieldError> {
+        match self.exact() {
+            Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
+                Err(FieldError::at("scene.probe.layout", error))
+            }
+            Err(PressFailure::Press(
+                error @ PressError::BadSetting(BadSetting { setting, .. }),
+            )) => Err(FieldError::at(format!("scene.estimator.{setting}"), error)),
+            Ok(_) | Err(_) => Ok(()),
+        }
+    }
+
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        let reading = self.reading(Some(trial)).map_err(|error| error.name())?;
+        let estimate = self.estimate(&reading).map_err(|error| error.name())?;
+        let mut report = |quantity: Quantity, outcome: Outcome| {
+            if let Some(place) = self.place(quantity) {
+                observe(place, outcome);
+            }
+        };
+        let curvature = estimate.object_curvature();
+        for (quantity, estimated) in [
+            (Quantity::RELATIVE_CURVATURE, estimate.relative_curvature),
+            (Quantity::EFFECTIVE_RADIUS, estimate.effective_radius()),
+            (Quantity::OBJECT_CURVATURE, curvature),
+            (Quantity::INDENTATION, estimate.indentation),
+            (Quantity::CONTACT_RADIUS, estimate.contact_radius),
+        ] {
+            if let Some(truth) = self.true_value(quantity) {
+                report(quantity, outcome(&estimated, truth));
+            }
+        }
+        report(Quantity::R_SQUARED, Outcome::plain(estimate.r_squared, 1.0));
+        // An object that is estimated to be flat has no finite radius.
+        let radius = estimate.most_likely_object_curvature().recip();
+        if let Some(truth) = self.geometry.object.radius
+            && radius.is_finite()
+        {
+            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
+            let radius_outcome = Outcome {
+                std: finite(curvature.std * radius * radius),
+                interval_holds: curvature_outcome.interval_holds,
+                ..Outcome::plain(radius, truth)
+            };
+            report(Quantity::OBJECT_RADIUS, radius_outcome);
+        }
+        self.observe_camera(&reading, observe);
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        self.true_value(*self.quantities().get(quantity)?)
+    }
+
+    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters are unknowns. Given ones have the noise
+    /// that is drawn or, without such noise, the standard deviation in the config.
+    fn std_bound(&self, quantity: usize) -> Option<f64> {
+        let bounds = self.bounds?;
+        let quantity = *self.quantities().get(quantity)?;
+        let radius_bound = |radius: f64| bounds.relative_curvature * (radius * radius);
+        finite(match quantity {
+            Quantity::RELATIVE_CURVATURE | Quantity::OBJECT_CURVATURE => bounds.relative_curvature,
+            Quantity::EFFECTIVE_RADIUS | Quantity::OBJECT_RADIUS => {
+                radius_bound(self.true_value(quantity)?)
+            }
+            Quantity::INDENTATION => bounds.indentation,
+            Quantity::CONTACT_RADIUS => bounds.contact_radius,
+            _ => return None,
+        })
+    }
+
+    fn needs(&self) -> Vec<Need> {
+        self.description()
+    }
+
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
+        self.rungs.ladder(&self.markers, &self.geometry).map(Some)
+    }
+
+    fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        Ok(self.record(trial, unit)?)
+    }
+
+    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Ok(Self::profile_table(unit))
+    }
+
+    fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {
+        self.push_profile(cell, trial, table)
+            .map_err(|error| error.name())
+    }
+}
+
+fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
+    Outcome {
+        std: finite(estimated.std),
+        interval_holds: Some(hold(estimated, truth)),
+        ..Outcome::plain(estimated.value, truth)
+    }
+}
+
+/// Whether the 50, 80 and 95 % intervals contain the truth. The 95 % interval is the estimate's own. The others scale
+/// its half-width as for a normal distribution, or use `std` where it is open.
+pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
+    let Estimated {
+        value,
+        std,
+        interval,
+    } = *estimated;
+    let end = if truth < value {
+        interval.low
+    } else {
+        interval.high
+    };
+    let one_std = end.map_or(std, |end| (end - value).abs() / NORMAL_95);
+    let [narrowest, narrow, _] = HALF_WIDTHS.map(|width| (truth - value).abs() <= width * one_std);
+    [narrowest, narrow, interval.holds(truth)]
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}

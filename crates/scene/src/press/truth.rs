@@ -1,0 +1,401 @@
+//! The true values of a press: its geometry, its contact, and the displacements of markers and discs.
+
+use palpate_chromatouch::{DiscMotion, MarkerMotion};
+use palpate_estimators::{MarkerSphere, body_error, sensor_body, within_sensor};
+use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError, within_object};
+use palpate_statistics::Number;
+use palpate_study::FieldError;
+use palpate_study::config::{PressConfig, PressModelConfig, PressObjectConfig};
+
+use crate::cache::SharedModels;
+
+/// True values of a press. A sensor reads them; an estimator does not get them.
+#[derive(Clone, Debug)]
+pub(super) struct TruePress {
+    pub(super) geometry: PressGeometry,
+    pub(super) contact_radius: f64,
+    /// Displacements of the markers, midway between their discs.
+    pub(super) markers: Vec<MarkerDisplacement>,
+    /// Motions of the discs of each marker; empty without a camera.
+    pub(super) discs: Vec<MarkerMotion>,
+}
+
+impl TruePress {
+    /// Computes the press with this contact; `discs` are the markers' discs if there is a camera.
+    pub(super) fn new(
+        body: &SoftBody,
+        markers: &Markers,
+        geometry: &PressGeometry,
+        contact: &Contact<'_>,
+        discs: Option<&DiscMarkers<'_>>,
+    ) -> Result<Self, PressError> {
+        let motions = discs.map(|discs| discs.motions(geometry));
+        Ok(Self {
+            geometry: *geometry,
+            contact_radius: contact.radius,
+            markers: body.displacements_by(contact, markers, geometry)?,
+            discs: motions.transpose()?.unwrap_or_default(),
+        })
+    }
+}
+
+/// The properties of the object that affect a press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TouchedObject {
+    /// 1/R_o, positive where convex.
+    pub(super) curvature: f64,
+    /// R_o, negative for a dish; `None` for a plane.
+    pub(super) radius: Option<f64>,
+}
+
+impl TouchedObject {
+    const PLANE: Self = Self {
+        curvature: 0.0,
+        radius: None,
+    };
+
+    fn new(config: &PressObjectConfig) -> Self {
+        let round = |radius: f64| Self {
+            curvature: radius.recip(),
+            radius: Some(radius),
+        };
+        match *config {
+            PressObjectConfig::Sphere { radius } => round(radius),
+            PressObjectConfig::Dish { radius } => round(-radius),
+            PressObjectConfig::Plane {} => Self::PLANE,
+        }
+    }
+}
+
+/// The object of a press, how deep it is pressed, and where it touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PressGeometry {
+    pub(super) object: TouchedObject,
+    pub(super) indentation: f64,
+    /// Chart coordinates of the contact.
+    pub(super) at: [f64; 2],
+    /// Sideways displacement of the object after it touched, along x.
+    pub(super) shift: f64,
+}
+
+impl PressGeometry {
+    /// The geometry of a config's press; `radius` is the sensor's.
+    pub(super) fn new(config: &PressConfig, radius: f64) -> Result<Self, FieldError> {
+        let motion = &config.motion;
+        if motion.shift.abs() >= radius {
+            let [radius, shift] = [radius, motion.shift].map(Number);
+            let message =
+                format!("|shift| must be less than the sensor's radius {radius}, is {shift}");
+            return Err(FieldError::at("scene.motion.shift", message));
+        }
+        Ok(Self {
+            object: TouchedObject::new(&config.object),
+            indentation: motion.indentation,
+            at: contact_place(motion.contact_deg, radius)?,
+            shift: motion.shift,
+        })
+    }
+
+    /// A press of the apex on a plane.
+    pub(super) const fn on_plane(indentation: f64) -> Self {
+        Self {
+            object: TouchedObject::PLANE,
+            indentation,
+            at: [0.0; 2],
+            shift: 0.0,
+        }
+    }
+}
+
+/// Chart coordinates of a polar angle and an azimuth.
+fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], FieldError> {
+    if !(0.0..=180.0).contains(&polar) {
+        let message = format!(
+            "the polar angle must be from 0 to 180, is {}",
+            Number(polar)
+        );
+        return Err(FieldError::at("scene.motion.contact_deg", message));
+    }
+    let distance = radius * polar.to_radians();
+    let (sine, cosine) = libm::sincos(azimuth.to_radians());
+    Ok([distance * cosine, distance * sine])
+}
+
+/// Soft body of a sensor in one model, which displaces points at one depth under the skin.
+#[derive(Clone, Debug)]
+pub(super) struct SoftBody {
+    pub(super) body: Body,
+    /// Poisson's ratio, and the depth of the points in the model; `None` if the body cannot be moved sideways.
+    sideways: Option<(f64, f64)>,
+}
+
+impl SoftBody {
+    /// Builds the body of a model for a sensor of `radius`; `layer` builds a layer from its thickness and depth.
+    pub(super) fn new(
+        model: &PressModelConfig,
+        radius: f64,
+        depth: f64,
+        layer: impl Fn(f64, f64) -> Result<Body, PressError>,
+    ) -> Result<Self, FieldError> {
+        if let Some(thickness) = model.thickness() {
+            within_sensor("scene.model.thickness", thickness, radius)?;
+        }
+        let sideways = match model.reference() {
+            PressModelConfig::HalfSpace { poisson } => Some((poisson, depth)),
+            PressModelConfig::Hertz { poisson } => Some((poisson, 0.0)),
+            PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
+        };
+        let body =
+            sensor_body(model, depth, layer).map_err(|error| body_error("scene.model", error))?;
+        Ok(Self { body, sideways })
+    }
+
+    /// The contact of a press with the skin of these markers.
+    pub(super) fn contact(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Contact<'_>, PressError> {
+        let object = geometry.object.curvature;
+        let contact = markers
+            .skin()
+            .contact(&self.body, object, geometry.indentation)?;
+        within_object(object, contact.radius)?;
+        Ok(contact)
+    }
+
+    /// Displacements of the markers by this contact and by the object's sideways shift, during which the skin sticks to
+    /// the object.
+    fn displacements_by(
+        &self,
+        contact: &Contact<'_>,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let PressGeometry { at, shift, .. } = *geometry;
+        let mut moved = markers.displacements(contact, at);
+        if let Some((poisson, depth)) = self.sideways.filter(|_| shift != 0.0) {
+            let sideways = markers.shifted(poisson, depth, contact.radius, at, shift)?;
+            for (moved, more) in moved.iter_mut().zip(sideways) {
+                moved.normal += more.normal;
+                moved.tangential =
+                    [0, 1].map(|axis| moved.tangential[axis] + more.tangential[axis]);
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Displacements of the markers by a press.
+    pub(super) fn displacements(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        self.displacements_by(&self.contact(markers, geometry)?, markers, geometry)
+    }
+}
+
+/// Discs of one colour.
+struct Discs {
+    body: SoftBody,
+    /// Strain of the discs; `None` if the skin does not strain them.
+    strain: Option<DiscStrain>,
+}
+
+/// Displacements of the discs of one colour, and their relative widening if the skin strains them.
+type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<f64>>);
+
+impl Discs {
+    fn displacements(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<DiscDisplacements, PressError> {
+        let moved = self.body.displacements(markers, geometry)?;
+        let strain = self.strain.as_ref();
+        let widened = strain.map(|strain| strain.stretches(markers, geometry));
+        Ok((moved, widened.transpose()?))
+    }
+}
+
+/// Motions of the discs of each marker, from those of the magenta and of the yellow discs.
+pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
+    let [magenta, yellow] = discs.map(|(moved, widened)| {
+        moved
+            .into_iter()
+            .enumerate()
+            .map(move |(marker, moved)| DiscMotion {
+                normal: moved.normal,
+                tangential: moved.tangential,
+                stretch: widened.as_ref().map_or(0.0, |widened| widened[marker]),
+            })
+    });
+    magenta
+        .zip(yellow)
+        .map(|(magenta, yellow)| MarkerMotion { magenta, yellow })
+        .collect()
+}
+
+/// Markers of two discs, and the bodies that move them.
+pub(super) struct DiscMarkers<'a> {
+    markers: &'a Markers,
+    /// Soft body at the depth of the markers, midway between their discs.
+    midway: &'a SoftBody,
+    magenta: Discs,
+    yellow: Discs,
+}
+
+impl<'a> DiscMarkers<'a> {
+    pub(super) fn new(
+        sphere: &MarkerSphere<'_>,
+        model: &PressModelConfig,
+        markers: &'a Markers,
+        midway: &'a SoftBody,
+        models: &SharedModels,
+    ) -> Result<Self, FieldError> {
+        let depths = sphere.disc_depths()?;
+        let layer = |thickness, depth| models.layer(thickness, depth);
+        let body = |depth: f64| SoftBody::new(model, sphere.radius, depth, layer);
+        let deepest = model.thickness().unwrap_or(sphere.radius);
+        let share = sphere.strain();
+        let discs = |depth| {
+            let strain = (share > 0.0)
+                .then(|| DiscStrain::new(share, depth, (sphere.radius, deepest), body));
+            Ok(Discs {
+                strain: strain.transpose()?,
+                body: body(depth)?,
+            })
+        };
+        Ok(Self {
+            markers,
+            midway,
+            magenta: discs(depths.magenta)?,
+            yellow: discs(depths.yellow)?,
+        })
+    }
+
+    /// Displacements of the markers, midway between their discs.
+    pub(super) fn displacements(
+        &self,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        self.midway.displacements(self.markers, geometry)
+    }
+
+    /// Motions of the discs of each marker.
+    pub(super) fn motions(
+        &self,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<MarkerMotion>, PressError> {
+        let magenta = self.magenta.displacements(self.markers, geometry)?;
+        let yellow = self.yellow.displacements(self.markers, geometry)?;
+        Ok(marker_motions([magenta, yellow]))
+    }
+
+    /// The marker nearest to a place on the skin.
+    pub(super) fn nearest(&self, place: [f64; 2]) -> Option<usize> {
+        let distances = self.markers.distances(place);
+        (0..distances.len()).min_by(|one, other| distances[*one].total_cmp(&distances[*other]))
+    }
+}
+
+/// Distance above and below a disc at which the skin's displacement is computed, in sensor radii.
+const STRAIN_STEP: f64 = 0.0025;
+
+/// Skin just above and below the discs of one colour; its displacements yield the strain.
+struct DiscStrain {
+    /// Fraction of the skin's strain that the discs follow.
+    share: f64,
+    above: SoftBody,
+    below: SoftBody,
+    /// Distance between `above` and `below`, length.
+    apart: f64,
+}
+
+impl DiscStrain {
+    /// Skin around discs at `depth`, no deeper than `deepest`; `body` builds the body at a depth.
+    fn new(
+        share: f64,
+        depth: f64,
+        (radius, deepest): (f64, f64),
+        body: impl Fn(f64) -> Result<SoftBody, FieldError>,
+    ) -> Result<Self, FieldError> {
+        let step = STRAIN_STEP * radius;
+        let [above, below] = [(depth - step).max(0.0), (depth + step).min(deepest)];
+        Ok(Self {
+            share,
+            above: body(above)?,
+            below: body(below)?,
+            apart: below - above,
+        })
+    }
+
+    /// Relative widening of each disc in a press. An incompressible skin that is compressed along its normal widens in
+    /// both tangential directions by half that strain.
+    fn stretches(
+        &self,
+        markers: &Markers,
+        geometry: &PressGeometry,
+    ) -> Result<Vec<f64>, PressError> {
+        let above = self.above.displacements(markers, geometry)?;
+        let below = self.below.displacements(markers, geometry)?;
+        let squeezed = above.iter().zip(&below);
+        Ok(squeezed
+            .map(|(above, below)| 0.5 * self.share * (above.normal - below.normal) / self.apart)
+            .collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_press::Skin;
+
+    /// Half the area strain of a half-space, by finite differences of its radial displacement: (r u_r)′ / 2r.
+    fn widened(markers: &[[f64; 2]], depth: f64, geometry: &PressGeometry) -> Vec<f64> {
+        const STEP: f64 = 1e-3;
+        let body = half_space(depth);
+        let outward = |more: f64| -> Vec<f64> {
+            let places: Vec<[f64; 2]> = markers.iter().map(|[x, _]| [x + more, 0.0]).collect();
+            let moved = body.displacements(&on_skin(&places), geometry).unwrap();
+            std::iter::zip(moved, &places)
+                .map(|(moved, [x, _])| x * moved.tangential[0])
+                .collect()
+        };
+        let (far, near) = (outward(STEP), outward(-STEP));
+        std::iter::zip(markers, std::iter::zip(far, near))
+            .map(|([x, _], (far, near))| (far - near) / (4.0 * STEP * x))
+            .collect()
+    }
+
+    fn half_space(depth: f64) -> SoftBody {
+        let model = PressModelConfig::HalfSpace { poisson: 0.5 };
+        SoftBody::new(&model, 20.0, depth, Body::bonded_layer).unwrap()
+    }
+
+    fn on_skin(places: &[[f64; 2]]) -> Markers {
+        Markers::new(Skin::new(20.0).unwrap(), places).unwrap()
+    }
+
+    #[test]
+    fn an_incompressible_skin_widens_as_it_is_squeezed() {
+        let places: Vec<[f64; 2]> = [0.05, 1.0, 2.0, 3.5, 6.0].map(|x| [x, 0.0]).to_vec();
+        let geometry = PressGeometry::on_plane(1.0);
+        for depth in [1.0, 3.0] {
+            let body = |depth| Ok(half_space(depth));
+            let strain = DiscStrain::new(1.0, depth, (20.0, 20.0), body).unwrap();
+            let computed = strain.stretches(&on_skin(&places), &geometry).unwrap();
+            let expected = widened(&places, depth, &geometry);
+            for (computed, expected) in computed.iter().zip(&expected) {
+                assert!(
+                    (computed - expected).abs() < 1e-3,
+                    "{depth}: {computed} {expected}"
+                );
+            }
+            assert!(computed[0] > 0.02, "{computed:?}");
+            let half = DiscStrain::new(0.5, depth, (20.0, 20.0), body).unwrap();
+            let half = half.stretches(&on_skin(&places), &geometry).unwrap();
+            assert!((half[0] / computed[0] - 0.5).abs() < 1e-12);
+        }
+    }
+}

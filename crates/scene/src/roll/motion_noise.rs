@@ -1,0 +1,163 @@
+//! Error of the angular velocity, in the motion or in its measurement.
+
+use nalgebra::Vector2;
+use palpate_rolling::{Motion, RollError, Roller, Terrain};
+use palpate_sensing::{AngularVelocityError, Channel, Distribution, Stream};
+use palpate_study::config::Side;
+
+/// Error of the angular velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MotionNoise {
+    pub(super) error: AngularVelocityError,
+    /// Number of draws in a roll.
+    pub(super) instants: u32,
+    /// Whether the motion differs from the command, which is reported; or the probe moves as commanded, and a noisy
+    /// rotation is reported.
+    pub(super) side: Side,
+}
+
+/// The roll of one probe as commanded, without noise.
+#[derive(Clone, Debug)]
+pub(super) struct Roll {
+    pub(super) command: Motion,
+    /// The rotation, summed in the contact frame.
+    pub(super) rotation: Vector2<f64>,
+    /// The contact's displacement on the probe.
+    pub(super) displacement: Vector2<f64>,
+    /// The relief along the roll, if noise may move the probe into the object.
+    pub(super) terrain: Option<Terrain>,
+}
+
+/// The noise of one trial.
+pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
+
+impl MotionNoise {
+    /// Number of pieces into which noise cuts a roll.
+    pub(super) const fn pieces(&self) -> u32 {
+        match self.side {
+            Side::Motion => self.instants,
+            Side::Measurement => 1,
+        }
+    }
+
+    /// Distance (length) by which noise moves the centre of a probe of `radius` away from a commanded roll by
+    /// `rotation` (rad): the maximum for uniform noise, six standard deviations for Gaussian noise.
+    pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
+        if self.side == Side::Measurement {
+            return 0.0;
+        }
+        let bound = match self.error.distribution() {
+            Distribution::Uniform => self.error.fraction(),
+            Distribution::Gaussian => f64::INFINITY,
+        };
+        // The centre moves by the radius times the rotation. The factor √2 is for the two components of the noise,
+        // the factor 2 for the curvature of the path on the object.
+        let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
+        share * radius * rotation.norm()
+    }
+
+    /// Standard deviation of each component of a summed rotation, as a fraction of its magnitude.
+    pub(super) fn relative_rotation_std(&self) -> f64 {
+        self.error.relative_std() / f64::from(self.instants).sqrt()
+    }
+
+    pub(super) fn need(&self) -> String {
+        let side = match self.side {
+            Side::Motion => "noisy motion; the command is reported",
+            Side::Measurement => "exact motion; a noisy measurement is reported",
+        };
+        let when = match self.instants {
+            1 => "once per probe".to_owned(),
+            instants => format!("at {instants} instants"),
+        };
+        let percent = 100.0 * self.error.fraction();
+        format!("angular velocity noise of {percent} % {when}: {side}")
+    }
+}
+
+impl NoiseTrial {
+    #[inline]
+    pub(super) fn new(noise: Option<MotionNoise>, seed: u64, trial: u64) -> Self {
+        let stream = || Stream::new(seed, trial, Channel::AngularVelocity);
+        Self(noise.map(|noise| (noise, stream())))
+    }
+
+    /// The contact's displacement on a probe, and the reported rotation of the probe. The reported rotation contains
+    /// the noise only if the noise is an error of measurement.
+    #[inline]
+    pub(super) fn roll(
+        &mut self,
+        roller: &Roller,
+        roll: &Roll,
+    ) -> Result<(Vector2<f64>, Vector2<f64>), RollError> {
+        let Roll {
+            command,
+            rotation,
+            displacement,
+            terrain,
+        } = roll;
+        let Some((noise, stream)) = &mut self.0 else {
+            return Ok((*displacement, *rotation));
+        };
+        let MotionNoise {
+            error,
+            instants,
+            side,
+        } = noise;
+        match (side, *instants) {
+            (Side::Motion, 1) => {
+                let motion = [disturbed(command, error, stream)];
+                Ok((cleared_shift(roller, &motion, terrain)?, *rotation))
+            }
+            (Side::Motion, _) => Ok((
+                cleared_shift(roller, &self.motions(command), terrain)?,
+                *rotation,
+            )),
+            (Side::Measurement, instants) => {
+                let rate = command.angular_velocity.norm();
+                let sum: Vector2<f64> = (0..instants).map(|_| error.draw(stream, rate)).sum();
+                let measured = sum * (command.duration_s / f64::from(instants));
+                Ok((*displacement, rotation + measured))
+            }
+        }
+    }
+
+    /// The actual motions of the probe for `command`.
+    pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
+        let Some((noise, stream)) = &mut self.0 else {
+            return vec![*command];
+        };
+        if noise.side == Side::Measurement {
+            return vec![*command];
+        }
+        let piece = Motion {
+            duration_s: command.duration_s / f64::from(noise.instants),
+            ..*command
+        };
+        (0..noise.instants)
+            .map(|_| disturbed(&piece, &noise.error, stream))
+            .collect()
+    }
+}
+
+/// Displacement of the contact on a probe, or an error if the probe overlaps the terrain.
+#[inline]
+fn cleared_shift(
+    roller: &Roller,
+    motions: &[Motion],
+    terrain: &Option<Terrain>,
+) -> Result<Vector2<f64>, RollError> {
+    if let Some(terrain) = terrain {
+        roller.clearance(motions, terrain, 0.0)?;
+    }
+    Ok(roller.shift(motions)?.displacement)
+}
+
+#[inline]
+fn disturbed(command: &Motion, error: &AngularVelocityError, stream: &mut Stream) -> Motion {
+    let draw = error.draw(stream, command.angular_velocity.norm());
+    let mut motion = *command;
+    motion.angular_velocity.x += draw.x;
+    motion.angular_velocity.y += draw.y;
+    motion
+}

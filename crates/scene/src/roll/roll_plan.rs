@@ -1,0 +1,356 @@
+//! Builds a [`RollScene`] from its config, and its ladder.
+
+use nalgebra::Vector2;
+use palpate_ep1::{LeastSquares, ReadingNoise};
+use palpate_geometry::{Shape, Surface};
+use palpate_rolling::{
+    Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, Roller, Rolls, Terrain,
+};
+use palpate_sensing::{AngularVelocityError, Distribution};
+
+use super::linear_rolls::LinearRolls;
+use super::motion_noise::{MotionNoise, Roll};
+use super::roll_sensor::{RollSensor, RotationSensor};
+use super::roll_trial::{RollFit, RollScene, Truth};
+use crate::config_conversion::{range_error, sensor_error, shape};
+use crate::ladder::{Accuracy, Ladder, Rung};
+use palpate_study::FieldError;
+use palpate_study::config::{
+    self, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
+    RollEstimatorConfig, RollModelConfig, RollMotionConfig, When,
+};
+
+fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
+    let path = match (&error, object) {
+        (InvalidRoll::FirstContact(_), ObjectConfig::HeightField { .. }) => "scene.object.formula",
+        (InvalidRoll::FirstContact(_), _) => "scene.object_contact",
+        (InvalidRoll::Fault(_), _) => "scene.object",
+        (InvalidRoll::Unsupported { .. }, _) => "scene.model.kind",
+        (InvalidRoll::Tolerance { .. }, _) => "scene.model.tolerance",
+    };
+    FieldError::at(path, error)
+}
+
+impl RollScene {
+    /// Builds the scene of a config; `seed` seeds its random numbers.
+    ///
+    /// # Errors
+    /// [`FieldError`] with the path of the field that makes no scene.
+    pub fn new(config: &RollConfig, seed: u64) -> Result<Self, FieldError> {
+        let ProbeConfig::Sphere { radius } = config.probe;
+        let probe = Probe::new(radius)
+            .map_err(|error| range_error("scene.probe.radius", error.expected, error.value))?;
+        let object = shape(&config.object)?;
+        let noise = motion_noise(config)?;
+        let sensor = RollSensor::new(&config.sensor, radius)?;
+        let rotation_sensor = RotationSensor::new(&config.noise)?;
+        let RollEstimatorConfig::LeastSquares {} = config.estimator;
+
+        let (roller, commands) = roller(
+            config,
+            probe,
+            object,
+            noise.map_or(1, |noise| noise.pieces()),
+        )?;
+        let reading_noise = ReadingNoise {
+            // The error is a fraction of the whole rate, but the ratio refers to its tangential part.
+            relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
+                * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
+            rotation_std_rad: rotation_sensor.std_rad(),
+            ..sensor.shift_noise()
+        };
+        let (rolls, truth) = noiseless(&roller, &commands, noise.as_ref())
+            .map_err(|error| FieldError::at("scene.motion", error))?;
+        let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
+        let fit = LeastSquares::new(radius, reading_noise, &rotations)
+            .map_or_else(RollFit::NoFit, RollFit::Fit);
+        let linear = match rotation_sensor.is_random() {
+            true => None,
+            false => LinearRolls::new(&roller, &rolls, noise.as_ref()),
+        };
+        Ok(Self {
+            seed,
+            fit,
+            linear,
+            roller,
+            rolls,
+            noise,
+            sensor,
+            rotation_sensor,
+            reading_noise,
+            truth,
+            tolerance: match config.model {
+                RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
+                _ => None,
+            },
+            chart: ladder_chart(config),
+        })
+    }
+
+    /// Commanded motion of each probe without noise, cut into the pieces in which noise acts.
+    pub fn noiseless(&self) -> Vec<Vec<Motion>> {
+        let pieces = self.noise.map_or(1, |noise| noise.pieces());
+        self.commands()
+            .map(|command| cut(command, pieces))
+            .collect()
+    }
+
+    /// Measures the error of each rung of this scene.
+    pub(super) fn measured_ladder(&self) -> Ladder {
+        let rolls = self.noiseless();
+        let measured = self.roller.ladder(self.chart, Rolls { rolls: &rolls });
+        let choice = self.roller.choice();
+        let rungs = measured.into_iter().map(|rung| Rung {
+            name: rung.name,
+            model: ModelConfig::Roll(named(rung.model)),
+            accuracy: Accuracy::from(rung.outcome),
+        });
+        let taken = ModelConfig::Roll(named(choice.model));
+        Ladder::new(
+            rungs.collect(),
+            &taken,
+            choice.reason.clone(),
+            self.tolerance,
+        )
+    }
+}
+
+fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> {
+    let Some(noise) = &config.noise.angular_velocity else {
+        return Ok(None);
+    };
+    let distribution = match noise {
+        AngularVelocityNoise::Uniform { .. } => Distribution::Uniform,
+        AngularVelocityNoise::Gaussian { .. } => Distribution::Gaussian,
+    };
+    let (AngularVelocityNoise::Uniform {
+        fraction,
+        when,
+        side,
+        instants,
+    }
+    | AngularVelocityNoise::Gaussian {
+        fraction,
+        when,
+        side,
+        instants,
+    }) = *noise;
+    let error = AngularVelocityError::new(distribution, fraction)
+        .map_err(|error| sensor_error("scene.noise.angular_velocity", error))?;
+    if fraction == 0.0 {
+        return Ok(None);
+    }
+    let noise = MotionNoise {
+        error,
+        instants: match when {
+            When::PerProbe => 1,
+            When::PerInstant => instants,
+        },
+        side,
+    };
+    if noise.pieces() > 1 && config.motion.axis == RollAxis::Chart {
+        let message = "\"per-instant\" noise of the motion needs axis = \"transported\": with the axis held \
+                       in the chart, a motion cannot be cut into pieces";
+        return Err(FieldError::at("scene.noise.angular_velocity.when", message));
+    }
+    Ok(Some(noise))
+}
+
+/// Chart of the ladder's integrators: the model's own, or else the chart that holds the axis as the motion does.
+fn ladder_chart(config: &RollConfig) -> Chart {
+    let axis = config.motion.axis;
+    let form = config.model.chart().unwrap_or(match axis {
+        RollAxis::Transported => config::Chart::Free,
+        RollAxis::Chart => config::Chart::Montana,
+    });
+    chart(form, axis)
+}
+
+fn chart(chart: config::Chart, axis: RollAxis) -> Chart {
+    match chart {
+        config::Chart::Free => Chart::Free,
+        config::Chart::Montana => Chart::Montana(match axis {
+            RollAxis::Transported => HeldAxis::Transported,
+            RollAxis::Chart => HeldAxis::Chart,
+        }),
+    }
+}
+
+fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
+    let chart = |form| chart(form, axis);
+    match *config {
+        RollModelConfig::Auto {
+            tolerance,
+            chart: form,
+        } => Model::Auto {
+            tolerance,
+            chart: chart(form),
+        },
+        RollModelConfig::ClosedForm {} => Model::ClosedForm,
+        RollModelConfig::Meridian {} => Model::Meridian,
+        RollModelConfig::Rk4 { steps, chart: form } => Model::Rk4 {
+            steps: steps as usize,
+            chart: chart(form),
+        },
+        RollModelConfig::Dop853 {
+            tolerance,
+            chart: form,
+        } => Model::Dop853 {
+            tolerance,
+            chart: chart(form),
+        },
+    }
+}
+
+/// The roller and the commands. If the config gives an arc length, the noiseless rolls of the commands have this
+/// length.
+fn roller(
+    config: &RollConfig,
+    probe: Probe,
+    object: Shape,
+    pieces: u32,
+) -> Result<(Roller, Vec<Motion>), FieldError> {
+    let contact = config
+        .object_contact
+        .map_or(object.default_contact(), |[x, y]| (x, y));
+    let model = model(&config.model, config.motion.axis);
+    let set_up = |commands: &[Motion]| {
+        let rolls: Vec<Vec<Motion>> = commands
+            .iter()
+            .map(|command| cut(command, pieces))
+            .collect();
+        Roller::new(
+            probe,
+            object.clone(),
+            contact,
+            model,
+            Rolls { rolls: &rolls },
+        )
+        .map_err(|error| roll_error(&config.object, error))
+    };
+    let mut commands = commands(&config.motion);
+    let mut roller = set_up(&commands)?;
+    if let Some(arc_length) = config.motion.arc_length {
+        for command in &mut commands {
+            command.duration_s = roller
+                .duration_for_arc(command, arc_length)
+                .map_err(|error| FieldError::at("scene.motion.arc_length", error))?;
+        }
+        // The choice of a rung depends on how far the probes roll.
+        roller = set_up(&commands)?;
+    }
+    Ok((roller, commands))
+}
+
+/// Rate of rotation, rad/s. If the config omits it, no estimate depends on it.
+fn rate(config: &RollMotionConfig) -> f64 {
+    config.rate_rad_per_s.unwrap_or(1.0)
+}
+
+/// The commands: as long as the config states, or 1 rad if it gives an arc length.
+fn commands(config: &RollMotionConfig) -> Vec<Motion> {
+    let rate = rate(config);
+    let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
+    let duration_s = config.duration_s.unwrap_or(angle_rad / rate);
+    config
+        .directions_deg
+        .iter()
+        .map(|direction| {
+            let mut motion = Motion::rolling(direction.to_radians(), rate, duration_s);
+            motion.angular_velocity.z = config.spin_rad_per_s;
+            motion
+        })
+        .collect()
+}
+
+fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
+    let duration_s = command.duration_s / f64::from(pieces);
+    vec![
+        Motion {
+            duration_s,
+            ..*command
+        };
+        pieces as usize
+    ]
+}
+
+/// The commanded rolls without noise, and the true values.
+fn noiseless(
+    roller: &Roller,
+    commands: &[Motion],
+    noise: Option<&MotionNoise>,
+) -> Result<(Vec<Roll>, Truth), String> {
+    let first = roller.first_contact();
+    let (_, curvature) = roller
+        .object()
+        .curvature_along(&first.on_object, &first.x_axis)
+        .map_err(|error| error.to_string())?;
+    let radius = roller.probe().radius();
+    let stray = |rotation: &Vector2<f64>| noise.map_or(0.0, |noise| noise.stray(radius, rotation));
+    let mut sum = 0.0;
+    let mut rolls = Vec::with_capacity(commands.len());
+    for (probe, &command) in commands.iter().enumerate() {
+        let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
+        let shift = roller.shift(&[command]);
+        if shift.is_err() {
+            // If the probe overlaps the object from the start, report the overlap instead.
+            let start = Motion {
+                duration_s: 0.0,
+                ..command
+            };
+            terrain(roller, &start, 0.0).map_err(fail)?;
+        }
+        let shift = shift.map_err(fail)?;
+        sum += shift.arc_length;
+        let rotation = command.rotation();
+        rolls.push(Roll {
+            command,
+            rotation,
+            displacement: shift.displacement,
+            terrain: terrain(roller, &command, stray(&rotation)).map_err(fail)?,
+        });
+    }
+    let arc_length = sum / commands.len() as f64;
+    Ok((
+        rolls,
+        Truth {
+            curvature,
+            arc_length,
+        },
+    ))
+}
+
+/// The terrain that noisy rolls might overlap; `None` if the commanded roll clears it by at least `stray`.
+fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
+    if !roller.may_touch_twice() {
+        return Ok(None);
+    }
+    let motions = [*command];
+    let terrain = roller.terrain(&motions, stray)?;
+    let clearance = roller.clearance(&motions, &terrain, stray)?;
+    Ok((clearance < stray).then_some(terrain))
+}
+
+/// The model in the form of a config.
+fn named(model: Model) -> RollModelConfig {
+    let config_chart = |chart: Chart| match chart {
+        Chart::Free => config::Chart::Free,
+        Chart::Montana(_) => config::Chart::Montana,
+    };
+    match model {
+        Model::Auto { tolerance, chart } => RollModelConfig::Auto {
+            tolerance,
+            chart: config_chart(chart),
+        },
+        Model::ClosedForm => RollModelConfig::ClosedForm {},
+        Model::Meridian => RollModelConfig::Meridian {},
+        Model::Rk4 { steps, chart } => RollModelConfig::Rk4 {
+            steps: u32::try_from(steps).unwrap_or(u32::MAX),
+            chart: config_chart(chart),
+        },
+        Model::Dop853 { tolerance, chart } => RollModelConfig::Dop853 {
+            tolerance,
+            chart: config_chart(chart),
+        },
+    }
+}

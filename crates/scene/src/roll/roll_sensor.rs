@@ -1,0 +1,217 @@
+//! Sensors of a roll: of the contact on the probe, and of the probe's rotation.
+
+use nalgebra::Vector2;
+use palpate_ep1::{PadStart, ReadingNoise};
+use palpate_sensing::{
+    BeyondPads, Channel, Encoder, GaussianError, PadOffset, PadPlacement, Pads, Stream, Wrist,
+};
+use palpate_statistics::Number;
+use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig};
+
+use crate::config_conversion::{pad_layout, sensor_error};
+use palpate_study::FieldError;
+
+#[derive(Clone, Debug)]
+pub(super) enum RollSensor {
+    Ideal,
+    Wrist(Wrist),
+    Pads(Pads),
+}
+
+/// The sensor in one trial.
+pub(super) enum SensorTrial<'a> {
+    Ideal,
+    Wrist(&'a Wrist, Stream),
+    /// Pads on which each roll starts at its own random place.
+    RandomPads(&'a Pads, Stream),
+    Pads(&'a Pads, PadPlacement),
+}
+
+impl RollSensor {
+    /// Sensor of a config on a probe of this radius.
+    pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
+        match config {
+            RollSensorConfig::Ideal {} => Ok(Self::Ideal),
+            RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(Self::Wrist),
+            RollSensorConfig::Pads {
+                pitch,
+                layout,
+                offset,
+                cap_deg,
+            } => {
+                let layout = pad_layout(*layout);
+                let offset = match offset {
+                    config::PadOffset::Centred => PadOffset::Centred,
+                    config::PadOffset::Random => PadOffset::Random,
+                    config::PadOffset::RandomPerTrial => PadOffset::RandomPerTrial,
+                };
+                Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(Self::Pads)
+            }
+        }
+        .map_err(|error| sensor_error("scene.sensor", error))
+    }
+
+    pub(super) fn is_random(&self) -> bool {
+        match self {
+            Self::Ideal => false,
+            Self::Wrist(wrist) => wrist.shift_std() > 0.0,
+            Self::Pads(pads) => pads.offset() != PadOffset::Centred,
+        }
+    }
+
+    /// Noise of shifts.
+    pub(super) fn shift_noise(&self) -> ReadingNoise {
+        match self {
+            Self::Ideal => ReadingNoise::default(),
+            Self::Wrist(wrist) => ReadingNoise {
+                shift_std: wrist.shift_std(),
+                ..ReadingNoise::default()
+            },
+            Self::Pads(pads) => {
+                let start = match pads.offset() {
+                    PadOffset::Centred => PadStart::Centred,
+                    PadOffset::Random => PadStart::PerRoll,
+                    PadOffset::RandomPerTrial => PadStart::PerTrial,
+                };
+                ReadingNoise::of_pads(pads.pitch(), start)
+            }
+        }
+    }
+
+    #[inline]
+    pub(super) fn begin(&self, seed: u64, trial: u64) -> SensorTrial<'_> {
+        match self {
+            Self::Ideal => SensorTrial::Ideal,
+            Self::Wrist(wrist) => {
+                SensorTrial::Wrist(wrist, Stream::new(seed, trial, Channel::WristContact))
+            }
+            Self::Pads(pads) => {
+                let mut stream = Stream::new(seed, trial, Channel::PadOffset);
+                match pads.offset() {
+                    PadOffset::Random => SensorTrial::RandomPads(pads, stream),
+                    PadOffset::Centred | PadOffset::RandomPerTrial => {
+                        SensorTrial::Pads(pads, pads.place(&mut stream))
+                    }
+                }
+            }
+        }
+    }
+
+    /// The sensor without noise. Pads still quantise; one is centred on the first contact.
+    pub(super) fn noiseless(&self) -> Self {
+        match self {
+            Self::Ideal | Self::Wrist(_) => Self::Ideal,
+            Self::Pads(pads) => Self::Pads(pads.centred()),
+        }
+    }
+
+    pub(super) fn need(&self) -> String {
+        match self {
+            Self::Ideal => "ideal sensor: draws nothing".to_owned(),
+            Self::Wrist(_) => "wrist sensor: two contact points inferred per probe".to_owned(),
+            Self::Pads(pads) => {
+                let start = match pads.offset() {
+                    PadOffset::Centred => "centred on the first contact",
+                    PadOffset::Random => "at an offset drawn for each roll",
+                    PadOffset::RandomPerTrial => "at an offset drawn per trial",
+                };
+                format!("pads: the nearest one reports, {start}")
+            }
+        }
+    }
+}
+
+impl SensorTrial<'_> {
+    #[inline]
+    pub(super) fn read(&mut self, displacement: &Vector2<f64>) -> Result<Vector2<f64>, BeyondPads> {
+        match self {
+            Self::Ideal => Ok(*displacement),
+            Self::Wrist(wrist, stream) => Ok(wrist.read(stream, displacement)),
+            Self::RandomPads(pads, stream) => pads.read(&pads.place(stream), displacement),
+            Self::Pads(pads, placement) => pads.read(placement, displacement),
+        }
+    }
+}
+
+/// Errors of the rotation that a probe reports.
+#[derive(Clone, Debug)]
+pub(super) struct RotationSensor {
+    error: GaussianError,
+    encoder: Option<Encoder>,
+}
+
+/// The sensor in one trial.
+pub(super) struct RotationTrial<'a> {
+    sensor: &'a RotationSensor,
+    errors: Stream,
+    phases: Stream,
+}
+
+impl RotationSensor {
+    pub(super) fn new(noise: &RollNoiseConfig) -> Result<Self, FieldError> {
+        let std_rad = noise.rotation.as_ref().map_or(0.0, |noise| noise.std_rad());
+        let encoder = noise
+            .encoder
+            .as_ref()
+            .map(|encoder| Encoder::new(encoder.step_rad()));
+        Ok(Self {
+            error: GaussianError::new(std_rad)
+                .map_err(|error| sensor_error("scene.noise.rotation", error))?,
+            encoder: encoder
+                .transpose()
+                .map_err(|error| sensor_error("scene.noise.encoder", error))?,
+        })
+    }
+
+    pub(super) fn is_random(&self) -> bool {
+        self.error.is_random() || self.encoder.is_some()
+    }
+
+    /// Config path of the larger of the two errors.
+    pub(super) fn path(&self) -> &'static str {
+        match self.encoder {
+            Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
+            _ => "scene.noise.rotation",
+        }
+    }
+
+    /// Standard deviation of each component, rad.
+    pub(super) fn std_rad(&self) -> f64 {
+        libm::hypot(
+            self.error.std(),
+            self.encoder.map_or(0.0, |encoder| encoder.std_rad()),
+        )
+    }
+
+    pub(super) fn begin(&self, seed: u64, trial: u64) -> RotationTrial<'_> {
+        RotationTrial {
+            sensor: self,
+            errors: Stream::new(seed, trial, Channel::Rotation),
+            phases: Stream::new(seed, trial, Channel::EncoderPhase),
+        }
+    }
+
+    pub(super) fn need(&self) -> Option<String> {
+        let error = self
+            .error
+            .is_random()
+            .then(|| format!("rotations measured to {} rad", Number(self.error.std())));
+        let encoder = self
+            .encoder
+            .map(|_| "encoders count the rotation in steps".to_owned());
+        let needs: Vec<String> = error.into_iter().chain(encoder).collect();
+        (!needs.is_empty()).then(|| needs.join("; "))
+    }
+}
+
+impl RotationTrial<'_> {
+    /// The rotation (rad) that the sensor reports for a true `rotation`.
+    pub(super) fn read(&mut self, rotation: Vector2<f64>) -> Vector2<f64> {
+        let RotationSensor { error, encoder } = self.sensor;
+        let measured = rotation.map(|angle| angle + error.draw(&mut self.errors));
+        match encoder {
+            Some(encoder) => encoder.read(&mut self.phases, &measured),
+            None => measured,
+        }
+    }
+}

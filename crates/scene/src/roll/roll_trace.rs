@@ -1,0 +1,113 @@
+//! Tables of one pass of a roll.
+
+use palpate_rolling::{Contact, Motion};
+
+use super::motion_noise::NoiseTrial;
+use super::roll_trial::RollScene;
+use crate::trace::{Trace, TraceError, counted};
+use palpate_study::Table;
+use palpate_study::config::{LengthUnit, Side};
+use palpate_study::readings::roll_readings_table;
+
+/// Number of samples of each roll in the table, besides the first contact.
+const SAMPLES: usize = 100;
+
+impl RollScene {
+    /// Records one roll of every probe: in trial number `trial`, or without noise if it is `None`.
+    pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        let noiseless = self.sensor.noiseless();
+        let sensor = trial.map_or(&noiseless, |_| &self.sensor);
+        let mut sensor = sensor.begin(self.seed, trial.unwrap_or_default());
+        let mut noise = NoiseTrial::new(
+            self.noise.filter(|_| trial.is_some()),
+            self.seed,
+            trial.unwrap_or_default(),
+        );
+
+        let mut contacts = Table::new(header(unit));
+        let mut readings = Vec::new();
+        let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
+        for (probe, roll) in self.rolls.iter().enumerate() {
+            let command = &roll.command;
+            let (motions, rotation) = match self.noise.map(|noise| noise.side) {
+                // Draws the measured rotation without rolling the probe.
+                Some(Side::Measurement) => {
+                    let (_, rotation) = noise
+                        .roll(&self.roller, roll)
+                        .map_err(|error| TraceError::Roll { probe, error })?;
+                    (vec![*command], rotation)
+                }
+                _ => (noise.motions(command), roll.rotation),
+            };
+            let mut last = *self.roller.first_contact();
+            for sample in 0..=SAMPLES {
+                let t_s = command.duration_s * sample as f64 / SAMPLES as f64;
+                let end = if sample == SAMPLES {
+                    f64::INFINITY
+                } else {
+                    t_s
+                };
+                last = self
+                    .roller
+                    .roll(&cut_at(&motions, end))
+                    .map_err(|error| TraceError::Roll { probe, error })?;
+                contacts.push(probe, row(&last, t_s, self.roller.probe().radius()));
+            }
+            let shift = last.shift_from(self.roller.first_contact(), self.roller.probe().radius());
+            let shift = sensor
+                .read(&shift.displacement)
+                .map_err(|error| TraceError::Sensor { probe, error })?;
+            let rotation = match &mut rotations {
+                Some(rotations) => rotations.read(rotation),
+                None => rotation,
+            };
+            readings.push([rotation.x, rotation.y, shift.x, shift.y]);
+        }
+        let probes = counted(readings.len(), "probe");
+        Ok(Trace {
+            what: format!("{} of {probes}", counted(contacts.rows.len(), "contact")),
+            contacts,
+            readings: roll_readings_table(readings, unit),
+            camera: None,
+        })
+    }
+}
+
+fn header(unit: LengthUnit) -> impl Iterator<Item = String> {
+    let unit = unit.as_str();
+    let lengths = [
+        "object_x", "object_y", "object_z", "probe_x", "probe_y", "probe_z",
+    ];
+    let lengths = lengths.map(|name| format!("{name}_{unit}"));
+    let normal = ["normal_x", "normal_y", "normal_z"].map(str::to_owned);
+    let header = ["probe", "t_s"].map(str::to_owned).into_iter();
+    let header = header.chain(lengths).chain(normal);
+    header.chain([format!("arc_length_{unit}")])
+}
+
+fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
+    let mut row = vec![t_s];
+    row.extend(contact.on_object.iter());
+    row.extend(contact.on_probe(radius).iter());
+    row.extend(contact.normal.iter());
+    row.push(contact.arc_length);
+    row
+}
+
+/// The motions up to time `t_s`.
+fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
+    let mut left = t_s;
+    let mut until = Vec::new();
+    for motion in motions {
+        let duration_s = motion.duration_s.min(left);
+        if duration_s <= 0.0 {
+            break;
+        }
+        until.push(Motion {
+            duration_s,
+            ..*motion
+        });
+        left -= motion.duration_s;
+    }
+    until
+}

@@ -1,0 +1,404 @@
+//! A roll that is ready to run, and its trials.
+
+use std::ops::Range;
+
+use nalgebra::Vector2;
+use palpate_ep1::{
+    BATCH_SIZE, BatchEstimates, Ep1Error, Estimate, LeastSquares, Measured, Moments, ProbeReading,
+    ReadingNoise, rounding_std,
+};
+use palpate_geometry::CurvatureForm;
+use palpate_rolling::{Chart, Motion, Roller};
+use palpate_statistics::Number;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::linear_rolls::{LinearRolls, ManyRolls};
+use super::motion_noise::{MotionNoise, NoiseTrial, Roll};
+use super::roll_sensor::{RollSensor, RotationSensor};
+use crate::ladder::Ladder;
+use crate::scene::{Need, Outcome, Trials};
+use crate::trace::{Trace, TraceError};
+use palpate_study::config::{LengthUnit, Side};
+use palpate_study::{FieldError, MapTable, Quantity, Warning};
+
+/// Quantities that a roll estimates.
+pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
+    Quantity::NORMAL_CURVATURE_U,
+    Quantity::NORMAL_CURVATURE_V,
+    Quantity::GAUSSIAN_CURVATURE,
+    Quantity::MEAN_CURVATURE,
+    Quantity::ARC_LENGTH,
+];
+
+/// A roll that is ready to run: the truth, the noise, the sensor and the estimator of a cell.
+#[derive(Clone, Debug)]
+pub struct RollScene {
+    pub(super) seed: u64,
+    pub(super) roller: Roller,
+    /// The roll of each probe as commanded.
+    pub(super) rolls: Vec<Roll>,
+    pub(super) noise: Option<MotionNoise>,
+    pub(super) sensor: RollSensor,
+    pub(super) rotation_sensor: RotationSensor,
+    pub(super) reading_noise: ReadingNoise,
+    pub(super) fit: RollFit,
+    /// Set if all rolls are linear and report the same rotations in every trial.
+    pub(super) linear: Option<LinearRolls>,
+    pub(super) truth: Truth,
+    /// Tolerance of `auto`; `None` where the config names a rung.
+    pub(super) tolerance: Option<f64>,
+    /// Chart of the ladder's integrators.
+    pub(super) chart: Chart,
+}
+
+/// The fit for the commanded rotations. A trace needs none.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per cell")]
+pub(super) enum RollFit {
+    Fit(LeastSquares),
+    /// The rotations do not determine the curvature: every trial that uses the fit fails by the name of this error.
+    NoFit(Ep1Error),
+}
+
+impl RollFit {
+    #[inline(always)]
+    fn get(&self) -> Result<&LeastSquares, &'static str> {
+        match self {
+            Self::Fit(fit) => Ok(fit),
+            Self::NoFit(error) => Err(error.name()),
+        }
+    }
+}
+
+/// The object's curvature at the first contact, and the noiseless length of the rolls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Truth {
+    pub(super) curvature: CurvatureForm,
+    pub(super) arc_length: f64,
+}
+
+/// Outcomes of one quantity in a batch of trials, one per trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideBySide<'a> {
+    /// The estimates.
+    pub estimates: &'a [f64],
+    /// The true value in all trials.
+    pub truth: f64,
+    /// The standard deviations that the estimator states, one per estimate; `None` if no noise was stated.
+    pub stds: Option<&'a [f64]>,
+}
+
+/// A batch of trials, compiled for every vector width.
+struct Together<'a> {
+    seed: u64,
+    linear: &'a LinearRolls,
+    fit: &'a LeastSquares,
+    first: u64,
+    /// Number of trials, at most [`BATCH_SIZE`].
+    count: usize,
+    rolls: &'a mut ManyRolls,
+    estimates: &'a mut BatchEstimates,
+}
+
+impl WithSimd for Together<'_> {
+    /// Number of trials before the first that failed.
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        let rolls = self.rolls;
+        let rolled = self
+            .linear
+            .side_by_side(self.seed, self.first, self.count, rolls);
+        self.fit
+            .estimate_batch(&rolls.moments, rolled, self.estimates)
+    }
+}
+
+impl Together<'_> {
+    /// Runs the trials and returns how many succeeded before the first failure. It must be compiled in this crate:
+    /// crates that call [`RollScene::side_by_side`] are optimised less, so the compiler would not vectorise it there.
+    #[inline(never)]
+    fn run(self, arch: Arch) -> usize {
+        arch.dispatch(self)
+    }
+}
+
+impl RollScene {
+    /// Noise of the readings that the estimator assumes.
+    pub const fn reading_noise(&self) -> ReadingNoise {
+        self.reading_noise
+    }
+
+    /// The forward law, with the chosen model.
+    pub const fn roller(&self) -> &Roller {
+        &self.roller
+    }
+
+    /// Commanded motion of each probe.
+    pub fn commands(&self) -> impl Iterator<Item = &Motion> {
+        self.rolls.iter().map(|roll| &roll.command)
+    }
+
+    /// The true values, in the order of [`Trials::quantities`].
+    #[inline]
+    pub fn truths(&self) -> [f64; ROLL_QUANTITIES.len()] {
+        let Truth {
+            curvature,
+            arc_length,
+        } = &self.truth;
+        [
+            curvature.k_uu,
+            curvature.k_vv,
+            curvature.gaussian_curvature(),
+            curvature.mean_curvature(),
+            *arc_length,
+        ]
+    }
+
+    /// The outcomes of one trial, in the order of [`Trials::quantities`].
+    ///
+    /// # Errors
+    /// The stable name of the failure.
+    #[inline(always)]
+    pub fn outcomes(&self, trial: u64) -> Result<[Outcome; ROLL_QUANTITIES.len()], &'static str> {
+        if let Some(linear) = &self.linear
+            && let RollSensor::Ideal = self.sensor
+            && let Some(moments) = linear.short(self.seed, trial)
+        {
+            let fit = self.fit.get()?;
+            let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
+            return Ok(self.compare(&estimate));
+        }
+        self.sensor_trial(trial)
+            .map(|estimate| self.compare(&estimate))
+    }
+
+    /// Runs trials in batches of at most [`BATCH_SIZE`] and passes their outcomes to `take`, in the order of
+    /// [`Trials::quantities`]. They equal those of [`RollScene::outcomes`] to the last bit, but are faster, most of
+    /// all on a processor with wide vectors. `take` returns how many trials it accepts. Stops if it accepts too few,
+    /// or if a trial cannot run in a batch; returns the number of accepted trials.
+    pub fn side_by_side(
+        &self,
+        arch: Arch,
+        trials: Range<u64>,
+        mut take: impl FnMut(&[SideBySide<'_>; ROLL_QUANTITIES.len()]) -> usize,
+    ) -> u64 {
+        let (Some(linear), RollFit::Fit(fit), RollSensor::Ideal) =
+            (&self.linear, &self.fit, &self.sensor)
+        else {
+            return 0;
+        };
+        let truths = self.truths();
+        let (mut rolls, mut estimates) = (ManyRolls::default(), BatchEstimates::default());
+        let mut trial = trials.start;
+        loop {
+            let count = trials.end.saturating_sub(trial).min(BATCH_SIZE as u64) as usize;
+            let together = Together {
+                seed: self.seed,
+                linear,
+                fit,
+                first: trial,
+                count,
+                rolls: &mut rolls,
+                estimates: &mut estimates,
+            };
+            let ran = together.run(arch);
+            if ran == 0 {
+                return trial - trials.start;
+            }
+            let stds = |quantity: usize| {
+                let stds = estimates.stds.get(quantity);
+                stds.filter(|_| estimates.have_stds)
+                    .map(|stds| &stds[..ran])
+            };
+            let taken = take(&std::array::from_fn(|quantity| SideBySide {
+                estimates: &estimates.values[quantity][..ran],
+                truth: truths[quantity],
+                stds: stds(quantity),
+            }));
+            trial += taken as u64;
+            if taken < count {
+                return trial - trials.start;
+            }
+        }
+    }
+
+    /// Compares an estimate with the true values.
+    #[inline(always)]
+    fn compare(&self, estimate: &Estimate) -> [Outcome; ROLL_QUANTITIES.len()] {
+        let outcome = |measured: Measured, truth: f64| Outcome {
+            std: measured.std,
+            ..Outcome::plain(measured.value, truth)
+        };
+        let [u, v, gaussian, mean, length] = self.truths();
+        let arc_length = Measured {
+            value: estimate.arc_length,
+            std: None,
+        };
+        [
+            outcome(estimate.normal_curvature_u, u),
+            outcome(estimate.normal_curvature_v, v),
+            outcome(estimate.gaussian_curvature, gaussian),
+            outcome(estimate.mean_curvature, mean),
+            outcome(arc_length, length),
+        ]
+    }
+
+    /// Runs a trial of any kind of roll.
+    #[inline(never)]
+    fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let is_measured = self.rotation_sensor.is_random()
+            || self
+                .noise
+                .is_some_and(|noise| noise.side == Side::Measurement);
+        match &self.linear {
+            Some(linear) => self.linear_trial(linear, trial),
+            None if is_measured => self.measured_trial(trial),
+            None => self.general_trial(trial),
+        }
+    }
+
+    /// Runs a trial in which all rolls are linear: it computes neither motions nor states.
+    fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.get()?;
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let moments = linear
+            .read(self.seed, trial, |displacement| sensor.read(&displacement))
+            .map_err(|error| error.name())?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// Runs a trial whose reported rotations are the same in every trial.
+    fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.get()?;
+        let mut moments = Moments::default();
+        self.readings(trial, |reading| {
+            moments.add(self.roller.probe().radius(), &reading)
+        })?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// Runs a trial whose reported rotations have errors.
+    fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let mut readings = Vec::with_capacity(self.rolls.len());
+        self.readings(trial, |reading| readings.push(reading))?;
+        LeastSquares::of(self.roller.probe().radius(), self.reading_noise, &readings)
+            .map_err(|error| error.name())
+    }
+
+    /// Calls `report` with the reading of each probe in a trial, one after the other.
+    fn readings(
+        &self,
+        trial: u64,
+        mut report: impl FnMut(ProbeReading),
+    ) -> Result<(), &'static str> {
+        let mut noise = NoiseTrial::new(self.noise, self.seed, trial);
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let mut rotations = self.rotation_sensor.begin(self.seed, trial);
+        for roll in &self.rolls {
+            let (displacement, rotation) = noise
+                .roll(&self.roller, roll)
+                .map_err(|error| error.fault.name())?;
+            let rotation = rotations.read(rotation);
+            let shift = sensor.read(&displacement).map_err(|error| error.name())?;
+            report(ProbeReading { rotation, shift });
+        }
+        Ok(())
+    }
+
+    /// Warning about an object so flat that the rounding of the readings is noticeable in its curvature.
+    fn rounding_warning(&self) -> Option<Warning> {
+        let curvature = self.truth.curvature.principal();
+        let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
+        let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
+        // At a larger error the object counts as a plane, which needs no warning.
+        (1e-3..1e12).contains(&error).then(|| {
+            let share = Number::rounded(error);
+            Warning::new(
+                "flat-object",
+                format!("the object is so flat that rounding of the readings errs by {share} times its curvature"),
+                [("relative_error", error)],
+            )
+        })
+    }
+}
+
+impl Trials for RollScene {
+    fn quantities(&self) -> &'static [Quantity] {
+        &ROLL_QUANTITIES
+    }
+
+    fn is_random(&self) -> bool {
+        self.noise.is_some() || self.sensor.is_random() || self.rotation_sensor.is_random()
+    }
+
+    fn estimable(&self) -> Result<(), FieldError> {
+        match &self.fit {
+            RollFit::Fit(_) => Ok(()),
+            RollFit::NoFit(error @ Ep1Error::NoisyRotations { .. }) => {
+                Err(FieldError::at(self.rotation_sensor.path(), error))
+            }
+            RollFit::NoFit(error) => Err(FieldError::at("scene.motion.directions_deg", error)),
+        }
+    }
+
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        let outcomes = self.outcomes(trial)?.into_iter().enumerate();
+        outcomes.for_each(|(quantity, outcome)| observe(quantity, outcome));
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        self.truths().get(quantity).copied()
+    }
+
+    fn needs(&self) -> Vec<Need> {
+        let choice = self.roller.choice();
+        let bound = choice.error_bound.map_or_else(String::new, |bound| {
+            format!(", error at most {bound:.0e} of the contact's scale")
+        });
+        let mut models = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
+        models.extend(self.noise.map(|noise| noise.need()));
+        models.push(self.sensor.need());
+        if self.rolls.iter().any(|roll| roll.terrain.is_some()) {
+            models.push(
+                "clearance of every trial: the probe passes close to other parts of the object"
+                    .to_owned(),
+            );
+        }
+        models.extend(self.rotation_sensor.need());
+        models.push(format!("least squares over {} probes", self.rolls.len()));
+        let mut needs: Vec<Need> = models.into_iter().map(Need::from).collect();
+        needs.extend(self.rounding_warning().map(Need::from));
+        let half_turn = std::f64::consts::PI * self.roller.probe().radius();
+        let arc_length = self.truth.arc_length;
+        if arc_length > half_turn {
+            let text = "the contact passes half way round the probe: a shift then no longer determines the length of the roll";
+            let numbers = [("arc_length", arc_length), ("half_turn", half_turn)];
+            needs.push(Warning::new("half-turn", text, numbers).into());
+        }
+        let furthest = Vector2::new(arc_length, 0.0);
+        if let Err(error) = self.sensor.noiseless().begin(0, 0).read(&furthest) {
+            let text = format!("{error}: trials fail as `beyond-pads`");
+            needs.push(Warning::new("beyond-pads", text, [("arc_length", arc_length)]).into());
+        }
+        needs
+    }
+
+    fn ladder(&self) -> Result<Option<Ladder>, FieldError> {
+        Ok(Some(self.measured_ladder()))
+    }
+
+    fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        self.record(trial, unit)
+    }
+
+    fn map_table(&self, _unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Err("a roll has no map; \"cells\" and \"trace\" are possible")
+    }
+}

@@ -1,0 +1,102 @@
+//! Errors of measured rotations: quantisation by encoders, and errors of the angular velocity.
+
+use nalgebra::Vector2;
+
+use crate::{Distribution, InvalidSensor, Stream};
+
+/// Joint encoders that round the end of a roll to the nearest step. The start of the roll is known. Its position
+/// within a step is random, and different in every roll.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_sensing::{Channel, Encoder, Stream};
+///
+/// let encoder = Encoder::new(0.25)?;
+/// let mut stream = Stream::new(1, 0, Channel::EncoderPhase);
+/// let read = encoder.read(&mut stream, &Vector2::new(0.7, 0.0));
+/// assert!((read.x - 0.7).abs() <= 0.125 && read.y.abs() <= 0.125);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    step_rad: f64,
+}
+
+impl Encoder {
+    /// Encoders that count in steps of `step_rad`.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the step is finite and positive.
+    pub fn new(step_rad: f64) -> Result<Self, InvalidSensor> {
+        let holds = step_rad > 0.0 && step_rad.is_finite();
+        InvalidSensor::unless(holds, "step_rad", step_rad, "finite and > 0")?;
+        Ok(Self { step_rad })
+    }
+
+    /// The rotation (rad) that the encoders report for a roll by `rotation`. The error of each component is uniform,
+    /// at most half a step, and does not depend on the rotation.
+    pub fn read(&self, stream: &mut Stream, rotation: &Vector2<f64>) -> Vector2<f64> {
+        rotation.map(|angle| {
+            let start = 0.5 * stream.symmetric_uniform();
+            let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
+            // A step too fine to count in doubles quantises nothing.
+            if reported.is_finite() {
+                reported
+            } else {
+                angle
+            }
+        })
+    }
+
+    /// Standard deviation of the error of a component, rad.
+    pub fn std_rad(&self) -> f64 {
+        self.step_rad / 12.0_f64.sqrt()
+    }
+}
+
+/// An independent error of ω_x and of ω_y, in proportion to the rate of rotation (1996 paper, section 4.1.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngularVelocityError {
+    distribution: Distribution,
+    fraction: f64,
+}
+
+impl AngularVelocityError {
+    /// An error whose size is `fraction` of |ω|.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the fraction is from 0 to 1e150.
+    pub fn new(distribution: Distribution, fraction: f64) -> Result<Self, InvalidSensor> {
+        let holds = (0.0..=1e150).contains(&fraction);
+        InvalidSensor::unless(holds, "fraction", fraction, "from 0 to 1e150")?;
+        Ok(Self {
+            distribution,
+            fraction,
+        })
+    }
+
+    /// Distribution of the error.
+    pub const fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
+    /// The size, as a fraction of |ω|.
+    pub const fn fraction(&self) -> f64 {
+        self.fraction
+    }
+
+    /// Standard deviation of each component, as a fraction of |ω|.
+    pub fn relative_std(&self) -> f64 {
+        self.distribution.std(self.fraction)
+    }
+
+    /// Draws the errors of `(ω_x, ω_y)` for a rate |ω| in rad/s. They are finite for rates up to 1e150.
+    #[inline]
+    pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
+        let size = self.fraction * rate_rad_per_s;
+        Vector2::new(
+            self.distribution.draw(stream),
+            self.distribution.draw(stream),
+        ) * size
+    }
+}

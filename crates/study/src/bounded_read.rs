@@ -1,0 +1,46 @@
+//! Reading of files and streams up to a maximum size.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Bytes of a MiB.
+const MIB: u64 = 1 << 20;
+/// Largest size of a pipe or a device, MiB. Their size is not known before reading.
+const MAX_STREAM_MIB: u64 = 256;
+
+/// Reads a file of at most `most_mib` MiB. A pipe or a device may have at most 256 MiB.
+///
+/// # Errors
+/// Errors of the operating system; [`ErrorKind::FileTooLarge`].
+pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    let most_mib = match metadata.is_file() {
+        true => most_mib,
+        false => most_mib.min(MAX_STREAM_MIB),
+    };
+    if metadata.is_file() && metadata.len() > most_mib * MIB {
+        return Err(too_large(most_mib));
+    }
+    read_all(file, most_mib)
+}
+
+/// Reads a stream of at most `most_mib` MiB.
+///
+/// # Errors
+/// Errors of the stream; [`ErrorKind::FileTooLarge`].
+pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
+    let limit = most_mib * MIB;
+    let mut bytes = Vec::new();
+    stream.take(limit + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > limit {
+        true => Err(too_large(most_mib)),
+        false => Ok(bytes),
+    }
+}
+
+fn too_large(most_mib: u64) -> io::Error {
+    let message = format!("it is larger than {most_mib} MiB, the most that is read");
+    io::Error::new(ErrorKind::FileTooLarge, message)
+}

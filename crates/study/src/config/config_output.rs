@@ -1,0 +1,72 @@
+//! Output of configs with their defaults, as they are saved with the results.
+
+use super::schema::{schema, variant};
+use super::study::StudyConfig;
+use super::sweep::SweepConfig;
+use serde_json::Value as Json;
+
+/// A config as TOML, including its defaults. It parses back to the same config.
+///
+/// If a sweep varies a `kind`, the keys of this table that equal their defaults are omitted, because another kind may not
+/// have them.
+///
+/// ```
+/// use palpate_study::config::{parse, to_toml};
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// let resolved = to_toml(&study.config);
+/// assert!(resolved.contains("seed = 0"));
+/// assert_eq!(parse("run.toml", &resolved)?.config, study.config);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn to_toml(config: &StudyConfig) -> String {
+    let text =
+        toml::to_string(config).expect("strings, numbers, arrays and tables all have a TOML form");
+    let paths = config.sweep.iter().flat_map(SweepConfig::targets);
+    let swept: Vec<&str> = paths
+        .filter_map(|path| path.strip_suffix(".kind"))
+        .collect();
+    match text.parse::<toml::Table>() {
+        Ok(mut table) if !swept.is_empty() => {
+            let root = schema();
+            swept
+                .iter()
+                .for_each(|path| drop_defaults(&root, &mut table, path));
+            table.to_string()
+        }
+        _ => text,
+    }
+}
+
+/// Removes the keys of the tagged table at a path that equal their defaults.
+fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
+    let (mut schema, mut table) = (schema, table);
+    let kind = |table: &toml::Table| {
+        table
+            .get("kind")
+            .and_then(|kind| kind.as_str().map(str::to_owned))
+    };
+    for key in path.split('.') {
+        let Some(variant) = variant(schema, kind(table).as_deref()) else {
+            return;
+        };
+        let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
+            return;
+        };
+        (schema, table) = (&variant["properties"][key], inner);
+    }
+    let Some(variant) = variant(schema, kind(table).as_deref()) else {
+        return;
+    };
+    table.retain(|key, value| {
+        let default = variant["properties"][key].get("default");
+        default.is_none() || serde_json::to_value(&*value).ok().as_ref() != default
+    });
+}

@@ -1,0 +1,370 @@
+//! The config of a sensor with markers under its skin: its sphere, the layout of its markers, and its camera.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The sensor that presses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PressProbeConfig {
+    /// A soft sphere with markers under its skin.
+    MarkerSphere {
+        /// Radius of the skin.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+        /// How far under the skin the markers lie, less than the radius; where a marker is made of two discs, the mean of their depths.
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        marker_depth: f64,
+        /// Places of the markers along the skin.
+        #[serde(default)]
+        layout: LayoutConfig,
+        /// The two discs that each marker is made of; a camera sees nothing else.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        discs: Option<DiscsConfig>,
+        /// Number of steps in which a gore's outline is drawn from the apex to the equator, on the flat pattern that
+        /// the skin is cut from.
+        #[serde(default = "outline")]
+        #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+        outline_samples: u32,
+    },
+}
+
+fn outline() -> u32 {
+    24
+}
+
+/// The two discs that each marker is made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiscsConfig {
+    /// Diameter of the magenta disc, the inner one.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub magenta_diameter: f64,
+    /// Diameter of the yellow disc, the outer one.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub yellow_diameter: f64,
+    /// How far the yellow disc lies above the magenta one; `marker_depth` is midway.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub separation: f64,
+    /// How far the discs of a marker are apart along the skin by manufacture, at most, as a share of the yellow diameter; drawn once per seed.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub misalignment: f64,
+    /// Share of the skin's strain in a press that the discs take part in: 0 of rigid discs, 1 of discs as soft as the skin. They
+    /// stay circles, as much wider as their area grows; of an incompressible skin.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub strain: f64,
+}
+
+/// Places of the markers along the skin: the name of a layout, or a table that makes one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum LayoutConfig {
+    /// A layout that has a name.
+    Named(NamedLayout),
+    /// A layout that is made from its settings.
+    Table(LayoutTable),
+}
+
+impl Default for LayoutConfig {
+    fn default() -> Self {
+        Self::Named(NamedLayout::Published)
+    }
+}
+
+/// A layout that has a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedLayout {
+    /// The 77 markers of the 2020 paper: one at the apex, rows of 1, 3, 3, 5, 7 in each of 4 gores, 11.9° apart.
+    Published,
+}
+
+/// A layout that is made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum LayoutTable {
+    /// A marker at the apex, and rows of markers in each of several equal gores.
+    Gores {
+        /// How many gores share the circle.
+        #[schemars(extend("minimum" = 1))]
+        gores: u32,
+        /// Markers of each row of a gore, from the apex outward.
+        rows: Vec<u32>,
+        /// Polar angle between neighbouring rows.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+        row_spacing_deg: f64,
+    },
+    /// An even density of markers over a cap around the apex.
+    Lattice {
+        /// Distance between neighbouring markers.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        pitch: f64,
+        /// Polar angle of the cap's rim.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+        cap_deg: f64,
+    },
+    /// Markers in equal steps on a great circle along x, the apex in their middle.
+    Line {
+        /// How many.
+        #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
+        markers: u32,
+        /// Distance from the first marker to the last along the skin.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        length: f64,
+    },
+    /// Markers in equal steps along x, the first at the apex.
+    Radius {
+        /// How many.
+        #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
+        markers: u32,
+        /// Distance from the first marker to the last along the skin.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        length: f64,
+    },
+}
+
+/// The sensor that reads the markers' displacements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PressSensorConfig {
+    /// Every marker's displacement is read, without a camera in between.
+    Direct {
+        /// Whether displacements along the skin are read too.
+        #[serde(default = "yes")]
+        tangential: bool,
+        /// How many readings are averaged, which divides the noise of displacements by its square root.
+        #[serde(default = "one")]
+        #[schemars(extend("minimum" = 1))]
+        frames: u32,
+    },
+    /// A camera in the sensor's centre, whose picture of each marker is computed without pixels.
+    Projected(CameraConfig),
+    /// A camera in the sensor's centre: frames are rendered, and the markers found and tracked in them.
+    Rendered(CameraConfig),
+}
+
+impl Default for PressSensorConfig {
+    fn default() -> Self {
+        Self::Direct {
+            tangential: yes(),
+            frames: one(),
+        }
+    }
+}
+
+/// The camera and the way from its pictures to displacements. The lens is a fisheye, equidistant unless it has odd terms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraConfig {
+    /// Pixels along each side of the square image.
+    #[serde(default = "pixels")]
+    #[schemars(extend("minimum" = 1, "maximum" = 8192))]
+    pub size_px: u32,
+    /// Polar angle that the image's inscribed circle shows.
+    #[serde(default = "field")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+    pub field_deg: f64,
+    /// Odd term of the third power of the fisheye: a polar angle θ, rad, is seen f (θ + k3 θ³ + k5 θ⁵) from the image's centre.
+    /// The rim shows `field_deg` whatever the terms, and f follows from that.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
+    pub k3: f64,
+    /// Odd term of the fifth power.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
+    pub k5: f64,
+    /// Light at the rim of the field, as a share of that in the middle; of a rendered sensor.
+    #[serde(default = "even")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub light_at_rim: f64,
+    /// Standard deviation of the blur, pixels; of a rendered sensor.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub blur_px: f64,
+    /// Width of the seams between gores; of a rendered sensor whose layout has gores.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub seam_width: f64,
+    /// Place of the camera from the sensor's centre: along the apex's x and y axes, and toward the apex. By default it is
+    /// in the very centre.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("x-unit" = "length"))]
+    pub place: [f64; 3],
+    /// Turn of the camera about the apex's x and y axes and about the way to the apex, as a rotation vector; by default it
+    /// looks at the apex.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub turn_deg: [f64; 3],
+    /// Feature of a marker's picture that tells its normal displacement.
+    #[serde(default)]
+    pub normal_from: NormalFrom,
+    /// Presses on a plane that calibrate the sensor.
+    #[serde(default)]
+    pub calibration: CalibrationConfig,
+    /// Whether displacements along the skin are read too.
+    #[serde(default = "yes")]
+    pub tangential: bool,
+    /// How many frames of a press are averaged.
+    #[serde(default = "one")]
+    #[schemars(extend("minimum" = 1))]
+    pub frames: u32,
+}
+
+fn is_default(numbers: &[f64; 3]) -> bool {
+    *numbers == [0.0; 3]
+}
+
+fn pixels() -> u32 {
+    640
+}
+
+fn field() -> f64 {
+    65.0
+}
+
+fn even() -> f64 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// Feature of a marker's picture that tells its normal displacement.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NormalFrom {
+    /// Its mean hue, as the 2020 paper has it: the difference between the displacements of its two discs.
+    Hue,
+    /// Its size: the displacement towards the camera.
+    Size,
+    /// Both, weighted as calibrated.
+    #[default]
+    Both,
+}
+
+/// Presses on a plane, apex down, that calibrate the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationConfig {
+    /// How many, in equal steps of indentation.
+    #[serde(default = "seven")]
+    #[schemars(extend("minimum" = 2, "maximum" = 1000))]
+    pub presses: u32,
+    /// Indentation of the deepest; by default that of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub indentation: Option<f64>,
+    /// How many frames at rest are averaged. They and the calibrating presses are taken once: what they err by is the same in all trials.
+    #[serde(default = "sixteen")]
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+    pub rest_frames: u32,
+    /// Markers whose normal displacement is known.
+    #[serde(default)]
+    pub markers: ShownMarkers,
+}
+
+impl Default for CalibrationConfig {
+    fn default() -> Self {
+        Self {
+            presses: seven(),
+            indentation: None,
+            rest_frames: sixteen(),
+            markers: ShownMarkers::default(),
+        }
+    }
+}
+
+fn seven() -> u32 {
+    7
+}
+
+fn sixteen() -> u32 {
+    16
+}
+
+/// The markers that calibrate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShownMarkers {
+    /// All, from the model.
+    #[default]
+    All,
+    /// The one under the contact, as in the 2020 paper.
+    UnderContact,
+}
+
+/// A sensor is cut, folded and looked at, and pressed onto nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BareFingertipConfig {
+    /// The sensor: a sphere with markers under its skin, as of a press.
+    pub probe: PressProbeConfig,
+    /// The camera in its centre, whose lens and pixels the image of a marker depends on.
+    #[serde(default)]
+    pub sensor: LensConfig,
+    /// Place of the marker that is looked at; how large it looks depends on it.
+    #[serde(default)]
+    pub view: ViewConfig,
+}
+
+/// A camera in the sensor's centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LensConfig {
+    /// How angles become distances in the image.
+    #[serde(default)]
+    pub lens: LensName,
+    /// Pixels along each side of the square image.
+    #[serde(default = "pixels")]
+    #[schemars(extend("minimum" = 1, "maximum" = 8192))]
+    pub size_px: u32,
+    /// Polar angle that the image's inscribed circle shows: of a pinhole less than 90.
+    #[serde(default = "field")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+    pub field_deg: f64,
+}
+
+impl Default for LensConfig {
+    fn default() -> Self {
+        Self {
+            lens: LensName::default(),
+            size_px: pixels(),
+            field_deg: field(),
+        }
+    }
+}
+
+/// How angles become distances in the image.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LensName {
+    /// A lens with distances from the middle in proportion to the polar angle.
+    #[default]
+    Fisheye,
+    /// A lens with distances from the middle in proportion to the angle's tangent.
+    Pinhole,
+}
+
+/// Place of the marker that is looked at.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ViewConfig {
+    /// Polar angle from the apex.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 180))]
+    pub polar_deg: f64,
+}
+
+/// Whether a number is 0.
+// `skip_serializing_if` takes a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}

@@ -1,0 +1,137 @@
+//! Numbers as text, for tables and for readers, and parsing of numbers.
+
+use std::fmt;
+
+use palpate_statistics::Number;
+
+/// The shortest text that parses back to the same number, as in tables; zero has no sign.
+///
+/// ```
+/// use palpate_study::number;
+///
+/// assert_eq!(number::shortest(-0.0), "0");
+/// assert_eq!(number::shortest(1.0 / 3.0), "0.3333333333333333");
+/// assert_eq!(number::exact(1e300), "1e300");
+/// assert_eq!(number::significant(-1234567.0, 3), "−1.23 × 10⁶");
+/// assert_eq!(number::grouped(1_234_567), "1,234,567");
+/// ```
+pub fn shortest(value: f64) -> String {
+    Shortest(value).to_string()
+}
+
+/// A number that is displayed as by [`shortest`].
+///
+/// ```
+/// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Shortest(pub f64);
+
+impl fmt::Display for Shortest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (self.0 + 0.0).fmt(f)
+    }
+}
+
+/// The shortest text that parses back to the same number, with an exponent from 1e16 and below 1e-4.
+pub fn exact(value: f64) -> String {
+    Number(value).to_string()
+}
+
+/// Text of a number for readers, with at most six significant digits and without trailing zeros.
+pub fn rounded(value: f64) -> String {
+    significant(value, 6)
+}
+
+/// Text of a number for readers, with at most `digits` significant digits and without trailing zeros. It has a power of ten
+/// from 1e6 and below 1e-4.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let rounded = format!("{value:.*e}", digits.max(1) - 1);
+    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
+        trimmed(&format!("{value:.decimals$}")).replace('-', "−")
+    } else {
+        let mantissa = trimmed(mantissa).replace('-', "−");
+        format!("{mantissa} × 10{}", superscript(exponent))
+    }
+}
+
+fn trimmed(text: &str) -> &str {
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text,
+    }
+}
+
+/// An integer in superscript: `-3` is `⁻³`.
+pub fn superscript(exponent: i32) -> String {
+    let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| digits[digit as usize]);
+    exponent.to_string().chars().map(raise).collect()
+}
+
+/// Text of a count, with a comma between thousands.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut grouped = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+/// Parses a finite number.
+pub fn finite(text: &str) -> Option<f64> {
+    let number: f64 = text.trim().parse().ok()?;
+    number.is_finite().then_some(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_exact_enough() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.07 * 100.0, "7"),
+            (500.0, "500"),
+            (0.001, "0.001"),
+            (-2.5, "−2.5"),
+            (1e-9, "1 × 10⁻⁹"),
+            (123456.7, "123457"),
+            (999999.9, "1 × 10⁶"),
+            (2.5e10, "2.5 × 10¹⁰"),
+        ] {
+            assert_eq!(rounded(value), text);
+        }
+        for (value, text) in [(11.8765, "11.9"), (584.4, "584"), (58_440.0, "58440")] {
+            assert_eq!(significant(value, 3), text);
+        }
+        for (value, text) in [
+            (0.0, "0"),
+            (7.0, "7"),
+            (1.0 / 3.0, "0.3333333333333333"),
+            (-1e16, "-1e16"),
+            (1e300, "1e300"),
+            (5e-324, "5e-324"),
+            (0.0001, "0.0001"),
+        ] {
+            assert_eq!(exact(value), text);
+        }
+        assert_eq!(grouped(1_234_567), "1,234,567");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(
+            (finite(" 2 "), finite("inf"), finite("")),
+            (Some(2.0), None, None)
+        );
+    }
+}

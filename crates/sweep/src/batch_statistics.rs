@@ -1,0 +1,282 @@
+//! Statistics of the trials of a cell in batches, with standard errors by the jackknife over the batches.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+
+use crate::cell::{BLOCK, Trial};
+use crate::certainty::student;
+use crate::partial_statistics::{Accumulator, Partial};
+use crate::runner::Runner;
+use crate::summary::CellStatistics;
+use crate::trial_record::Record;
+
+/// Number of batches: enough for Student's t to be nearly normal, and so few that even 100 trials give each batch some.
+const BATCHES: u64 = 32;
+
+/// Statistics of the trials of one cell, in 32 batches of equal size.
+///
+/// ```
+/// use palpate_sweep::{Batches, Growth, Observation, Record, RunOptions, Runner, Trial};
+///
+/// /// Errors of ±0.5 and ±1.5, all equally often.
+/// struct Dice;
+/// impl Trial for Dice {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let estimate = 10.0 + [0.5, -1.5, 1.5, -0.5][trial as usize % 4];
+///         record.observe(0, Observation { estimate, truth: 10.0, std: None, interval_holds: None });
+///         Ok(())
+///     }
+/// }
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let mut batches = Batches::from_trial(0);
+/// runner.grow(vec![Growth { trial: &Dice, batches: &mut batches, trials: 1000 }]);
+/// assert_eq!(batches.trials(), 1024);
+/// let rms = batches.estimate(|all| all.quantities[0].rms_error).ok_or("all trials succeed")?;
+/// assert!((rms.value - 1.25_f64.sqrt()).abs() < 1e-12);
+/// // All batches have the same errors, so that the standard error is 0.
+/// assert!(rms.std_error() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Batches {
+    batches: Vec<Partial>,
+    first: u64,
+    next: u64,
+    /// `None` to store all quantities with their histograms.
+    stored: Option<Stored>,
+}
+
+/// Quantities of a cell that are stored.
+#[derive(Clone, Debug)]
+struct Stored {
+    quantities: Vec<usize>,
+    histograms: bool,
+}
+
+/// Request for more trials of a cell.
+pub struct Growth<'a, T: ?Sized> {
+    /// Experiment of the cell.
+    pub trial: &'a T,
+    /// Batches to which the trials are added.
+    pub batches: &'a mut Batches,
+    /// Least number of trials that the batches have afterwards. An experiment that is not random gets one trial.
+    pub trials: u64,
+}
+
+/// Value of a statistic over all trials, and its values without each of the batches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Value over all trials.
+    pub value: f64,
+    /// Values without each batch; empty if the experiment is not random.
+    without: Vec<f64>,
+    /// Standard deviation of a further error, which the batches do not show.
+    resolution: f64,
+}
+
+impl Batches {
+    /// Empty batches. `first` is the number of their first trial.
+    pub fn from_trial(first: u64) -> Self {
+        Self {
+            batches: vec![Partial::default(); BATCHES as usize],
+            first,
+            next: first,
+            stored: None,
+        }
+    }
+
+    /// The same batches, but they store only these quantities, and quantiles only if `histograms` is true. This saves
+    /// memory.
+    #[must_use]
+    pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
+        Self {
+            stored: Some(Stored {
+                quantities,
+                histograms,
+            }),
+            ..self
+        }
+    }
+
+    /// Number of trials so far.
+    pub fn trials(&self) -> u64 {
+        self.next - self.first
+    }
+
+    /// Statistics of all trials. Statistics that are not stored are `None`.
+    pub fn statistics(&self) -> CellStatistics {
+        self.merged().statistics()
+    }
+
+    fn merged(&self) -> Partial {
+        let mut all = Partial::default();
+        for batch in self.batches.iter().filter(|batch| batch.trials > 0) {
+            all.merge(batch.clone());
+        }
+        all
+    }
+
+    /// Estimates a statistic, with its standard error by the grouped jackknife. Returns `None` if the statistic is
+    /// undefined over all trials, or without one of the batches.
+    pub fn estimate(&self, statistic: impl Fn(&CellStatistics) -> Option<f64>) -> Option<Estimate> {
+        let value = statistic(&self.statistics())?;
+        let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
+        let mut without = Vec::new();
+        if run.len() > 1 {
+            // For each batch, the sum of the batches after it.
+            let mut behind = vec![Partial::default(); run.len()];
+            for place in (1..run.len()).rev() {
+                let mut sum = run[place].clone();
+                sum.merge(behind[place].clone());
+                behind[place - 1] = sum;
+            }
+            let mut before = Partial::default();
+            for (batch, behind) in run.into_iter().zip(behind) {
+                let mut rest = before.clone();
+                if behind.trials > 0 {
+                    rest.merge(behind);
+                }
+                without.push(statistic(&rest.statistics())?);
+                before.merge(batch.clone());
+            }
+        }
+        Some(Estimate {
+            value,
+            without,
+            resolution: 0.0,
+        })
+    }
+}
+
+impl Estimate {
+    /// Estimate of a function of the statistic; `None` if a value of the function is not finite.
+    pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
+        let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
+        let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
+        Some(Self {
+            value: finite(self.value)?,
+            without: without?,
+            resolution: 0.0,
+        })
+    }
+
+    /// The same estimate with a further error of this standard deviation, which the batches do not show, such as that
+    /// of a histogram's bins.
+    #[must_use]
+    pub fn with_resolution(self, resolution: f64) -> Self {
+        Self { resolution, ..self }
+    }
+
+    /// Standard error of the value; 0 if nothing is random.
+    pub fn std_error(&self) -> f64 {
+        let count = self.without.len() as f64;
+        if count < 2.0 {
+            return self.resolution;
+        }
+        // Deviations from the first value, so that a small spread about a large value is not lost.
+        let origin = self.without[0];
+        let deviations = self.without.iter().map(|one| one - origin);
+        let scale = deviations.clone().map(f64::abs).fold(0.0, f64::max);
+        if !(scale > 0.0 && scale.is_finite()) {
+            return self.resolution;
+        }
+        let scaled = deviations.map(|deviation| deviation / scale);
+        let mean = scaled.clone().sum::<f64>() / count;
+        let squares: f64 = scaled.map(|one| (one - mean).powi(2)).sum();
+        let of_batches = scale * ((count - 1.0) / count * squares).sqrt();
+        libm::hypot(of_batches, self.resolution)
+    }
+
+    /// Score of the statement that the true value is at most `limit`: the number of standard deviations by which it
+    /// holds, see [`normal_tail`](palpate_statistics::normal_tail).
+    pub fn at_most(&self, limit: f64) -> f64 {
+        self.score(limit - self.value)
+    }
+
+    /// Score of the statement that the true value is at least `limit`, as [`Estimate::at_most`].
+    pub fn at_least(&self, limit: f64) -> f64 {
+        self.score(self.value - limit)
+    }
+
+    fn score(&self, margin: f64) -> f64 {
+        let degrees = (self.without.len() as f64 - 1.0).max(1.0);
+        student(margin, self.std_error(), degrees)
+    }
+}
+
+/// Trials to run for one batch.
+struct Job<'a, T: ?Sized> {
+    trial: &'a T,
+    trials: Range<u64>,
+    stored: Option<&'a Stored>,
+    batch: &'a mut Partial,
+}
+
+impl<T: Trial + ?Sized> Job<'_, T> {
+    fn run(self, record: &mut Record) {
+        let mut ran = Partial::new(self.trial.quantities());
+        let mut start = self.trials.start;
+        while start < self.trials.end {
+            let end = self.trials.end.min(start.saturating_add(BLOCK));
+            let never = AtomicBool::new(false);
+            ran.run_block(&self.trial, start..end, record, &never, None);
+            start = end;
+        }
+        if let Some(stored) = self.stored {
+            stored.drop_others(&mut ran);
+        }
+        self.batch.merge(ran);
+    }
+}
+
+impl Stored {
+    /// Drops the statistics that are not stored.
+    fn drop_others(&self, partial: &mut Partial) {
+        for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
+            if !self.quantities.contains(&place) {
+                *accumulator = Accumulator::default();
+            } else if !self.histograms {
+                accumulator.drop_histogram();
+            }
+        }
+    }
+}
+
+impl Runner {
+    /// Runs more trials of some cells. Their numbers follow those of the trials in the batches.
+    pub fn grow<T: Trial + ?Sized>(&self, cells: Vec<Growth<'_, T>>) {
+        let mut jobs: Vec<Job<'_, T>> = Vec::new();
+        for growth in cells {
+            let (trial, grown) = (growth.trial, growth.batches);
+            let stored = grown.stored.as_ref();
+            let done = grown.next - grown.first;
+            // An experiment that is not random has one trial, in the first batch.
+            let (count, each) = match trial.is_random() {
+                true => (
+                    grown.batches.len(),
+                    growth.trials.saturating_sub(done).div_ceil(BATCHES),
+                ),
+                false => (1, u64::from(done == 0 && growth.trials > 0)),
+            };
+            for batch in grown.batches.iter_mut().take(count) {
+                let trials = grown.next..grown.next.saturating_add(each);
+                grown.next = trials.end;
+                if !trials.is_empty() {
+                    jobs.push(Job {
+                        trial,
+                        trials,
+                        stored,
+                        batch,
+                    });
+                }
+            }
+        }
+        self.install(|| {
+            let jobs = jobs.into_par_iter().with_max_len(1);
+            jobs.for_each_init(Record::default, |record, job| job.run(record));
+        });
+    }
+}

@@ -1,0 +1,217 @@
+//! Statistics of part of the trials of a cell.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::cell::Trial;
+use crate::column::Column;
+use crate::histogram::Histogram;
+use crate::summary::{CellStatistics, Summary};
+use crate::summary::{Failure, Failures};
+use crate::sums::Sums;
+use crate::trial_record::{Record, TrialObservations};
+
+/// Accumulator of one quantity: adds up the observations of blocks of trials, and computes all statistics.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Accumulator {
+    /// Errors; merging is exact in any order.
+    histogram: Histogram,
+    /// Sums of the blocks in trial order. Folding merges all of them into the first.
+    blocks: Vec<Sums>,
+}
+
+impl Accumulator {
+    /// Adds the observations of the next block, and empties `column`.
+    pub(crate) fn add(&mut self, column: &mut Column) {
+        self.blocks.push(column.sum_up(&mut self.histogram));
+    }
+
+    /// Folds the sums of the blocks. The first block must hold the first trial of the cell.
+    fn fold(&mut self) {
+        if let Some((first, rest)) = self.blocks.split_first_mut() {
+            rest.iter().for_each(|block| first.merge(block));
+            self.blocks.truncate(1);
+        }
+    }
+
+    /// Appends the next blocks, and folds all.
+    fn merge(&mut self, next: Self) {
+        self.histogram.merge(next.histogram);
+        self.blocks.extend(next.blocks);
+        self.fold();
+    }
+
+    /// Sums of all blocks, which must have been folded.
+    pub(crate) fn sums(&self) -> Sums {
+        self.blocks.first().copied().unwrap_or_default()
+    }
+
+    /// Drops the histogram, and with it the quantiles.
+    pub(crate) fn drop_histogram(&mut self) {
+        self.histogram = Histogram::default();
+    }
+
+    fn summary(&self) -> Summary {
+        Summary::new(&self.sums(), &self.histogram)
+    }
+}
+
+/// Accumulators of all quantities over consecutive blocks of trials.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Partial {
+    pub(crate) trials: u64,
+    pub(crate) failures: Failures,
+    pub(crate) quantities: Vec<Accumulator>,
+}
+
+/// Function that is called with the observations of each trial, or with the kind of its failure.
+pub(crate) type TrialReader<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
+
+impl Partial {
+    pub(crate) fn new(quantities: usize) -> Self {
+        Self {
+            quantities: vec![Accumulator::default(); quantities],
+            ..Self::default()
+        }
+    }
+
+    /// Runs the next block, or a part of it if the run is cancelled.
+    #[inline(never)] // its name is used to count instructions
+    pub(crate) fn run_block(
+        &mut self,
+        trial: &dyn Trial,
+        trials: Range<u64>,
+        record: &mut Record,
+        cancelled: &AtomicBool,
+        reader: Option<&mut TrialReader<'_>>,
+    ) {
+        self.trials += trials.end - trials.start;
+        let failures = run_trials(trial, trials, record, cancelled, reader);
+        self.failures.merge(failures);
+        self.add_block(record.columns());
+    }
+
+    fn add_block(&mut self, columns: &mut [Column]) {
+        for (accumulator, column) in self.quantities.iter_mut().zip(columns) {
+            accumulator.add(column);
+        }
+    }
+
+    /// Folds the sums of its blocks. The first block must hold the first trial of the cell.
+    pub(crate) fn fold(&mut self) {
+        self.quantities.iter_mut().for_each(Accumulator::fold);
+    }
+
+    /// Appends the next blocks, and folds all.
+    pub(crate) fn merge(&mut self, next: Self) {
+        self.trials += next.trials;
+        self.failures.merge(next.failures);
+        self.quantities.resize_with(
+            next.quantities.len().max(self.quantities.len()),
+            Accumulator::default,
+        );
+        for (own, more) in self.quantities.iter_mut().zip(next.quantities) {
+            own.merge(more);
+        }
+    }
+
+    /// Statistics of the trials in all blocks that have been merged.
+    pub(crate) fn statistics(&self) -> CellStatistics {
+        CellStatistics {
+            trials: self.trials,
+            failures: self.failures.clone().sorted(),
+            quantities: self.quantities.iter().map(Accumulator::summary).collect(),
+        }
+    }
+}
+
+/// Observations of some trials of a block. They are summed up when the block is complete.
+#[derive(Debug, Default)]
+pub(crate) struct Slice {
+    trials: u64,
+    failures: Failures,
+    columns: Vec<Column>,
+}
+
+impl Slice {
+    /// Runs some trials of a block; stops early if the run is cancelled.
+    pub(crate) fn run(
+        trial: &dyn Trial,
+        trials: Range<u64>,
+        record: &mut Record,
+        cancelled: &AtomicBool,
+        reader: Option<&mut TrialReader<'_>>,
+    ) -> Self {
+        Self {
+            trials: trials.end - trials.start,
+            failures: run_trials(trial, trials, record, cancelled, reader),
+            columns: record.columns().iter_mut().map(std::mem::take).collect(),
+        }
+    }
+
+    /// Appends the next trials of the block.
+    pub(crate) fn append(&mut self, next: Self) {
+        self.trials += next.trials;
+        self.failures.merge(next.failures);
+        self.columns
+            .resize_with(next.columns.len(), Column::default);
+        for (own, more) in self.columns.iter_mut().zip(next.columns) {
+            own.append(more);
+        }
+    }
+
+    /// Adds this slice to `partial` as a block. The slice must hold all trials of the block.
+    pub(crate) fn end(mut self, partial: &mut Partial) {
+        partial.trials += self.trials;
+        partial.failures.merge(self.failures);
+        let quantities = partial.quantities.len().max(self.columns.len());
+        partial
+            .quantities
+            .resize_with(quantities, Accumulator::default);
+        partial.add_block(&mut self.columns);
+        partial.fold();
+    }
+}
+
+/// Runs trials, which add their observations to an empty `record`. Returns the failures.
+fn run_trials(
+    trial: &dyn Trial,
+    trials: Range<u64>,
+    record: &mut Record,
+    cancelled: &AtomicBool,
+    mut reader: Option<&mut TrialReader<'_>>,
+) -> Failures {
+    record.set_quantities(trial.quantities());
+    let mut failures = Failures::default();
+    let mut at = trials.start;
+    while at < trials.end && !cancelled.load(Ordering::Relaxed) {
+        let before = reader.as_ref().map(|_| record.lengths());
+        let together = trial.run_together(at..trials.end, record);
+        let result = match together {
+            0 => trial.run(at, record),
+            _ => Ok(()),
+        };
+        let (result, ran) = (record.verdict(result), together.max(1));
+        if let (Some(read), Some(before)) = (&mut reader, before) {
+            match result {
+                Ok(()) => record.pass_on(at..at + ran, &before, &mut |trial, observed| {
+                    read(trial, Ok(observed))
+                }),
+                Err(kind) => read(at, Err(kind)),
+            }
+        }
+        match result {
+            Ok(()) => record.keep(),
+            Err(kind) => {
+                record.forget();
+                failures.add(Failure {
+                    kind,
+                    count: 1,
+                    first_trial: at,
+                });
+            }
+        }
+        at += ran;
+    }
+    failures
+}

@@ -1,0 +1,376 @@
+//! Observations of trials, until a block of trials is summed up.
+
+use std::ops::Range;
+
+use crate::cell::Trial;
+use crate::column::Column;
+use crate::simd_sums::are_sound;
+use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
+
+/// Estimate of one quantity by one trial, and the true value, both in the quantity's unit.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// /// Has its own intervals: those of 95 % miss the true value in one trial of four, the others in two of four.
+/// struct Intervals;
+/// impl Trial for Intervals {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let interval_holds = Some([trial % 2 != 0, trial % 2 != 0, trial % 4 != 0]);
+///         record.observe(0, Observation { estimate: 1.0, truth: 1.0, std: None, interval_holds });
+///         Ok(())
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
+/// let summary = statistics[0].quantities[0];
+/// assert_eq!([summary.coverage50, summary.coverage80, summary.coverage95], [0.5, 0.5, 0.75].map(Some));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// The estimate.
+    pub estimate: f64,
+    /// The true value; may differ from one observation to the next.
+    pub truth: f64,
+    /// Standard deviation that the estimator reports, at least 0; `None` if it reports none.
+    pub std: Option<f64>,
+    /// Whether the estimator's own 50, 80 and 95 % intervals hold the true value; `None` if its intervals are estimate
+    /// ± 0.67, 1.28 and 1.96 std.
+    pub interval_holds: Option<[bool; 3]>,
+}
+
+impl Observation {
+    /// Whether the error is finite and the standard deviation, if any, is finite and at least 0.
+    #[inline]
+    pub(crate) fn is_sound(&self) -> bool {
+        let sound_std = |std| (0.0..f64::INFINITY).contains(&std);
+        (self.estimate - self.truth).is_finite() && self.std.is_none_or(sound_std)
+    }
+}
+
+/// Observations of one quantity by trials that ran together, one per trial; see [`Observation`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observations<'a> {
+    /// The estimates, one per trial.
+    pub estimates: &'a [f64],
+    /// The true value in all of them.
+    pub truth: f64,
+    /// Standard deviations that the estimator reports, one per trial; `None` if it reports none.
+    pub stds: Option<&'a [f64]>,
+}
+
+impl Observations<'_> {
+    /// Number of trials that have an estimate and, if any are reported, a standard deviation.
+    pub(crate) fn len(&self) -> usize {
+        let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
+        self.estimates.len().min(stds)
+    }
+
+    /// Number of sound observations before the first that is not, at most `count`.
+    pub(crate) fn sound(&self, count: usize) -> usize {
+        let estimates = &self.estimates[..count];
+        let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
+        if are_sound(estimates, self.truth, stds) {
+            return count;
+        }
+        let is_sound = |&place: &usize| {
+            let observation = Observation {
+                estimate: estimates[place],
+                truth: self.truth,
+                std: stds.get(place).copied(),
+                interval_holds: None,
+            };
+            observation.is_sound()
+        };
+        (0..count).take_while(is_sound).count()
+    }
+}
+
+/// Collector of the observations of trials, handed to each [`Trial`](crate::Trial).
+#[derive(Debug, Default)]
+pub struct Record {
+    columns: Vec<Column>,
+    rejection: Option<&'static str>,
+}
+
+/// Observations of one trial that succeeded.
+#[derive(Debug)]
+pub struct TrialObservations<'a> {
+    columns: &'a [Column],
+    /// Places of its observations in each column.
+    places: Vec<Range<usize>>,
+}
+
+impl TrialObservations<'_> {
+    /// Observations of a quantity, in the order of recording; empty if the quantity was not observed.
+    pub fn of(&self, quantity: usize) -> impl Iterator<Item = Observation> {
+        let column = self.columns.get(quantity).zip(self.places.get(quantity));
+        let observations =
+            |(column, places): (_, &Range<usize>)| Column::observations(column, places.clone());
+        column.into_iter().flat_map(observations)
+    }
+}
+
+impl Record {
+    /// Records an observation of a quantity in `0..Trial::quantities()`; any number of each in a trial.
+    ///
+    /// An observation whose error or standard deviation is not a finite number fails the trial as [`NOT_FINITE`], a
+    /// negative standard deviation as [`NEGATIVE_STD`], a quantity out of range as [`UNKNOWN_QUANTITY`].
+    ///
+    /// ```
+    /// use palpate_sweep::{Cell, NOT_FINITE, Observation, Record, RunOptions, Trial, run};
+    ///
+    /// struct Overflow;
+    /// impl Trial for Overflow {
+    ///     fn quantities(&self) -> usize { 1 }
+    ///     fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+    ///         let estimate = f64::INFINITY;
+    ///         record.observe(0, Observation { estimate, truth: 1.0, std: None, interval_holds: None });
+    ///         Ok(())
+    ///     }
+    /// }
+    /// let statistics = run(&[Cell { trials: 5, trial: &Overflow }], &RunOptions::default(), &|_| ())?;
+    /// assert_eq!(statistics[0].quantities[0].observations, 0);
+    /// assert_eq!((statistics[0].failures[0].kind, statistics[0].failures[0].count), (NOT_FINITE, 5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn observe(&mut self, quantity: usize, observation: Observation) {
+        match self.columns.get_mut(quantity) {
+            Some(column) if observation.is_sound() => column.push(&observation),
+            column => self.rejection = Some(rejection(column.is_some(), &observation)),
+        }
+    }
+
+    /// Records the observations of trials that ran together and succeeded: one of each of the first `Q` quantities in
+    /// every trial.
+    ///
+    /// Returns the number of trials recorded: those before the first trial that [`Record::observe`] would fail, or that
+    /// lacks a quantity.
+    pub fn observe_together<const Q: usize>(
+        &mut self,
+        observations: &[Observations<'_>; Q],
+    ) -> usize {
+        let Some(columns) = self.columns.get_mut(..Q) else {
+            return 0;
+        };
+        let count = observations.iter().map(Observations::len).min();
+        let sound = |count, observations: &Observations<'_>| observations.sound(count);
+        let count = observations.iter().fold(count.unwrap_or(0), sound);
+        for (column, observations) in columns.iter_mut().zip(observations) {
+            column.extend(observations, count);
+            column.keep_each();
+        }
+        count
+    }
+
+    /// Prepares for trials that observe this many quantities. Earlier observations must have been summed up.
+    pub(crate) fn set_quantities(&mut self, quantities: usize) {
+        self.columns.resize_with(quantities, Column::default);
+    }
+
+    /// Result of the trial that ran, or an error if the trial recorded an impossible value.
+    pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
+        let rejection = self.rejection.take();
+        result.and_then(|()| rejection.map_or(Ok(()), Err))
+    }
+
+    /// Keeps the observations of the trial that ran.
+    #[inline]
+    pub(crate) fn keep(&mut self) {
+        self.columns.iter_mut().for_each(Column::keep);
+    }
+
+    /// Drops the observations of the trial that ran.
+    pub(crate) fn forget(&mut self) {
+        self.columns.iter_mut().for_each(Column::forget);
+    }
+
+    /// Runs one trial, passes its observations to `read`, and drops them. The record is empty before and after.
+    pub(crate) fn single_trial<T>(
+        &mut self,
+        trial: &dyn Trial,
+        number: u64,
+        read: impl FnOnce(&TrialObservations<'_>) -> T,
+    ) -> Result<T, &'static str> {
+        self.set_quantities(trial.quantities());
+        let result = trial.run(number, self);
+        let value = self.verdict(result).map(|()| {
+            let places = self.columns.iter().map(|column| 0..column.len());
+            read(&TrialObservations {
+                columns: &self.columns,
+                places: places.collect(),
+            })
+        });
+        self.forget();
+        value
+    }
+
+    /// Number of observations of each quantity.
+    pub(crate) fn lengths(&self) -> Vec<usize> {
+        self.columns.iter().map(Column::len).collect()
+    }
+
+    /// Passes the observations of each trial to `read`. `before` holds the lengths of the columns before these trials,
+    /// each of which made the same number of observations.
+    pub(crate) fn pass_on(
+        &self,
+        trials: Range<u64>,
+        before: &[usize],
+        read: &mut dyn FnMut(u64, &TrialObservations<'_>),
+    ) {
+        let count = (trials.end - trials.start) as usize;
+        for (number, trial) in trials.enumerate() {
+            let places = self.columns.iter().zip(before).map(|(column, before)| {
+                let each = (column.len() - before) / count;
+                before + number * each..before + (number + 1) * each
+            });
+            read(
+                trial,
+                &TrialObservations {
+                    columns: &self.columns,
+                    places: places.collect(),
+                },
+            );
+        }
+    }
+
+    /// The observations of each quantity.
+    pub(crate) fn columns(&mut self) -> &mut [Column] {
+        &mut self.columns
+    }
+}
+
+#[cold]
+fn rejection(known_quantity: bool, observation: &Observation) -> &'static str {
+    let finite_error = (observation.estimate - observation.truth).is_finite();
+    if !known_quantity {
+        UNKNOWN_QUANTITY
+    } else if finite_error
+        && observation
+            .std
+            .is_some_and(|std| std < 0.0 && std.is_finite())
+    {
+        NEGATIVE_STD
+    } else {
+        NOT_FINITE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::histogram::Histogram;
+
+    fn record(quantities: usize) -> Record {
+        let mut record = Record::default();
+        record.set_quantities(quantities);
+        record
+    }
+
+    fn trial(
+        record: &mut Record,
+        run: impl FnOnce(&mut Record) -> Result<(), &'static str>,
+    ) -> Result<(), &'static str> {
+        let result = run(record);
+        let result = record.verdict(result);
+        match result {
+            Ok(()) => record.keep(),
+            Err(_) => record.forget(),
+        }
+        result
+    }
+
+    /// Sums up the observations, and returns their number for each quantity.
+    fn counts(record: &mut Record) -> Vec<u64> {
+        let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
+        let counts = record.columns().iter_mut().map(sums);
+        counts.map(|sums| sums.errors.count()).collect()
+    }
+
+    fn columns(record: &Record) -> String {
+        format!("{:?}", record.columns)
+    }
+
+    fn observation(estimate: f64, truth: f64, std: Option<f64>) -> Observation {
+        Observation {
+            estimate,
+            truth,
+            std,
+            interval_holds: None,
+        }
+    }
+
+    #[test]
+    fn a_failed_trial_leaves_nothing_and_does_not_fail_the_next() {
+        let mut record = record(2);
+        let good = observation(1.0, 1.0, None);
+        let once = trial(&mut record, |record| {
+            record.observe(0, good);
+            record.observe(0, good);
+            record.observe(1, good);
+            Ok(())
+        });
+        assert_eq!(once, Ok(()));
+        let failed = trial(&mut record, |record| {
+            record.observe(1, good);
+            record.observe(0, good);
+            record.observe(0, observation(f64::NAN, 1.0, None));
+            Err("rank")
+        });
+        assert_eq!(failed, Err("rank"));
+        assert_eq!(trial(&mut record, |_| Ok(())), Ok(()));
+        assert_eq!(counts(&mut record), [2, 1]);
+    }
+
+    #[test]
+    fn trials_together_record_the_same_as_one_by_one_up_to_the_first_unsound() {
+        let together = |estimates, stds| Observations {
+            estimates,
+            truth: 2.0,
+            stds,
+        };
+        let good = together(&[1.0, 3.0], Some(&[0.5, 0.0]));
+        let (mut at_once, mut one_by_one) = (record(3), record(3));
+        assert_eq!(
+            at_once.observe_together(&[good, together(&[5.0, 6.0], None)]),
+            2
+        );
+        for (first, std, second) in [(1.0, 0.5, 5.0), (3.0, 0.0, 6.0)] {
+            let observations = [
+                observation(first, 2.0, Some(std)),
+                observation(second, 2.0, None),
+            ];
+            let result = trial(&mut one_by_one, |record| {
+                for (quantity, observation) in observations.into_iter().enumerate() {
+                    record.observe(quantity, observation);
+                }
+                Ok(())
+            });
+            assert_eq!(result, Ok(()));
+        }
+        assert_eq!(columns(&at_once), columns(&one_by_one));
+
+        for (unsound, count) in [
+            (together(&[1.0, f64::NAN], None), 1),
+            (together(&[f64::INFINITY, 1.0], None), 0),
+            (together(&[1.0, 1.0], Some(&[0.0, -1e-300])), 1),
+            (together(&[1.0, 1.0], Some(&[f64::NAN, 0.0])), 0),
+            (together(&[1.0, 1.0], Some(&[0.0, f64::INFINITY])), 1),
+            (together(&[1.0], None), 1),
+            (together(&[1.0, 2.0], Some(&[])), 0),
+        ] {
+            let mut record = record(2);
+            assert_eq!(
+                record.observe_together(&[good, unsound]),
+                count,
+                "{unsound:?}"
+            );
+            assert_eq!(counts(&mut record), [count as u64; 2]);
+        }
+        assert_eq!(at_once.observe_together(&[good; 4]), 0, "unknown quantity");
+        assert_eq!(at_once.observe_together(&[]), 0);
+        assert_eq!(columns(&at_once), columns(&one_by_one));
+    }
+}

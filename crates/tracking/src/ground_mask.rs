@@ -1,0 +1,298 @@
+//! The ground of a frame at lower resolution: which squares show the sensor, its top-hat transform, and which squares show
+//! the ground between the markers.
+
+use crate::Mask;
+use crate::binning::BinnedFrame;
+use crate::image_circle::Rim;
+use crate::opening::Opening;
+use crate::selection::Selection;
+
+/// Width of the outer band of the circle in which the rim may lie, as a share of the radius.
+const RIM_BAND: f64 = 0.08;
+/// Smallest contrast of markers, in standard deviations of the ground's top-hat.
+const MIN_CONTRAST_STDS: f64 = 4.0;
+/// Smallest contrast of markers, of 255.
+const MIN_CONTRAST: f64 = 10.0;
+/// Smallest brightness of a ground, of 255, on which dark markers can be found.
+const MIN_GROUND_BRIGHTNESS: usize = 12;
+
+/// Background of the markers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Ground {
+    /// Dark markers on a bright ground: they absorb light.
+    Bright,
+    /// Bright markers on a dark ground: they add light.
+    Dark,
+}
+
+/// A frame at lower resolution, and planes of the same size.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct GroundMask {
+    pub(crate) frame: BinnedFrame,
+    /// Squares that show the sensor.
+    pub(crate) inside: Vec<bool>,
+    /// Top-hat transform: how much brighter each square is than the ground around it.
+    pub(crate) top_hat: Vec<u8>,
+    /// Squares of the ground: not of a marker and not near one.
+    pub(crate) is_ground: Vec<bool>,
+    middles: Vec<bool>,
+    plane: Vec<u8>,
+    opening: Opening,
+}
+
+impl GroundMask {
+    /// Marks the squares that show the sensor: within the rim if there is one, otherwise within the circle.
+    pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
+        let circle = mask.coarse(self.frame.bin);
+        let band = RIM_BAND * circle.radius_px;
+        let size = [self.frame.width, self.frame.height];
+        let Some(rim) = rim else {
+            return circle.fill(0.75, size, &mut self.inside);
+        };
+        circle.fill(-band, size, &mut self.inside);
+        for (row, line) in self.inside.chunks_exact_mut(size[0]).enumerate() {
+            let (left, right) = circle.columns(row as f64, band, size[0]);
+            for (column, inside) in line.iter_mut().enumerate() {
+                *inside &= (left..right).contains(&column) || !rim.excludes(column, row);
+            }
+        }
+    }
+
+    /// Estimates whether the ground is bright or dark.
+    pub(crate) fn estimate_ground(&self) -> Ground {
+        let (mut dark, mut bright) = ([0; 256], [0; 256]);
+        let share = share_of(self.frame.pixels());
+        // Every third square is enough.
+        let squares = self.frame.sums.iter().zip(&self.inside).step_by(3);
+        for (colour, _) in squares.filter(|(_, inside)| **inside) {
+            let [red, green, blue] = colour.map(&share);
+            dark[usize::from(green.min(blue))] += 1;
+            bright[usize::from(red.max(green).max(blue))] += 1;
+        }
+        let below = quantile(&dark, 0.5) - quantile(&dark, 0.002);
+        let above = quantile(&bright, 0.998) - quantile(&bright, 0.5);
+        if below >= above {
+            Ground::Bright
+        } else {
+            Ground::Dark
+        }
+    }
+
+    /// Sets the plane in which markers are bright. On a dark ground it is the brightest colour. On a bright ground it is the
+    /// inverse of the darker one of green and blue.
+    fn set_plane(&mut self, ground: Ground) {
+        let share = share_of(self.frame.pixels());
+        let sums = self.frame.sums.iter();
+        self.plane.clear();
+        match ground {
+            Ground::Bright => self
+                .plane
+                .extend(sums.map(|&[_, green, blue]| !share(green.min(blue)))),
+            Ground::Dark => self
+                .plane
+                .extend(sums.map(|&[red, green, blue]| share(red.max(green).max(blue)))),
+        }
+    }
+
+    /// Sets the top-hat, with a structuring element of `2 half + 1` squares a side. On a bright ground it is relative to the
+    /// ground's light.
+    pub(crate) fn set_top_hat(&mut self, ground: Ground, mask: &Mask, half: usize) {
+        self.set_plane(ground);
+        let size = [self.frame.width, self.frame.height];
+        mask.coarse(self.frame.bin)
+            .fill(-0.5 * half as f64, size, &mut self.middles);
+        let opened = self
+            .opening
+            .open(&self.plane, size[0], &self.inside, &self.middles, half);
+        let scale = scales();
+        let planes = self.plane.iter().zip(opened).zip(&self.inside);
+        self.top_hat.clear();
+        self.top_hat
+            .extend(planes.map(|((&plane, &opened), &inside)| {
+                let above = if inside { plane - opened } else { 0 };
+                match ground {
+                    Ground::Bright => {
+                        ((u32::from(above) * scale[usize::from(!opened)]) >> 16) as u8
+                    }
+                    Ground::Dark => above,
+                }
+            }));
+    }
+
+    /// The classes of ground and markers in the top-hat, if their contrast is large enough.
+    pub(crate) fn classes(&self) -> Option<Classes> {
+        let mut histogram = [0u32; 256];
+        let squares = self.top_hat.iter().zip(&self.inside);
+        for (&value, _) in squares.filter(|(_, inside)| **inside) {
+            histogram[usize::from(value)] += 1;
+        }
+        let classes = Classes::of(&histogram)?;
+        let contrast = classes.markers - classes.ground;
+        let is_clear =
+            contrast >= MIN_CONTRAST && contrast >= MIN_CONTRAST_STDS * classes.ground_std;
+        is_clear.then_some(classes)
+    }
+
+    /// Marks the squares of the ground: not of a marker and not near one.
+    pub(crate) fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
+        self.is_ground.clear();
+        self.is_ground.extend(
+            self.top_hat
+                .iter()
+                .zip(&self.inside)
+                .map(|(&top_hat, &inside)| inside && top_hat <= limit / 4),
+        );
+        let width = self.frame.width;
+        let margin = ((0.25 * selection.diameter) as usize).max(2);
+        for run in selection.shapes().flat_map(|shape| &shape.runs) {
+            let columns = run.first.saturating_sub(margin)..(run.last + margin + 1).min(width);
+            let rows =
+                run.row.saturating_sub(margin)..(run.row + margin + 1).min(self.frame.height);
+            for row in rows {
+                self.is_ground[row * width..][columns.clone()].fill(false);
+            }
+        }
+    }
+
+    /// First and last pixel that show the sensor, for each row of the frame.
+    pub(crate) fn rows(&self, height: usize) -> Vec<(i32, i32)> {
+        let bin = self.frame.bin;
+        let mut rows = Vec::with_capacity(height);
+        for line in self.inside.chunks_exact(self.frame.width) {
+            let first = line.iter().position(|&inside| inside);
+            let last = line.iter().rposition(|&inside| inside);
+            let row = first
+                .zip(last)
+                .map_or((i32::MAX, i32::MIN), |(first, last)| {
+                    ((first * bin) as i32, ((last + 1) * bin) as i32 - 1)
+                });
+            rows.extend(std::iter::repeat_n(row, bin));
+        }
+        rows.resize(height, (i32::MAX, i32::MIN));
+        rows
+    }
+}
+
+/// The mean of a sum over `pixels` bytes.
+fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
+    let scale = 65_536_u32.div_ceil(pixels as u32);
+    move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
+}
+
+/// Factors, in 65,536ths, that turn a difference into a share of the ground's light, for each brightness of the ground; 0 if
+/// it is too dark.
+fn scales() -> [u32; 256] {
+    std::array::from_fn(|light| {
+        if light < MIN_GROUND_BRIGHTNESS {
+            0
+        } else {
+            255 * 65_536 / light as u32
+        }
+    })
+}
+
+/// Two classes of pixels and the limit between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Classes {
+    /// Pixels above this value belong to markers.
+    pub(crate) limit: u8,
+    /// Mean of the ground.
+    pub(crate) ground: f64,
+    /// Standard deviation of the ground.
+    pub(crate) ground_std: f64,
+    /// Mean of the markers.
+    pub(crate) markers: f64,
+}
+
+impl Classes {
+    /// The classes with the largest variance between them (Otsu, 1979). The limit is moved half way between their means.
+    /// `None` if all values are equal.
+    pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
+        let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
+        let sum: f64 = weighted(histogram);
+        let (mut below, mut sum_below, mut best) = (0.0, 0.0, (0.0, 0));
+        for (value, &at) in histogram.iter().enumerate() {
+            below += f64::from(at);
+            sum_below += f64::from(at) * value as f64;
+            let above = count - below;
+            if below > 0.0 && above > 0.0 {
+                let distance = sum_below / below - (sum - sum_below) / above;
+                let between = below * above * distance * distance;
+                if between > best.0 {
+                    best = (between, value + 1);
+                }
+            }
+        }
+        if best.1 == 0 {
+            return None;
+        }
+        let (low, high) = histogram.split_at(best.1);
+        let total = |part: &[u32]| part.iter().copied().map(f64::from).sum::<f64>();
+        let ground = weighted(low) / total(low);
+        let markers = best.1 as f64 + weighted(high) / total(high);
+        let spread: f64 = low
+            .iter()
+            .enumerate()
+            .map(|(value, &count)| f64::from(count) * (value as f64 - ground).powi(2))
+            .sum();
+        Some(Self {
+            limit: (0.5 * (ground + markers)) as u8,
+            ground,
+            ground_std: (spread / total(low)).sqrt(),
+            markers,
+        })
+    }
+}
+
+fn weighted(histogram: &[u32]) -> f64 {
+    histogram
+        .iter()
+        .enumerate()
+        .map(|(value, &count)| value as f64 * f64::from(count))
+        .sum()
+}
+
+/// The value below which a share of the counts lies.
+pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
+    let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
+    let wanted = share * count as f64;
+    let mut below = 0.0;
+    for (value, &at) in (0..=u8::MAX).zip(histogram) {
+        below += f64::from(at);
+        if below >= wanted && at > 0 {
+            return value;
+        }
+    }
+    u8::MAX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_peaks_are_separated() {
+        let mut histogram = [0; 256];
+        histogram[3] = 500;
+        histogram[5] = 500;
+        histogram[100] = 20;
+        let classes = Classes::of(&histogram).unwrap();
+        assert_eq!(
+            (classes.ground, classes.markers, classes.limit),
+            (4.0, 100.0, 52)
+        );
+        assert_eq!(classes.ground_std, 1.0);
+        assert_eq!(
+            [0.0, 0.6, 1.0].map(|share| quantile(&histogram, share)),
+            [3, 5, 100]
+        );
+    }
+
+    #[test]
+    fn one_peak_has_no_classes() {
+        let mut histogram = [0; 256];
+        histogram[77] = 9;
+        assert_eq!(Classes::of(&histogram), None);
+        assert_eq!(Classes::of(&[0; 256]), None);
+    }
+}

@@ -1,0 +1,206 @@
+//! Centroid, hue and size of a marker, and their errors, from the sums over its window.
+
+use crate::measure::{PixelErrors, Sums};
+use crate::{Ground, Marker};
+use palpate_statistics::hue_turns;
+
+/// Hues of the markers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum HueWindow {
+    /// [`Self::MagentaToYellow`] on a bright ground, [`Self::Any`] on a dark one.
+    #[default]
+    ByGround,
+    /// All hues, including grey.
+    Any,
+    /// Hues from magenta over red to yellow (0.75 to 0.22 turns) with enough chroma, which excludes grey dust.
+    MagentaToYellow,
+}
+
+/// The first and the last hue of [`HueWindow::MagentaToYellow`], turns.
+const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
+/// Smallest chroma, relative to the absorbed green and blue light. Pure magenta and pure yellow have 1, magenta over yellow has
+/// 1/2.
+const MIN_CHROMA: f64 = 0.2;
+/// Relative standard deviation of the light of a pixel on a marker's edge, times the marker's radius in px. The pixel grid
+/// crosses the edge differently at every place, and a pixel's light counts at its middle. The value was measured on
+/// discs of 8 to 26 px radius, with pixels that integrate the light of their squares.
+const EDGE_PX: f64 = 0.067;
+/// Share of that variance that is common to all colours.
+const COMMON_SHARE: f64 = 0.5;
+
+/// The marker with these sums; `None` if its hue or a number is out of range.
+pub(crate) fn marker(
+    sums: &Sums,
+    ground: Ground,
+    hues: HueWindow,
+    pixels: usize,
+) -> Option<Marker> {
+    let weights = weights(sums, ground);
+    let light = dot(weights, sums.light);
+    let size_px2 = match ground {
+        Ground::Bright => light,
+        Ground::Dark => sums.light.iter().copied().fold(0.0, f64::max),
+    };
+    let centroid_px = [0, 1].map(|axis| {
+        sums.middle[axis] + dot(weights, sums.moment.map(|moment| moment[axis])) / light
+    });
+    let (hue_turns, chroma) = hue(sums.hue_light, ground);
+    let coloured = chroma >= MIN_CHROMA * light;
+    let [first, last] = MAGENTA_TO_YELLOW;
+    let has_hue = match (hues, ground) {
+        (HueWindow::Any, _) | (HueWindow::ByGround, Ground::Dark) => true,
+        (HueWindow::MagentaToYellow, Ground::Dark) => hue_turns >= first || hue_turns <= last,
+        (HueWindow::MagentaToYellow | HueWindow::ByGround, Ground::Bright) => {
+            coloured && (hue_turns >= first || hue_turns <= last)
+        }
+    };
+    let finite =
+        centroid_px.iter().all(|at| at.is_finite()) && hue_turns.is_finite() && size_px2 > 0.0;
+    (has_hue && finite && size_px2.is_finite()).then_some(Marker {
+        centroid_px,
+        hue_turns,
+        size_px2,
+        pixels: u32::try_from(pixels).unwrap_or(u32::MAX),
+    })
+}
+
+/// Weights of the colours in a marker's centroid.
+pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
+    match ground {
+        Ground::Bright => [0.0, 1.0, 1.0],
+        // If all pixels are equally noisy, weights in proportion to the light are optimal.
+        Ground::Dark => sums.light.map(|light| light.max(0.0)),
+    }
+}
+
+/// The HSV hue of the summed light, in turns, and its chroma.
+pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
+    let sign = match ground {
+        Ground::Bright => -1.0,
+        Ground::Dark => 1.0,
+    };
+    let [red, green, blue] = light.map(|light| sign * light);
+    let (along, across) = (red - 0.5 * (green + blue), green - blue);
+    let length = libm::hypot(along, 0.75_f64.sqrt() * across);
+    (hue_turns([red, green, blue]), length)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Errors of a marker in a frame. They come from the noise of the pixels, estimated on the ground, from rounding to whole
+/// levels, from the fitted light of the ground, and from the pixel grid at the marker's edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarkerErrors {
+    /// Covariance of both coordinates of the centroid, px, the mean hue, turns, and the natural logarithm of the size.
+    pub covariance: [[f64; 4]; 4],
+}
+
+impl MarkerErrors {
+    /// Errors of the mean over several frames with these errors.
+    pub fn averaged(&self, frames: u32) -> Self {
+        let share = f64::from(frames.max(1)).recip();
+        Self {
+            covariance: self.covariance.map(|row| row.map(|entry| share * entry)),
+        }
+    }
+}
+
+pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErrors {
+    let PixelErrors {
+        window,
+        pixel,
+        common,
+        radius_px,
+    } = sums.errors;
+    let [count, x, y, xx, xy, yy] = window;
+    let weights = weights(sums, ground);
+    let light = dot(weights, sums.light);
+    let strongest = (0..3).fold(0, |best, colour| {
+        if sums.light[colour] > sums.light[best] {
+            colour
+        } else {
+            best
+        }
+    });
+    let [cx, cy] = [0, 1].map(|axis| marker.centroid_px[axis] - sums.middle[axis]);
+    // Sums over the window of the pixels' offsets from the centroid, and of their squares.
+    let first = [x - count * cx, y - count * cy];
+    let second = [
+        xx - 2.0 * cx * x + count * cx * cx,
+        xy - cx * y - cy * x + count * cx * cy,
+        yy - 2.0 * cy * y + count * cy * cy,
+    ];
+    let edge_px = std::f64::consts::TAU * radius_px;
+    // Derivatives with respect to the common error of all colours of an edge pixel.
+    let mut edge_slopes = [0.0; 3];
+    let mut covariance = [[0.0; 4]; 4];
+    for colour in 0..3 {
+        // Derivatives of centroid, hue and size with respect to a pixel's share of this colour; for the centroid per px of
+        // offset.
+        let place = weights[colour] / light;
+        let turn = hue_slope(sums.hue_light, ground, colour);
+        let size = match ground {
+            Ground::Bright => place,
+            Ground::Dark if colour == strongest => sums.light[colour].recip(),
+            Ground::Dark => 0.0,
+        };
+        let edge = EDGE_PX / radius_px.max(1.0) * share(sums.light[colour], radius_px);
+        let rim = (1.0 - COMMON_SHARE) * edge_px * edge * edge;
+        for (sum, slope) in edge_slopes.iter_mut().zip([place, turn, size]) {
+            *sum += edge * slope;
+        }
+        let (one, around) = (
+            pixel[colour] * count + rim,
+            0.5 * rim * radius_px * radius_px,
+        );
+        let numbers = [place * first[0], place * first[1], turn, size];
+        let mut add = |row: usize, column: usize, value: f64| covariance[row][column] += value;
+        add(0, 0, place * place * (pixel[colour] * second[0] + around));
+        add(1, 1, place * place * (pixel[colour] * second[2] + around));
+        add(0, 1, place * place * pixel[colour] * second[1]);
+        for (axis, first) in first.into_iter().enumerate() {
+            add(axis, 2, place * turn * pixel[colour] * first);
+            add(axis, 3, place * size * pixel[colour] * first);
+        }
+        add(2, 2, turn * turn * one);
+        add(2, 3, turn * size * one);
+        add(3, 3, size * size * one);
+        // The common error of all pixels.
+        let all = [numbers[0], numbers[1], turn * count, size * count];
+        for row in 0..4 {
+            for column in row..4 {
+                add(row, column, common[colour] * all[row] * all[column]);
+            }
+        }
+    }
+    let [place, turn, size] = edge_slopes;
+    let count = COMMON_SHARE * edge_px;
+    let of_centroid = 0.5 * count * (place * radius_px).powi(2);
+    covariance[0][0] += of_centroid;
+    covariance[1][1] += of_centroid;
+    covariance[2][2] += count * turn * turn;
+    covariance[2][3] += count * turn * size;
+    covariance[3][3] += count * size * size;
+    let upper = covariance;
+    let covariance = std::array::from_fn(|row| {
+        std::array::from_fn(|column| upper[row.min(column)][row.max(column)])
+    });
+    MarkerErrors { covariance }
+}
+
+/// Mean share of light that a marker of this radius absorbs or adds.
+fn share(light: f64, radius_px: f64) -> f64 {
+    (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
+}
+
+/// Derivative of the hue, in turns, with respect to the summed light of one colour.
+fn hue_slope(light: [f64; 3], ground: Ground, colour: usize) -> f64 {
+    let step = 1e-6 * light.iter().fold(0.0, |most: f64, one| most.max(one.abs()));
+    let mut there = light;
+    there[colour] += step;
+    let turn = hue(there, ground).0 - hue(light, ground).0;
+    let slope = (turn - (turn + 0.5).floor()) / step;
+    if slope.is_finite() { slope } else { 0.0 }
+}

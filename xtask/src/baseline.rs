@@ -1,0 +1,295 @@
+//! Table of named figures, compared with the committed baseline.
+
+use std::fmt;
+
+use anyhow::{Result, ensure};
+
+/// Folder of the baselines.
+pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
+
+/// Names and figures, in the order of the table.
+pub(crate) type Figures = Vec<(String, f64)>;
+
+/// Reads a table with a header and two columns: name and figure.
+pub(crate) fn read(text: &str) -> Result<Figures> {
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
+    let figures = rows.collect::<Result<Figures, _>>()?;
+    for (at, (name, figure)) in figures.iter().enumerate() {
+        ensure!(
+            figure.is_finite() && *figure >= 0.0,
+            "`{name}`: {figure} is not a finite number of at least 0"
+        );
+        ensure!(
+            find(&figures[..at], name).is_none(),
+            "`{name}` occurs twice"
+        );
+    }
+    Ok(figures)
+}
+
+fn find(figures: &[(String, f64)], name: &str) -> Option<f64> {
+    let found = figures.iter().find(|(known, _)| known == name);
+    found.map(|(_, figure)| *figure)
+}
+
+/// Text of a figure: counts in full, errors with six digits.
+fn text(figure: f64) -> String {
+    if figure.fract() == 0.0 {
+        figure.to_string()
+    } else {
+        format!("{figure:.5e}")
+    }
+}
+
+/// Limits of the change of figures.
+#[derive(Debug)]
+pub(crate) struct Limits {
+    pub(crate) what: &'static str,
+    /// Harness that prints the figures; also the file name of the baseline.
+    pub(crate) harness: &'static str,
+    /// Allowed growth, as a share of the earlier figure.
+    pub(crate) allowed: f64,
+    /// Floor of the figures: smaller ones are replaced by it before they are compared.
+    pub(crate) floor: f64,
+}
+
+impl Limits {
+    /// File of the baseline.
+    pub(crate) fn path(&self) -> String {
+        format!("{DIRECTORY}/{}.csv", self.harness)
+    }
+}
+
+/// Change of a figure against the baseline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Change {
+    /// Within the limits.
+    Same,
+    /// Larger than allowed.
+    Worse,
+    /// Smaller by more than the allowed growth.
+    Better,
+    /// Absent from the baseline.
+    New,
+    /// Present in the baseline only.
+    Missing,
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Same => "same",
+            Self::Worse => "WORSE",
+            Self::Better => "better",
+            Self::New => "NEW",
+            Self::Missing => "MISSING",
+        })
+    }
+}
+
+/// A baseline and the measured figures.
+pub(crate) struct Comparison {
+    pub(crate) limits: &'static Limits,
+    pub(crate) before: Figures,
+    pub(crate) now: Figures,
+}
+
+impl Comparison {
+    /// Whether a figure is worse, new or missing.
+    pub(crate) fn fails(&self) -> bool {
+        let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
+        self.rows()
+            .any(|(_, figures)| is_failure(self.change(figures)))
+    }
+
+    /// Whether a figure is new or missing, or differs by more than the floor and the digits of the baseline.
+    pub(crate) fn alters(&self) -> bool {
+        self.rows().any(|(_, figures)| match figures {
+            [Some(before), Some(now)] => {
+                (now - before).abs() > (1e-5 * before).max(self.limits.floor)
+            }
+            _ => true,
+        })
+    }
+
+    /// The measured figures as a table for [`read`].
+    pub(crate) fn to_csv(&self) -> Result<String> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(["name", self.limits.what])?;
+        for (name, figure) in &self.now {
+            writer.write_record([name, &text(*figure)])?;
+        }
+        Ok(String::from_utf8(writer.into_inner()?)?)
+    }
+
+    /// Every name with its figures in the baseline and now. Missing names are at the end.
+    fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
+        let now = self.now.iter();
+        let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));
+        let missing = |(name, _): &&(String, f64)| find(&self.now, name).is_none();
+        let before = self.before.iter().filter(missing);
+        now.chain(before.map(|(name, before)| (name.as_str(), [Some(*before), None])))
+    }
+
+    fn change(&self, figures: [Option<f64>; 2]) -> Change {
+        let Limits { allowed, floor, .. } = self.limits;
+        let [Some(before), Some(now)] = figures.map(|figure| figure.map(|one| one.max(*floor)))
+        else {
+            return match figures {
+                [None, _] => Change::New,
+                _ => Change::Missing,
+            };
+        };
+        if now > before * (1.0 + allowed) {
+            Change::Worse
+        } else if before > now * (1.0 + allowed) {
+            Change::Better
+        } else {
+            Change::Same
+        }
+    }
+
+    /// Table of the figures that differ.
+    pub(crate) fn render(&self) -> String {
+        let what = self.limits.what;
+        let (mut rows, mut is_better) = (String::new(), false);
+        for (name, figures) in self.rows() {
+            let change = self.change(figures);
+            if change == Change::Same {
+                continue;
+            }
+            is_better |= change == Change::Better;
+            let share = match figures {
+                [Some(before), Some(now)] => format!("{:+.2} %", (now / before - 1.0) * 100.0),
+                _ => String::new(),
+            };
+            let [before, now] = figures.map(|figure| figure.map_or("–".to_owned(), text));
+            rows += &format!("{change:<8} {name:<60} {before:>14} {now:>14} {share:>10}\n");
+        }
+        if rows.is_empty() {
+            return format!("{what}: {} figures as in the baseline\n", self.now.len());
+        }
+        let header = format!("{:<8} {what:<60} {:>14} {:>14}\n", "", "before", "after");
+        let advice = match is_better && !self.fails() {
+            true => {
+                "better than the baseline: run `cargo xtask bench-check --accept` to update it\n"
+            }
+            false => "",
+        };
+        format!("{header}{rows}{advice}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench_check::{COST, ERROR};
+
+    type Pairs<'a> = &'a [(&'a str, f64)];
+
+    fn compared(limits: &'static Limits, before: Pairs<'_>, now: Pairs<'_>) -> Comparison {
+        let [before, now] = [before, now].map(|pairs| {
+            let pairs = pairs.iter();
+            pairs
+                .map(|(name, figure)| ((*name).to_owned(), *figure))
+                .collect()
+        });
+        Comparison {
+            limits,
+            before,
+            now,
+        }
+    }
+
+    fn change(limits: &'static Limits, before: f64, now: f64) -> Change {
+        compared(limits, &[], &[]).change([Some(before), Some(now)])
+    }
+
+    #[test]
+    fn up_to_three_percent_more_instructions_are_allowed() {
+        assert_eq!(change(&COST, 1000.0, 1030.0), Change::Same);
+        assert_eq!(change(&COST, 1000.0, 1031.0), Change::Worse);
+        assert_eq!(change(&COST, 1000.0, 972.0), Change::Same);
+        assert_eq!(change(&COST, 1000.0, 970.0), Change::Better);
+    }
+
+    #[test]
+    fn errors_below_rounding_are_equal() {
+        assert_eq!(change(&ERROR, 2e-16, 4.9e-15), Change::Same);
+        assert_eq!(change(&ERROR, 0.0, 5.1e-15), Change::Worse);
+        assert_eq!(change(&ERROR, 1e-9, 1.009e-9), Change::Same);
+        assert_eq!(change(&ERROR, 1e-9, 1.011e-9), Change::Worse);
+        assert_eq!(change(&ERROR, 1e-9, 1e-15), Change::Better);
+    }
+
+    #[test]
+    fn new_and_missing_figures_are_named_and_fail() {
+        let comparison = compared(&COST, &[("a", 1.0), ("b", 2.0)], &[("a", 1.0), ("c", 3.0)]);
+        assert!(comparison.fails());
+        let text = comparison.render();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 3, "{text}");
+        assert!(lines[1].starts_with("NEW      c ") && lines[1].contains(" 3"));
+        assert!(lines[2].starts_with("MISSING  b ") && lines[2].contains(" 2"));
+    }
+
+    #[test]
+    fn tables_list_the_figures_that_differ() {
+        let before = [("slower", 1000.0), ("same", 5.0), ("quicker", 100.0)];
+        let now = [("slower", 1100.0), ("same", 5.0), ("quicker", 50.0)];
+        let text = compared(&COST, &before, &now).render();
+        assert!(!text.contains("same"), "{text}");
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[1].starts_with("WORSE    slower"), "{text}");
+        assert!(
+            ["1000", "1100", "+10.00 %"]
+                .iter()
+                .all(|part| lines[1].contains(part))
+        );
+        assert!(lines[2].starts_with("better   quicker"), "{text}");
+        // A figure is worse, so there is no advice to accept.
+        assert!(!text.contains("--accept"), "{text}");
+    }
+
+    #[test]
+    fn changes_below_the_limit_are_noticed() {
+        let alters = |before, now| compared(&ERROR, &[("a", before)], &[("a", now)]).alters();
+        assert!(alters(0.1, 0.1001));
+        assert!(alters(0.1, 0.05));
+        assert!(!alters(0.1, 0.1 + 1e-7));
+        assert!(!alters(1e-15, 4e-15));
+    }
+
+    #[test]
+    fn new_and_missing_figures_are_changes() {
+        let alters = |before: Pairs<'_>, now: Pairs<'_>| compared(&ERROR, before, now).alters();
+        let (one, both) = ([("a", 0.1)], [("a", 0.1), ("b", 0.2)]);
+        assert!(alters(&one, &both));
+        assert!(alters(&both, &one));
+        assert!(alters(&one, &[("b", 0.1)]));
+        assert!(!alters(&both, &both));
+    }
+
+    #[test]
+    fn written_tables_read_back_the_same() {
+        let figures = [
+            ("roll, 6 rad", 1.23456e-7),
+            ("exact", 0.0),
+            ("many", 123_456_789.0),
+        ];
+        let table = compared(&ERROR, &[], &figures);
+        let text = table.to_csv().unwrap();
+        assert_eq!(
+            text,
+            "name,error\n\"roll, 6 rad\",1.23456e-7\nexact,0\nmany,123456789\n"
+        );
+        assert_eq!(read(&text).unwrap(), table.now);
+    }
+
+    #[test]
+    fn invalid_tables_are_rejected() {
+        for rows in ["a,x\n", "a,NaN\n", "a,-1\n", "a,1\na,2\n"] {
+            assert!(read(&format!("name,error\n{rows}")).is_err(), "{rows}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Builds the programs of the peers: a virtual environment and compiled programs under the target directory.
+
+use std::env;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use xshell::{Shell, cmd};
+
+use super::peer_table::Figure;
+use crate::python;
+
+/// List of the Python packages of the peers.
+const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
+/// Variables that keep libraries from using several cores.
+const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
+
+/// Kind of a peer's program.
+pub(crate) enum Kind {
+    /// A script in xtask/peers/.
+    Python(&'static str),
+    /// A group of tasks of xtask/peers/python_package.py, which also times palpate for Python.
+    Package(&'static str),
+    /// A source file in xtask/peers/, compiled by g++.
+    Cpp(&'static str),
+    /// A package in xtask/peers/.
+    Rust(&'static str),
+}
+
+/// Reason why a peer is not available on this machine.
+pub(crate) struct Absent(pub(crate) String);
+
+/// Builder of the peers' programs.
+pub(crate) struct PeerPrograms<'s> {
+    shell: &'s Shell,
+    sources: PathBuf,
+    directory: PathBuf,
+    /// The interpreter with the pinned packages, or the reason why there is none.
+    python: Result<PathBuf, String>,
+}
+
+/// A peer that can be run.
+pub(crate) struct Peer {
+    command: Vec<OsString>,
+    /// Group of tasks, if the program has several.
+    group: Option<&'static str>,
+}
+
+impl From<Vec<OsString>> for Peer {
+    fn from(command: Vec<OsString>) -> Self {
+        Self {
+            command,
+            group: None,
+        }
+    }
+}
+
+impl Peer {
+    /// Runs the peer on one core and reads the figures that it prints.
+    pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
+        let Self { command, group } = self;
+        let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs} {group...}").quiet();
+        for variable in ONE_THREAD {
+            run = run.env(variable, "1");
+        }
+        Figure::read(&run.read()?)
+    }
+}
+
+impl<'s> PeerPrograms<'s> {
+    /// Prepares the Python environment of the scripts.
+    pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Self {
+        let sources = shell.current_dir().join("xtask").join("peers");
+        let python = python::environment(shell, &directory.join("venv"), REQUIREMENTS);
+        Self {
+            shell,
+            sources,
+            directory: directory.to_owned(),
+            python: python.map_err(|error| format!("{error:#}")),
+        }
+    }
+
+    /// Builds a peer.
+    ///
+    /// # Errors
+    /// If the peer cannot be built. A program that this machine lacks is not an error.
+    pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
+        match kind {
+            Kind::Python(script) => Ok(match &self.python {
+                Ok(python) => Ok(vec![python.into(), self.sources.join(script).into()].into()),
+                Err(why) => Err(Absent(why.clone())),
+            }),
+            Kind::Package(group) => {
+                let python = python::installed(self.shell)?;
+                let script = self.sources.join("python_package.py");
+                Ok(Ok(Peer {
+                    command: vec![python.into(), script.into()],
+                    group: Some(group),
+                }))
+            }
+            Kind::Cpp(source) => self.compile(source),
+            Kind::Rust(package) => self.build(package),
+        }
+    }
+
+    /// Compiles with all optimisations for this machine, as a user would.
+    fn compile(&self, source: &str) -> Result<Result<Peer, Absent>> {
+        let shell = self.shell;
+        let header = "#include <boost/numeric/odeint.hpp>";
+        let probe = cmd!(shell, "g++ -x c++ -fsyntax-only -")
+            .quiet()
+            .stdin(header);
+        if probe.ignore_stderr().run().is_err() {
+            return Ok(Err(Absent("g++ or Boost's headers are missing".to_owned())));
+        }
+        let program = self.directory.join(Path::new(source).with_extension(""));
+        let source = self.sources.join(source);
+        cmd!(
+            shell,
+            "g++ -O3 -march=native -ffp-contract=fast {source} -o {program}"
+        )
+        .quiet()
+        .run()?;
+        Ok(Ok(Peer::from(vec![program.into()])))
+    }
+
+    fn build(&self, package: &str) -> Result<Result<Peer, Absent>> {
+        let shell = self.shell;
+        let manifest = self.sources.join(package).join("Cargo.toml");
+        let target = self.directory.join(package);
+        if cmd!(shell, "cargo fetch --locked --manifest-path {manifest}")
+            .quiet()
+            .run()
+            .is_err()
+        {
+            return Ok(Err(Absent("its crates cannot be fetched".to_owned())));
+        }
+        cmd!(
+            shell,
+            "cargo build --release --locked --manifest-path {manifest} --target-dir {target}"
+        )
+        .env("RUSTFLAGS", "-C target-cpu=native")
+        .run()?;
+        let release = target.join("release");
+        let name = fs::read_to_string(&manifest)?
+            .lines()
+            .find_map(|line| {
+                line.strip_prefix("name = \"")?
+                    .strip_suffix('"')
+                    .map(str::to_owned)
+            })
+            .context("the peer's package has no name")?;
+        let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
+        Ok(Ok(Peer::from(vec![program.into()])))
+    }
+}

@@ -1,0 +1,324 @@
+//! Times and errors of peers and of palpate, and the table that compares them.
+
+use std::fmt;
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+/// Time and error of one task.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub(crate) struct Figure {
+    pub(crate) task: String,
+    pub(crate) peer: String,
+    pub(crate) version: String,
+    pub(crate) time_us: f64,
+    pub(crate) error: f64,
+}
+
+impl Figure {
+    /// Reads lines of JSON.
+    pub(crate) fn read(lines: &str) -> Result<Vec<Figure>> {
+        let lines = lines.lines().filter(|line| !line.trim().is_empty());
+        let figure =
+            |line| serde_json::from_str(line).with_context(|| format!("not a figure: {line}"));
+        lines.map(figure).collect()
+    }
+}
+
+/// Median time and median error of each peer on each task, in the order of their first figures.
+pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
+    let mut medians: Vec<Figure> = Vec::new();
+    for figure in &figures {
+        let same = |other: &&Figure| (&other.task, &other.peer) == (&figure.task, &figure.peer);
+        if medians.iter().any(|known| same(&known)) {
+            continue;
+        }
+        let median = |of: fn(&Figure) -> f64| {
+            let mut all: Vec<f64> = figures.iter().filter(same).map(of).collect();
+            all.sort_by(f64::total_cmp);
+            all[all.len() / 2]
+        };
+        medians.push(Figure {
+            time_us: median(|figure| figure.time_us),
+            error: median(|figure| figure.error),
+            ..figure.clone()
+        });
+    }
+    medians
+}
+
+/// Comparison of a peer with a rung of palpate on the same task.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Row {
+    peer: Figure,
+    ours: Figure,
+    ratio: f64,
+    target: f64,
+    verdict: Verdict,
+}
+
+/// Outcome of a row against the target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Fast enough, and not less accurate.
+    Met,
+    /// Not less accurate, but not fast enough.
+    Short,
+    /// Less accurate: the ratio does not count.
+    ErrsMore,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Met => "met",
+            Self::Short => "short",
+            Self::ErrsMore => "errs more",
+        })
+    }
+}
+
+const HEADER: [&str; 12] = [
+    "task",
+    "peer",
+    "version",
+    "peer_time_us",
+    "peer_error",
+    "ours",
+    "our_time_us",
+    "our_error",
+    "ratio",
+    "target",
+    "verdict",
+    "machine",
+];
+
+/// Comparisons of every peer with every rung of palpate, task by task.
+pub(crate) fn rows(
+    peers: &[Figure],
+    ours: &[Figure],
+    target_of: impl Fn(&str) -> f64,
+    slack: f64,
+) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for peer in peers {
+        for ours in ours.iter().filter(|ours| ours.task == peer.task) {
+            let (ratio, target) = (peer.time_us / ours.time_us, target_of(&peer.task));
+            let verdict = match (ours.error <= peer.error * (1.0 + slack), ratio >= target) {
+                (false, _) => Verdict::ErrsMore,
+                (true, true) => Verdict::Met,
+                (true, false) => Verdict::Short,
+            };
+            let (peer, ours) = (peer.clone(), ours.clone());
+            rows.push(Row {
+                peer,
+                ours,
+                ratio,
+                target,
+                verdict,
+            });
+        }
+    }
+    rows
+}
+
+/// The rows as text for a terminal.
+pub(crate) fn render(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let mut task = "";
+    for row in rows {
+        if row.peer.task != task {
+            task = &row.peer.task;
+            text += &format!("\n{task}, target {} x\n", row.target);
+        }
+        let Row {
+            peer,
+            ours,
+            ratio,
+            verdict,
+            ..
+        } = row;
+        text += &format!(
+            "  {:<44}{:>12.4} us  err {:<9.2e}| {:<44}{:>12.4} us  err {:<9.2e}| {ratio:>9.2} x  {verdict}\n",
+            format!("{} {}", peer.peer, peer.version),
+            peer.time_us,
+            peer.error,
+            ours.peer,
+            ours.time_us,
+            ours.error,
+        );
+    }
+    text
+}
+
+/// The rows as the table to commit.
+pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(HEADER)?;
+    for Row {
+        peer,
+        ours,
+        ratio,
+        target,
+        verdict,
+    } in rows
+    {
+        writer.write_record([
+            &peer.task,
+            &peer.peer,
+            &peer.version,
+            &four_digits(peer.time_us),
+            &four_digits(peer.error),
+            &ours.peer,
+            &four_digits(ours.time_us),
+            &four_digits(ours.error),
+            &four_digits(*ratio),
+            &target.to_string(),
+            &verdict.to_string(),
+            machine,
+        ])?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// A committed table in which the rows of another run replace those of the same tasks.
+pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
+    let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        Ok(reader.records().collect::<Result<_, _>>()?)
+    };
+    let (mut rows, measured) = (read(committed)?, read(measured)?);
+    let is_measured = |row: &csv::StringRecord| measured.iter().any(|one| one.get(0) == row.get(0));
+    let place = rows.iter().position(is_measured).unwrap_or(rows.len());
+    rows.retain(|row| !is_measured(row));
+    rows.splice(place..place, measured.iter().cloned());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(HEADER)?;
+    rows.iter().try_for_each(|row| writer.write_record(row))?;
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// Text of a value with four digits; further digits are noise.
+fn four_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(task: &str, time_us: f64, error: f64) -> Figure {
+        Figure {
+            task: task.to_owned(),
+            peer: "p".to_owned(),
+            version: "1".to_owned(),
+            time_us,
+            error,
+        }
+    }
+
+    fn verdict(ours: Figure, slack: f64) -> Verdict {
+        rows(&[figure("a", 10.0, 0.1)], &[ours], |_| 2.0, slack)[0].verdict
+    }
+
+    #[test]
+    fn a_ratio_counts_only_at_equal_error() {
+        assert_eq!(verdict(figure("a", 5.0, 0.1), 0.0), Verdict::Met);
+        assert_eq!(verdict(figure("a", 5.1, 0.1), 0.0), Verdict::Short);
+        assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.0), Verdict::ErrsMore);
+        assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.01), Verdict::Met);
+        assert_eq!(verdict(figure("a", 0.1, 0.1011), 0.01), Verdict::ErrsMore);
+        // A NaN is not equal to any error.
+        assert_eq!(verdict(figure("a", 0.1, f64::NAN), 0.0), Verdict::ErrsMore);
+    }
+
+    #[test]
+    fn tasks_are_not_mixed() {
+        let peers = [figure("a", 10.0, 0.1), figure("b", 3.0, 1e-14)];
+        let ours = [figure("b", 1.0, 0.0), figure("a", 4.0, 0.1)];
+        let all = rows(&peers, &ours, |_| 3.0, 0.0);
+        assert_eq!(
+            all.iter().map(|row| row.ratio).collect::<Vec<_>>(),
+            [2.5, 3.0]
+        );
+        let committed = csv(&all, "a machine, of 2 cores").unwrap();
+        assert_eq!(
+            committed.lines().nth(2).unwrap(),
+            "b,p,1,3,1e-14,p,1,0,3,3,met,\"a machine, of 2 cores\""
+        );
+    }
+
+    #[test]
+    fn rows_of_other_tasks_stay() {
+        let of = |task: &str, time_us: f64, machine: &str| {
+            let all = rows(
+                &[figure(task, time_us, 0.1)],
+                &[figure(task, 1.0, 0.1)],
+                |_| 2.0,
+                0.0,
+            );
+            csv(&all, machine).unwrap()
+        };
+        let committed = [("a", 3.0), ("b", 4.0), ("c", 5.0)]
+            .map(|(task, time_us)| of(task, time_us, "old"))
+            .into_iter()
+            .reduce(|all, one| merged(&all, &one).unwrap())
+            .unwrap();
+        let after = merged(&committed, &of("b", 9.0, "new")).unwrap();
+        let rows: Vec<[&str; 3]> = after
+            .lines()
+            .skip(1)
+            .map(|line| {
+                let fields: Vec<&str> = line.split(',').collect();
+                [fields[0], fields[3], fields[11]]
+            })
+            .collect();
+        assert_eq!(
+            rows,
+            [["a", "3", "old"], ["b", "9", "new"], ["c", "5", "old"]]
+        );
+    }
+
+    fn line(task: &str, time: f64) -> String {
+        format!(
+            "{{\"task\": \"{task}\", \"peer\": \"p\", \"version\": \"1\", \"time_us\": {time}, \"error\": 0.5}}\n"
+        )
+    }
+
+    #[test]
+    fn rounds_become_medians_per_task() {
+        let lines: String = [
+            ("b", 9.0),
+            ("a", 1.0),
+            ("b", 2.0),
+            ("a", 7.0),
+            ("b", 3.0),
+            ("a", 4.0),
+        ]
+        .map(|(task, time)| line(task, time))
+        .concat();
+        let medians = medians(Figure::read(&lines).unwrap());
+        let short: Vec<_> = medians
+            .iter()
+            .map(|one| (one.task.as_str(), one.time_us))
+            .collect();
+        assert_eq!(short, [("b", 3.0), ("a", 4.0)]);
+    }
+
+    #[test]
+    fn an_incomplete_figure_is_named() {
+        let error = Figure::read("{\"task\": \"a\"}").unwrap_err();
+        let text = format!("{error:#}");
+        assert!(
+            text.starts_with("not a figure: {\"task\": \"a\"}: missing field `peer`"),
+            "{text}"
+        );
+        // JSON has no infinity, so a peer that misses markers is an error.
+        assert!(Figure::read(&line("a", f64::INFINITY)).is_err());
+    }
+}

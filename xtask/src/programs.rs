@@ -1,0 +1,83 @@
+//! The programs under test, the packages of the workspace, and the machine.
+
+use std::env;
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use serde_json::Value;
+use xshell::{Shell, cmd};
+
+/// Target directory of cargo.
+pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
+    let target = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    shell.current_dir().join(target)
+}
+
+/// The crate that needs Python. `cargo xtask python` builds and tests it.
+pub(crate) const PYTHON: &str = "palpate-python";
+
+/// Features that are off by default, but on for lints and tests: a build of the tests for each choice of features would take
+/// minutes. Later steps build the program without them.
+pub(crate) const FEATURES: &str = "palpate/parquet";
+
+/// Selection of packages for all release builds, without counters, like the palpate of users. Cargo unites the features of
+/// all selected packages, so another selection would build most crates again.
+const RELEASED: [&str; 7] = [
+    "-p",
+    "palpate",
+    "-p",
+    "palpate-assay",
+    "--no-default-features",
+    "--features",
+    "palpate/cli",
+];
+
+/// Builds the release programs, and returns the path of one.
+pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
+    let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
+    build.quiet().run()?;
+    Ok(released(shell, program))
+}
+
+/// Builds only the release program `palpate`, in half the time, and returns its path.
+pub(crate) fn build_alone(shell: &Shell) -> Result<PathBuf> {
+    let build = cmd!(
+        shell,
+        "cargo build --release -p palpate --bin palpate --no-default-features --features cli"
+    );
+    build.quiet().run()?;
+    Ok(released(shell, "palpate"))
+}
+
+fn released(shell: &Shell, program: &str) -> PathBuf {
+    let binary = format!("{program}{}", env::consts::EXE_SUFFIX);
+    target_dir(shell).join("release").join(binary)
+}
+
+/// Packages of the workspace, as `cargo metadata` lists them.
+pub(crate) fn packages(shell: &Shell) -> Result<Vec<Value>> {
+    let command = cmd!(
+        shell,
+        "cargo metadata --no-deps --offline --format-version 1"
+    );
+    let mut metadata: Value = serde_json::from_str(&command.quiet().read()?)?;
+    match metadata["packages"].take() {
+        Value::Array(packages) => Ok(packages),
+        _ => bail!("cargo metadata lists no packages"),
+    }
+}
+
+/// Description of the machine: processor, cores, compiler.
+pub(crate) fn machine(shell: &Shell) -> String {
+    let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = processors
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(": "))
+        .map_or(env::consts::ARCH, |(_, model)| model.trim());
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let rustc = cmd!(shell, "rustc --version").quiet().read();
+    let rustc = rustc.unwrap_or_else(|_| "an unknown rustc".to_owned());
+    let rustc = rustc.split(" (").next().unwrap_or_default();
+    format!("{model}, {cores} cores, {rustc}")
+}
