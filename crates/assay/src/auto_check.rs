@@ -146,9 +146,9 @@ fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
         let independent = count(&|one| one.choice.has_independent_truth());
         let dearest = of().filter_map(Verdict::ratio).fold(0.0, f64::max);
         format!(
-            "{passed} of {SCENES} {} pass, {with_competitors} have another adequate model, {independent} have an \
+            "{passed} of {SCENES} {} scenes pass, {with_competitors} have another adequate model, {independent} have an \
              independent reference, at most {dearest:.2} times the cheapest",
-            kind.plural()
+            kind.name()
         )
     });
     let summary = format!("auto: {}", of_kind.join("; "));

@@ -224,7 +224,7 @@ fn main() -> Result<()> {
         Harness::CameraIntervals(scenes) => {
             let scores = scenes.score(300, intervals::camera::scores)?;
             for summary in intervals::camera::summaries(&scores) {
-                println!("{summary}");
+                println!("{}", row_in_words(&summary)?);
             }
             Ok(())
         }

@@ -1,7 +1,10 @@
 //! Exceptions, and errors of the library as such.
 
+use std::fmt::Display;
+
 use palpate::ConfigError as BadConfig;
-use palpate::recorded::{GivenError, RecordedError};
+use palpate::config::{SettingError, rename_settings};
+use palpate::recorded::RecordedError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -87,9 +90,33 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     )
 }
 
+/// Settings whose arguments have other names: pairs of key and argument.
+const RENAMED: [(&str, &str); 3] = [
+    ("kind", "method"),
+    ("from", "source"),
+    ("normals", "tangent_normals"),
+];
+
+/// Key of the setting that an argument states.
+pub(crate) fn key(argument: &str) -> &str {
+    let renamed = RENAMED.iter().find(|(_, name)| *name == argument);
+    renamed.map_or(argument, |(key, _)| key)
+}
+
+/// Argument that states the setting with this key.
+pub(crate) fn name(key: &str) -> &str {
+    let renamed = RENAMED.iter().find(|(renamed, _)| *renamed == key);
+    renamed.map_or(key, |(_, name)| name)
+}
+
+/// Message of an error of the library, with its settings named as arguments.
+pub(crate) fn text(error: &impl Display) -> String {
+    rename_settings(&error.to_string(), |key| name(key).to_owned())
+}
+
 /// Error of readings.
 pub(crate) fn recorded(error: RecordedError) -> PyErr {
-    let message = error.to_string();
+    let message = text(&error);
     match error {
         RecordedError::Array {
             array,
@@ -102,8 +129,8 @@ pub(crate) fn recorded(error: RecordedError) -> PyErr {
 }
 
 /// Error of settings.
-pub(crate) fn given(error: GivenError) -> PyErr {
-    argument(&error.setting, &[], error.value, error.message)
+pub(crate) fn setting(error: SettingError) -> PyErr {
+    argument(name(&error.key), &[], error.value, text(&error))
 }
 
 /// Error of a config.

@@ -10,6 +10,6 @@ mod settings;
 pub(crate) use batch::Batch;
 pub(crate) use glide::{GlideEstimate, estimate_glide};
 pub(crate) use like::like;
-pub(crate) use press::{PressArguments, PressEstimate, estimate_press};
+pub(crate) use press::{PressEstimate, estimate_press};
 pub(crate) use roll::{RollBatch, RollEstimate, estimate_roll};
-pub(crate) use settings::length_unit;
+pub(crate) use settings::{given, length_unit};

@@ -163,15 +163,15 @@ def test_shapes(rolls, glides, presses):
 @pytest.mark.parametrize(
     ("settings", "argument", "says"),
     [
-        ({}, "probe_radius", "needs probe_radius"),
-        ({"probe_radius": 0}, "probe_radius", "must be finite and > 0, is 0"),
+        ({}, "probe_radius", "probe_radius is needed"),
+        ({"probe_radius": 0}, "probe_radius", "is 0; it must be finite and > 0"),
         ({"probe_radius": np.nan}, "probe_radius", "NaN"),
         ({"probe_radius": 10, "pitch": -1}, "pitch", "pitch is -1"),
         ({"probe_radius": 10, "pitch": 11}, "pitch", "pitch is 11"),
         ({"probe_radius": 10, "pitch": 1, "shift_std": 1}, "shift_std", "only without pitch"),
         ({"probe_radius": 10, "rotation_std_rad": 4}, "rotation_std_rad", "from 0 to"),
         ({"probe_radius": 10, "relative_rotation_std": 2}, "relative_rotation_std", "from 0 to 1"),
-        ({"probe_radius": 10, "method": "magic"}, "kind", "least-squares"),
+        ({"probe_radius": 10, "method": "magic"}, "method", "it must be least-squares"),
         ({"probe_radius": 10, "length_unit": "inch"}, "length_unit", "one of m, cm, mm, um, unit"),
     ],
 )
@@ -179,24 +179,24 @@ def test_settings_of_rolls(rolls, settings, argument, says):
     with pytest.raises(palpate.ArgumentError) as caught:
         palpate.estimate_roll(*rolls, **settings)
     assert caught.value.argument == argument
-    assert says in str(caught.value) or says.replace("must be", "it must be") in str(caught.value) or argument == "probe_radius"
+    assert says in str(caught.value)
 
 
 @pytest.mark.parametrize(
     ("settings", "says"),
     [
-        ({"method": "magic"}, "must be penalised, two-pass or quadric"),
-        ({"intervals": 99}, "must be a whole number from 1 to 24, is 99"),
-        ({"gamma": 0.5}, "must be from 1 to 100, is 0.5"),
+        ({"method": "magic"}, "it must be penalised, two-pass or quadric"),
+        ({"intervals": 99}, "intervals is 99; it must be a whole number from 1 to 24"),
+        ({"gamma": 0.5}, "gamma is 0.5; it must be from 1 to 100"),
         ({"gamma": 2.0, "criterion": "gcv"}, "gamma"),
-        ({"smoothing": 1.0}, 'smoothing is of use only to method="two-pass"'),
-        ({"inter_finger_distance": 1.0}, 'inter_finger_distance is of use only to method="two-pass"'),
+        ({"smoothing": 1.0}, "smoothing is of use only to method two-pass"),
+        ({"inter_finger_distance": 1.0}, "inter_finger_distance is of use only to method two-pass"),
         ({"grid": 0}, "grid is 0; it must be a whole number from 1 to 1000"),
         ({"outward": (0, 0, 1)}, "outward is of use only to readings without normals"),
         ({"gaussian_threshold": 1.0}, "gaussian_threshold is of use only with mean_threshold"),
         ({"gaussian_threshold": 0.0, "mean_threshold": 1.0}, "threshold"),
         ({"tip_radius": -1.0}, "tip_radius is -1; it must be"),
-        ({"tip_radius": 1.0, "reports": "top"}, "must be lowest-point or centre, is \"top\""),
+        ({"tip_radius": 1.0, "reports": "top"}, 'reports is "top"; it must be lowest-point or centre'),
         ({"reports": "centre"}, "reports is of use only to readings of round tips; give tip_radius too"),
         ({"position_std": np.inf}, "position_std is inf; it must be finite"),
     ],
@@ -212,14 +212,14 @@ def test_settings_of_glides(glides, settings, says):
     [
         ({"sensor_radius": -1}, "sensor_radius is -1; it must be finite and > 0"),
         ({"depth": 20}, "depth is 20; it must be less than sensor_radius, 20"),
-        ({"method": "bonded-layer"}, 'method="bonded-layer" needs thickness'),
-        ({"thickness": 5.0}, 'thickness is of use only to method="bonded-layer or image"'),
+        ({"method": "bonded-layer"}, "thickness is needed by method bonded-layer"),
+        ({"thickness": 5.0}, "thickness is of use only to method bonded-layer or image"),
         ({"indentation_std": 0.1}, "indentation_std is of use only to a given indentation"),
         ({"indentation": 25}, "indentation is 25; it must be less than sensor_radius, 20"),
-        ({"noise": "found", "normal_std": 0.1}, 'normal_std is of use only without noise="found"'),
-        ({"baseline": "free"}, "must be known or fitted"),
-        ({"poisson": 0.6}, "must be from 0 to 0.5, is 0.6"),
-        ({"method": "gaussian"}, 'method="gaussian" needs c, or indentation'),
+        ({"noise": "found", "normal_std": 0.1}, "normal_std is of use only without noise found"),
+        ({"baseline": "free"}, "it must be known or fitted"),
+        ({"poisson": 0.6}, "poisson is 0.6; it must be from 0 to 0.5"),
+        ({"method": "gaussian"}, "c is needed by method gaussian, or indentation"),
         ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian has no stress"),
     ],
 )

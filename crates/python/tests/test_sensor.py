@@ -105,7 +105,7 @@ def test_what_the_camera_sees_is_fitted():
         palpate.track(seen.rest, seen.pressed, method="image", like=CAMERA)
     with pytest.raises(palpate.ReadingsError, match="colours swapped"):
         palpate.track(seen.rest[..., [0, 2, 1]], seen.pressed[..., [0, 2, 1]], **known)
-    with pytest.raises(palpate.ArgumentError, match="needs like") as caught:
+    with pytest.raises(palpate.ArgumentError, match="like is needed") as caught:
         palpate.track(seen.rest, seen.pressed, method="image")
     assert caught.value.argument == "like"
     with pytest.raises(palpate.ConfigError, match="must have a camera"):

@@ -13,7 +13,6 @@ use super::calibration_report::{CalibrationReport, Fitted};
 use super::error::RecordedError;
 use super::header::Header;
 use super::sheet::{Sheet, header};
-use super::wording::Wording;
 use super::written::Written;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{CALIBRATIONS, Column};
@@ -51,8 +50,6 @@ pub struct CalibrateOptions {
     pub markers: Option<usize>,
     /// The unit of lengths, where the headers do not state it.
     pub length_unit: Option<LengthUnit>,
-    /// How messages name these settings: as flags or as arguments.
-    pub wording: Wording,
 }
 
 const NORMAL: Column = CALIBRATIONS[0];
@@ -265,13 +262,14 @@ fn copies(normal: &Pooled<NormalPoint>, lateral: &Pooled<LateralPoint>) -> usize
     many.map(|(copies, _)| copies).max().unwrap_or(0)
 }
 
-/// The unit that headers or `--length-unit` state.
+/// The unit that headers or the setting `length_unit` state.
 fn agreed_units(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
 ) -> Result<LengthUnit, RecordedError> {
-    let setting = options.wording.name("length_unit");
-    let mut stated = options.length_unit.map(|unit| (unit, setting.as_str()));
+    let mut stated = options
+        .length_unit
+        .map(|unit| (unit, "setting `length_unit`"));
     for CalibrationPoints { file, unit, .. } in points {
         match (*unit, stated) {
             (Some(unit), Some((before, source))) if unit != before => {
@@ -302,8 +300,8 @@ fn shows(points: &[CalibrationPoints], options: &CalibrateOptions) -> Result<(),
                 return Err(RecordedError::Readings {
                     file: one.file.clone(),
                     message: format!(
-                        "no column `{column}`; {} needs it",
-                        options.wording.with("from", from.name())
+                        "no column `{column}`; setting `from` {} needs it",
+                        from.name()
                     ),
                 });
             }

@@ -197,7 +197,7 @@ impl<'a> Header<'a> {
                     false => {
                         let pair = pair(column.stem(), first);
                         format!(
-                            "{twice}, as `{first}` and as `{second}`; say which: --columns '{pair}'"
+                            "{twice}, as `{first}` and as `{second}`; say which: setting `columns` '{pair}'"
                         )
                     }
                 })
@@ -243,7 +243,7 @@ impl<'a> Header<'a> {
             && QUATERNION.into_iter().all(has)
         {
             return Err(format!(
-                "`{key}` is said to be `{name}`, which is part of a quaternion; without it in --columns the quaternion is read"
+                "`{key}` is said to be `{name}`, which is part of a quaternion; without it in setting `columns` the quaternion is read"
             ));
         }
         let in_file = match heading.bracket {
@@ -314,7 +314,7 @@ impl<'a> Header<'a> {
             .iter()
             .any(|column| column.measure == Measure::Angle);
         if of_angle && self.headings.iter().any(is_quaternion) {
-            message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part: name them by --columns";
+            message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part: name them by setting `columns`";
         }
         let is_free = |index: &usize| {
             let mut taken = found.iter().flatten();
@@ -324,7 +324,7 @@ impl<'a> Header<'a> {
         if !free.is_empty() {
             let pairs = self.proposed(missing, &free);
             message += &format!(
-                "; write --columns '{}'",
+                "; write setting `columns` '{}'",
                 pairs.join(",").replace('\'', "'\\''")
             );
             if pairs.iter().any(|pair| pair.ends_with('…')) {
@@ -377,7 +377,7 @@ const fn has_no_need(measure: Measure) -> bool {
 fn no_unit(name: &str, column: &Column) -> String {
     let own = pair(column.name, name);
     format!(
-        "`{name}` states no unit ({}); write --columns '{own}' if it is that of `{}`",
+        "`{name}` states no unit ({}); write setting `columns` '{own}' if it is that of `{}`",
         column.measure.units(),
         column.name
     )
@@ -401,7 +401,7 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
             let name = heading.name;
             let stem = column.stem();
             Err(format!(
-                "`{name}` may be in inches, or in what its name says; write --columns '{}' if it is in inches, \
+                "`{name}` may be in inches, or in what its name says; write setting `columns` '{}' if it is in inches, \
                  '{}' if it is in millimetres",
                 pair(&format!("{stem}_inch"), name),
                 pair(&format!("{stem}_mm"), name)

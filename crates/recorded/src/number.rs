@@ -58,7 +58,7 @@ impl Shown {
             (None, None) => {
                 let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
                 Err(format!(
-                    "`{odd}` may be {as_decimal} or {as_whole}, and no other number tells; give --decimal comma if it is \
+                    "`{odd}` may be {as_decimal} or {as_whole}, and no other number tells; give setting `decimal` comma if it is \
                      {as_decimal}, else write it without the comma"
                 ))
             }

@@ -4,7 +4,6 @@ use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 
 use super::error::RecordedError;
-use super::wording::Wording;
 
 /// Place that readings come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,14 +14,6 @@ pub(super) enum Origin {
     Arrays,
 }
 
-/// How messages name settings: as flags for readings from a file, as arguments for arrays.
-pub(super) const fn wording(is_file: bool) -> Wording {
-    match is_file {
-        true => Wording::Flags,
-        false => Wording::Arguments,
-    }
-}
-
 impl Origin {
     /// Name of the readings in messages.
     pub(super) fn name(&self) -> &str {
@@ -30,11 +21,6 @@ impl Origin {
             Self::File { name, .. } => name,
             Self::Arrays => "readings",
         }
-    }
-
-    /// How messages name the settings for these readings.
-    pub(super) fn wording(&self) -> Wording {
-        wording(matches!(self, Self::File { .. }))
     }
 
     /// Line of a reading, if it has one.
@@ -66,7 +52,7 @@ impl Origin {
     }
 }
 
-/// The unit that the header of a file or `--length-unit` states.
+/// The unit that the header of a file or the setting `length_unit` states.
 pub(super) fn agreed_unit(
     origin: &Origin,
     header: Option<LengthUnit>,
@@ -75,8 +61,9 @@ pub(super) fn agreed_unit(
     match (header, option) {
         (Some(header), Some(option)) if header != option => {
             let (header, option) = (header.as_str(), option.as_str());
-            let setting = origin.wording().name("length_unit");
-            Err(origin.fail(format!("the header says {header}, {setting} says {option}")))
+            Err(origin.fail(format!(
+                "the header says {header}, setting `length_unit` says {option}"
+            )))
         }
         (header, option) => Ok(header.or(option).unwrap_or_default()),
     }

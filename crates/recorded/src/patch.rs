@@ -14,39 +14,55 @@ use super::doubted::{Misfit, poor_fit, with_p_values};
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
+use super::glide_settings::TipReports;
 use super::origin::agreed_unit;
 use super::patch_doubts::{alone, noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::repeated::repeated;
 use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
-use super::wording::Wording;
 use palpate_estimators::GlideFit;
 use palpate_study::Unit;
 use palpate_study::Warning;
-use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit, SettingError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Settings of an estimate that the readings do not state.
-#[derive(Clone, Debug, PartialEq)]
+/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct GlideOptions {
-    /// The estimator; lengths in the readings' unit.
+    /// The estimator.
+    #[serde(skip)]
     pub estimator: GlideEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
+    #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
-    /// Direction out of the object. For readings without normals only its side of the patch matters; for lowest
-    /// points of round tips, the direction itself.
-    pub outward: [f64; 3],
-    /// Round tips, if the readings state another point of the tip than the contact; lengths in the readings' unit.
-    pub tip: Option<RoundTip>,
     /// Points along each side of the grid for the regions and the map.
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: usize,
     /// Whether the map has one point per contact, in their order, instead of the grid.
+    #[serde(skip)]
     pub map_at_contacts: bool,
-    /// Thresholds below which curvatures count as zero, in the readings' unit; `None` computes them from the size of
-    /// the patch.
-    pub thresholds: Option<ShapeThresholds>,
-    /// Distance between fingers: the length unit of the settings of two-pass, and of position noise stated as a
-    /// fraction. Other methods ignore it. `None` uses the mean distance between neighbouring fingers.
+    /// Radius of round fingertips, in the readings' length unit, where positions are not of the contacts but of the point
+    /// that setting `reports` names: contacts then follow from the normals, or from a first fit.
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub tip_radius: Option<f64>,
+    /// The point of round fingertips that positions are of; by default lowest-point.
+    pub reports: Option<TipReports>,
+    /// The direction out of the object, for readings without normals, where only its side of the patch matters, or of
+    /// lowest points.
+    pub outward: [f64; 3],
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
+    /// threshold. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub gaussian_threshold: Option<f64>,
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub mean_threshold: Option<f64>,
+    /// Distance between fingers, in the readings' length unit: the unit of length of the settings of two-pass, and of
+    /// position noise stated as a fraction. By default the mean distance between neighbouring fingers.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: Option<f64>,
 }
 
@@ -55,11 +71,13 @@ impl Default for GlideOptions {
         Self {
             estimator: GlideEstimatorConfig::default(),
             length_unit: None,
-            outward: [0.0, 0.0, 1.0],
-            tip: None,
             grid: 30,
             map_at_contacts: false,
-            thresholds: None,
+            tip_radius: None,
+            reports: None,
+            outward: [0.0, 0.0, 1.0],
+            gaussian_threshold: None,
+            mean_threshold: None,
             inter_finger_distance: None,
         }
     }
@@ -112,7 +130,9 @@ impl<'r> FittedGlide<'r> {
         let patch = Patch::new(contacts, &Vector3::from(options.outward)).map_err(refused)?;
         let fit = method.fit(&patch).map_err(refused)?;
         let centre = fit.centre().map_err(refused)?;
-        let (limits, limits_from) = match options.thresholds {
+        let stated = options.thresholds();
+        let stated = stated.map_err(|error| recorded.origin.fail(error.to_string()))?;
+        let (limits, limits_from) = match stated {
             Some(thresholds) => (thresholds, "given"),
             None => (
                 of_size(&fit).ok_or(Ep2Error::OutOfRange).map_err(refused)?,
@@ -207,8 +227,7 @@ impl<'r> FittedGlide<'r> {
         let is_untold = self.centre.curvature.uncertainty.is_none();
         let contacts = self.patch.samples.len();
         (states && is_untold).then(|| {
-            let noise = self.recorded.origin.wording().name("position_std");
-            format!("there are no standard deviations: {contacts} contacts do not tell their noise; state it ({noise})")
+            format!("there are no standard deviations: {contacts} contacts do not tell their noise; state it with setting `position_std`")
         })
     }
 
@@ -334,7 +353,7 @@ fn of_tips(
 ) -> Result<Option<Vec<Contact>>, Ep2Error> {
     let outward = Vector3::from(options.outward);
     let contacts = |tip: &RoundTip| tip.contacts(&recorded.contacts, &outward, method);
-    options.tip.as_ref().map(contacts).transpose()
+    options.tip().as_ref().map(contacts).transpose()
 }
 
 /// Options with position noise as a length. A fraction refers to the stated, or else the measured, finger distance.
@@ -351,12 +370,8 @@ fn with_length_noise(
     let found = patch.finger_distance;
     let found = found.map(|distance| distance * patch.frame.scale());
     let Some(distance) = options.inter_finger_distance.or(found) else {
-        let wording = recorded.origin.wording();
-        let [fraction, distance] =
-            ["position_fraction_of_ifd", "inter_finger_distance"].map(|key| wording.name(key));
-        return Err(recorded.origin.fail(format!(
-            "the contacts are of one finger, which has no distance to another: {fraction} needs {distance}"
-        )));
+        let message = "the contacts are of one finger, which has no distance to another: setting `position_fraction_of_ifd` needs setting `inter_finger_distance`";
+        return Err(recorded.origin.fail(message.to_owned()));
     };
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
@@ -373,7 +388,7 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         _ => None,
     };
     let origin = &recorded.origin;
-    let message = remedied(error, recorded.fingers, origin.wording());
+    let message = remedied(error, recorded.fingers);
     let doubt = match error {
         Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
         _ => None,
@@ -387,31 +402,25 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
 }
 
 /// Message of the error, with the setting that helps if there is one.
-fn remedied(error: &Ep2Error, fingers: usize, wording: Wording) -> String {
-    let distance = wording.name("inter_finger_distance");
+fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
-            format!(
-                "the contacts are of one finger, which has no distance to another: two-pass needs \
-                 {distance}"
-            )
+            "the contacts are of one finger, which has no distance to another: two-pass needs setting `inter_finger_distance`".to_owned()
         }
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => {
-            let bad = wording.bad("inter_finger_distance", bad.value, bad.expected);
-            bad.message
+            SettingError::of_number("inter_finger_distance", bad.value, bad.expected).to_string()
         }
         Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
             format!("{error}: does its normal point inward?")
         }
         Ep2Error::NoSide { .. } => {
-            let outward = wording.with("outward", "X,Y,Z");
             let curve = match fingers {
                 1 => {
                     "; if the contacts lie along one curve, they do not tell the surface beside it"
                 }
                 _ => "",
             };
-            format!("{error}; give another with {outward}{curve}")
+            format!("{error}; give another with setting `outward`{curve}")
         }
         _ => error.to_string(),
     }

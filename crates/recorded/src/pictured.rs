@@ -14,13 +14,11 @@ use self::known_camera::KnownCamera;
 use self::widened::Widened;
 use super::camera_rest::{Meant, SeenAtRest, camera_of, usable};
 use super::error::{RecordedError, explained};
-use super::origin::wording;
-use super::pressed::{force_and_pressure, too_large};
+use super::pressed::{GIVE_INDENTATION, force_and_pressure, too_large};
 use super::pressed_object::{Described, PressedObject, Row};
 use super::sensed::{Sensed, TrackedPress};
 use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::tracked::{Frame, TrackedFrames};
-use super::wording::Wording;
 use palpate_estimators::{ImageFitSetup, MarkerImages, pressed_images};
 use palpate_study::FieldError;
 use palpate_study::Warning;
@@ -102,10 +100,9 @@ pub fn estimate_pictures(
         meant: &meant,
         matched: &matched,
     };
-    let wording = wording(file.is_some());
-    let measured = scene.indentation(wording);
+    let measured = scene.indentation();
     let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
-    let refused = |error: PressError| scene.refused(&error, wording);
+    let refused = |error: PressError| scene.refused(&error);
     let widened = Widened::of(
         fit,
         &seen.seen,
@@ -210,21 +207,20 @@ impl Scene<'_> {
     }
 
     /// The stated indentation, with a warning if its standard deviation is assumed.
-    fn indentation(&self, wording: Wording) -> Option<(Measured, Option<Warning>)> {
+    fn indentation(&self) -> Option<(Measured, Option<Warning>)> {
         let std = self.options.press.estimator.priors().indentation_std;
         let value = self.options.indentation?;
-        Some(stated::indentation(value, std, self.unit(), wording))
+        Some(stated::indentation(value, std, self.unit()))
     }
 
-    fn refused(&self, error: &PressError, wording: Wording) -> RecordedError {
+    fn refused(&self, error: &PressError) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
             PressError::NoContact { .. } if rest.image == pressed.image => {
                 format!("{error}: all pixels are those of {}", rest.file)
             }
             PressError::Undetermined { .. } if self.options.indentation.is_none() => {
-                let indentation = wording.with("indentation", "D");
-                format!("{error}; give the indentation with {indentation} if it is known")
+                format!("{error}; {GIVE_INDENTATION}")
             }
             _ => error.to_string(),
         };
@@ -314,13 +310,12 @@ impl Scene<'_> {
         let in_rows: Vec<Doubt> = doubts.iter().filter_map(in_row).collect();
         warnings.extend(sensed.doubted(&in_rows, is_contradicted));
         let body = self.body();
-        let wording = sensed.wording();
         let stresses = body
             .and_then(|body| {
                 let young = self.options.young;
-                force_and_pressure(&body, estimate, young, (self.options.unit(), wording))
+                force_and_pressure(&body, estimate, young, self.options.unit())
             })
-            .map_err(|error| self.refused(&error, wording))?;
+            .map_err(|error| self.refused(&error))?;
         Ok(PressedObject::of(
             estimate,
             Described {

@@ -101,8 +101,8 @@ pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
             match (is_told(&PRESS_ROW[0]), PRESSES[..2].iter().any(is_told)) {
                 (told, other) if told != other => told,
                 _ => {
-                    let message = "there are both places x, y and radial_position; say by --columns which of them \
-                                   are meant, as in --columns 'radial_position=…'";
+                    let message = "there are both places x, y and radial_position; say by setting `columns` which of them \
+                                   are meant, as in setting `columns` 'radial_position=…'";
                     return Err(file.fail(table.header_line, message));
                 }
             }

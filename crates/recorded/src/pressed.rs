@@ -11,45 +11,60 @@ use super::pressed_object::{Described, PressedObject, Row};
 use super::repeated::repeated;
 use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::suspicion::{Sensor, along_skin, of_press};
-use super::wording::Wording;
 use palpate_estimators::{PressFitError, PressFitSetup, large_contact_warning, sensor_body};
 use palpate_study::Warning;
-use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
+use palpate_study::config::{
+    Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig, SettingError,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Settings of an estimate that the readings do not state; lengths in the readings' unit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct PressOptions {
-    /// Radius of the skin, length.
-    pub sensor_radius: f64,
-    /// Depth of the markers under the skin, length; `None` assumes the surface, with a warning.
+    /// Radius of the sensor's skin, in the readings' length unit; needed without setting `like`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub sensor_radius: Option<f64>,
+    /// Depth of the markers under the skin. Readings of a calibrated camera need it without setting `like`; for other
+    /// readings it is 0 by default, the surface, with a warning.
+    #[serde(rename = "depth")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub marker_depth: Option<f64>,
     /// Model of the sensor's soft body. It completes the estimator's settings, and a Gaussian is calibrated on it.
+    #[serde(skip)]
     pub model: PressModelConfig,
     /// The estimator. [`Self::indentation`] replaces its own setting on whether the indentation is known, because
     /// that setting is about the study's presses.
+    #[serde(skip)]
     pub estimator: PressEstimatorConfig,
-    /// The indentation, if it is measured otherwise; length. Its standard deviation is the estimator's
-    /// `indentation_std`. If that is 0, [`INDENTATION_SHARE`](super::INDENTATION_SHARE) of the indentation is
-    /// assumed, with a warning, since no measured indentation is exact. (In a study, 0 is exact.) A warning reports a
-    /// large difference from the estimate by the readings alone, in standard deviations.
+    /// Indentation, where it is known from elsewhere, such as a robot's pose; by default fitted. Its standard deviation is
+    /// setting `indentation_std`; where that is 0 or not given, 2 % of the indentation, with a warning. (In a study, 0 is
+    /// exact.) A warning reports a large difference from the estimate by the readings alone.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// Standard deviation of normal displacements, length; `None` estimates it from the residuals.
+    /// Standard deviation of each normal displacement; by default estimated from the residuals.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub normal_std: Option<f64>,
-    /// Standard deviation of displacements along the skin, length; `None` estimates it from the residuals.
+    /// Standard deviation of each component of the tangential displacements; by default estimated from the residuals.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub tangential_std: Option<f64>,
-    /// Factor on the markers' positions.
+    /// Factor on the positions of the markers.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radial_scale: f64,
-    /// Young's modulus of the soft body, force per length²; needed for forces.
+    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force and the highest
+    /// pressure, which are proportional to it.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: Option<f64>,
     /// The unit of lengths, where the header does not state it.
+    #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
 }
 
-impl PressOptions {
-    /// Options with only the sensor's radius stated: a half-space with its markers at the surface.
-    pub fn new(sensor_radius: f64) -> Self {
+impl Default for PressOptions {
+    fn default() -> Self {
         Self {
-            sensor_radius,
+            sensor_radius: None,
             marker_depth: None,
             model: PressModelConfig::default(),
             estimator: PressEstimatorConfig::default(),
@@ -60,6 +75,21 @@ impl PressOptions {
             young: None,
             length_unit: None,
         }
+    }
+}
+
+impl PressOptions {
+    /// Options with only the sensor's radius stated: a half-space with its markers at the surface.
+    pub fn new(sensor_radius: f64) -> Self {
+        Self {
+            sensor_radius: Some(sensor_radius),
+            ..Self::default()
+        }
+    }
+
+    /// Radius of the skin, length: 0, which no estimate accepts, where it is not stated.
+    pub fn radius(&self) -> f64 {
+        self.sensor_radius.unwrap_or_default()
     }
 
     /// Depth of the markers under the skin, length: 0 where it is not stated.
@@ -81,7 +111,7 @@ pub fn estimate_press(
     let refused = |error| refused(recorded, options, &error);
     let scaled = |place: &[f64; 2]| place.map(|component| component * options.radial_scale);
     let places: Vec<[f64; 2]> = recorded.places.iter().map(scaled).collect();
-    let skin = Skin::new(options.sensor_radius).map_err(refused)?;
+    let skin = Skin::new(options.radius()).map_err(refused)?;
     let markers = Markers::new(skin, &places).map_err(refused)?;
     let Fits { fit, alone } = Fits::new(options, &markers).map_err(refused)?;
     let c = fit.body.c();
@@ -92,10 +122,9 @@ pub fn estimate_press(
         indentation: None,
     };
     let std = options.estimator.priors().indentation_std;
-    let wording = recorded.origin.wording();
     let stated = options
         .indentation
-        .map(|value| stated::indentation(value, std, unit.as_str(), wording));
+        .map(|value| stated::indentation(value, std, unit.as_str()));
     let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
     let estimate = fit.estimate(&Reading {
         indentation,
@@ -138,7 +167,7 @@ pub fn estimate_press(
     );
     let warnings = [
         Warning::of("unit-or-sign", suspicion(recorded, options, unit)),
-        Warning::of("unstated-depth", at_surface(options, wording)),
+        Warning::of("unstated-depth", at_surface(options)),
         Warning::of("swapped-columns", mistake),
         contradiction.map(Contradiction::warning),
         stated.and_then(|(_, warning)| warning),
@@ -160,7 +189,7 @@ pub fn estimate_press(
     .chain(warnings(recorded, &estimate, options))
     .chain(stated::doubts(&doubts, is_contradicted, &recorded.origin))
     .collect();
-    let stresses = force_and_pressure(&fit.body, &estimate, options.young, (unit, wording));
+    let stresses = force_and_pressure(&fit.body, &estimate, options.young, unit);
     Ok(PressedObject::of(
         &estimate,
         Described {
@@ -266,19 +295,16 @@ impl Fits {
 }
 
 /// Warning if the depth of the markers is not stated.
-fn at_surface(options: &PressOptions, wording: Wording) -> Option<String> {
-    options.marker_depth.is_none().then(|| {
-        format!(
-            "the depth of the markers is not stated: they are taken to lie at the skin's surface; the readings may not tell that they lie deeper, and the curvature is wrong then ({})",
-            wording.name("depth")
-        )
-    })
+fn at_surface(options: &PressOptions) -> Option<&'static str> {
+    options.marker_depth.is_none().then_some(
+        "the depth of the markers is not stated: they are taken to lie at the skin's surface; the readings may not tell that they lie deeper, and the curvature is wrong then (setting `depth`)",
+    )
 }
 
 /// Likely mistake of sign or unit in the readings.
 fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit) -> Option<String> {
     let sensor = Sensor {
-        radius: options.sensor_radius,
+        radius: options.radius(),
         radial_scale: options.radial_scale,
         has_baseline: options.estimator.priors().baseline == Baseline::Known,
     };
@@ -290,7 +316,7 @@ pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
     young: Option<f64>,
-    (unit, wording): (LengthUnit, Wording),
+    unit: LengthUnit,
 ) -> Result<[Option<Value>; 2], PressError> {
     let Some(young) = young else {
         return Ok([None, None]);
@@ -304,13 +330,17 @@ pub(super) fn force_and_pressure(
         unit: unit.to_owned().into(),
     };
     let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
-    let young_unit = format!("unit of {}", wording.name("young"));
+    let young_unit = "unit of young";
     let area = format!("{young_unit} x {}^2", unit.as_str());
     Ok([
         sound(contact.force(young)).map(|force| value(force, &area)),
-        sound(contact.peak_pressure(young)).map(|pressure| value(pressure, &young_unit)),
+        sound(contact.peak_pressure(young)).map(|pressure| value(pressure, young_unit)),
     ])
 }
+
+/// Advice if the readings do not determine a press.
+pub(super) const GIVE_INDENTATION: &str =
+    "give the indentation with setting `indentation` if it is known";
 
 /// A fit that explains less than this share of the variance gives a warning.
 const LITTLE: f64 = 0.5;
@@ -338,7 +368,7 @@ fn warnings(
     options: &PressOptions,
 ) -> impl Iterator<Item = Warning> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
-    let large = too_large(estimate, options.sensor_radius, is_layer);
+    let large = too_large(estimate, options.radius(), is_layer);
     let each = if estimate.tangential_std.is_some() {
         3
     } else {
@@ -407,7 +437,6 @@ fn refused_for(
     // If the readings alone give no indentation, the error already says why.
     let contradiction = contradiction.filter(|contradiction| contradiction.is_told());
     let origin = &recorded.origin;
-    let wording = origin.wording();
     let message = match error {
         PressError::BadSetting(BadSetting {
             setting,
@@ -418,19 +447,17 @@ fn refused_for(
                 "radius" => "sensor_radius",
                 setting => setting,
             };
-            wording.bad(key, *value, expected).message
+            SettingError::of_number(key, *value, expected).to_string()
         }
         PressError::Undetermined { .. } if options.indentation.is_none() => {
-            let indentation = wording.with("indentation", "D");
-            format!("{error}; give the indentation with {indentation} if it is known")
+            format!("{error}; {GIVE_INDENTATION}")
         }
         PressError::NoContact { .. } if options.normal_std > Some(most_moved(recorded)) => {
             let [noise, moved] =
                 [options.normal_std.unwrap_or(0.0), most_moved(recorded)].map(Number::rounded);
             let unit = unit.as_str();
             format!(
-                "{error}; the noise is stated as {noise} {unit} ({}), and no marker moved by more than {moved} {unit}",
-                wording.name("normal_std")
+                "{error}; the noise is stated as {noise} {unit} (setting `normal_std`), and no marker moved by more than {moved} {unit}"
             )
         }
         PressError::NoContact { .. } if stand_out(recorded) => {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
-use palpate_statistics::{BadSetting, Number};
+use palpate_statistics::Number;
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -14,7 +14,7 @@ use super::fingers::parted;
 use super::origin::{Origin, finite, same_length};
 use super::sheet::{Sheet, header};
 use super::written::Written;
-use palpate_study::config::{LengthUnit, RollEstimatorConfig};
+use palpate_study::config::{LengthUnit, RollEstimatorConfig, SettingError};
 use palpate_study::readings::{Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
 
 /// Settings of an estimate that the readings do not state.
@@ -45,34 +45,33 @@ impl RollOptions {
     /// Noise of pads on a probe of this radius. Each roll starts at a random place on a pad.
     ///
     /// # Errors
-    /// [`BadSetting`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
-    pub fn noise_of_pads(
-        probe_radius: f64,
-        pitch: f64,
-    ) -> Result<ReadingNoise, BadSetting<String>> {
+    /// [`SettingError`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
+    pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, SettingError> {
+        let refuse = |expected: String| Err(SettingError::of_number("pitch", pitch, expected));
         let radius = Number(probe_radius);
-        let range = format!("> 0 and at most the probe's radius, {radius}");
-        BadSetting::unless(pitch > 0.0 && pitch <= probe_radius, "pitch", pitch, range)?;
-        let finest = "at least 1e-15 of the probe's radius";
-        BadSetting::unless(pitch >= 1e-15 * probe_radius, "pitch", pitch, finest)?;
-        Ok(ReadingNoise::of_pads(pitch, PadStart::PerRoll))
+        match pitch {
+            _ if !(pitch > 0.0 && pitch <= probe_radius) => {
+                refuse(format!("> 0 and at most the probe's radius, {radius}"))
+            }
+            _ if pitch < 1e-15 * probe_radius => {
+                refuse("at least 1e-15 of the probe's radius".to_owned())
+            }
+            _ => Ok(ReadingNoise::of_pads(pitch, PadStart::PerRoll)),
+        }
     }
 
     /// Noise of a sensor without pads, with this standard deviation of each component of a shift.
     ///
     /// # Errors
-    /// [`BadSetting`] for one beyond the probe's radius, as of a pitch.
+    /// [`SettingError`] for one beyond the probe's radius, as of a pitch.
     pub fn noise_of_shifts(
         probe_radius: f64,
         shift_std: f64,
-    ) -> Result<ReadingNoise, BadSetting<String>> {
+    ) -> Result<ReadingNoise, SettingError> {
         if !(0.0..=probe_radius).contains(&shift_std) {
             let radius = Number(probe_radius);
-            return Err(BadSetting {
-                setting: "shift_std",
-                value: shift_std,
-                expected: format!("at least 0 and at most the probe's radius, {radius}"),
-            });
+            let expected = format!("at least 0 and at most the probe's radius, {radius}");
+            return Err(SettingError::of_number("shift_std", shift_std, expected));
         }
         Ok(ReadingNoise {
             shift_std,
@@ -232,7 +231,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     })
 }
 
-/// Whether a table has time series. If it has the columns of both kinds, `--columns` must choose.
+/// Whether a table has time series. If it has the columns of both kinds, the setting `columns` must choose.
 fn is_series(table: &Written<'_>) -> Result<bool, RecordedError> {
     let header = header(table, &columns_of("roll"))?;
     let has = |column: &Column| header.has(column);
@@ -242,8 +241,8 @@ fn is_series(table: &Written<'_>) -> Result<bool, RecordedError> {
         (true, true) => match (shifts.iter().any(is_told), pads.iter().any(is_told)) {
             (shifts, pads) if shifts != pads => Ok(pads),
             _ => {
-                let message = "there are both shift_u, shift_v and pad_u, pad_v; say by --columns which of them are meant, \
-                               as in --columns 'shift_u=…,shift_v=…'";
+                let message = "there are both shift_u, shift_v and pad_u, pad_v; say by setting `columns` which of them are meant, \
+                               as in setting `columns` 'shift_u=…,shift_v=…'";
                 Err(table.file.fail(table.header_line, message))
             }
         },

@@ -16,21 +16,9 @@ use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::{PressedObject, Row};
 use super::stated;
 use super::tracked::{Fates, TrackedFrames};
-use super::wording::Wording;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
-
-/// Sensor parameters that a calibration does not contain; lengths in the calibration's unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorOptions {
-    /// Radius of the skin.
-    pub radius: f64,
-    /// Depth of the markers under the skin.
-    pub depth: f64,
-    /// The camera's scale; `None` for the calibration's px per length times the markers' distance from the centre.
-    pub px_per_rad: Option<f64>,
-}
 
 /// Relative standard error of the calibrated slope above which a warning is given.
 const VAGUE: f64 = 0.05;
@@ -72,8 +60,9 @@ pub struct TrackedPress {
 }
 
 impl Sensed {
-    /// Converts the changes of tracked markers to displacements by a calibration. `file` is the name of the readings,
-    /// for messages; `None` if they are not in a file.
+    /// Converts the changes of tracked markers to displacements by a calibration. `px_per_rad` is the camera's scale;
+    /// `None` for the calibration's px per length times the markers' distance from the centre. `file` is the name of the
+    /// readings, for messages; `None` if they are not in a file.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the calibration has other markers or no normal displacements, if the camera's
@@ -81,7 +70,7 @@ impl Sensed {
     pub fn read(
         frames: &TrackedFrames,
         (calibration, unit): (&Calibration, LengthUnit),
-        options: &SensorOptions,
+        (options, px_per_rad): (&PressOptions, Option<f64>),
         file: Option<String>,
     ) -> Result<Self, RecordedError> {
         let origin = origin(frames, file);
@@ -95,13 +84,10 @@ impl Sensed {
             ));
         }
         let lateral = calibration.lateral_part();
-        let distance = options.radius - options.depth;
+        let distance = options.radius() - options.depth();
         let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
-        let px_per_rad = options.px_per_rad.or(calibrated).ok_or_else(|| {
-            let scale = origin.wording().with("px_per_rad", "F");
-            fail(format!(
-                "the calibration tells no px per length: give {scale}"
-            ))
+        let px_per_rad = px_per_rad.or(calibrated).ok_or_else(|| {
+            fail("the calibration has no px per length: give setting `px_per_rad`".to_owned())
         })?;
         let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
         let mut displaced = Vec::new();
@@ -139,7 +125,7 @@ impl Sensed {
             slope_share: slope_share(calibration),
             field,
             unit,
-            radius: options.radius,
+            radius: options.radius(),
             has_tangential: lateral.is_some(),
             fates: frames.fates(),
             origin,
@@ -180,11 +166,6 @@ impl Sensed {
     /// Warnings of doubts about a press; the doubts number markers by row.
     pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<Warning> {
         stated::doubts(doubts, is_contradicted, &self.origin).collect()
-    }
-
-    /// How messages name the settings of these readings.
-    pub(super) fn wording(&self) -> Wording {
-        self.origin.wording()
     }
 
     /// Report of the object, with the tracking statuses and the outward displacement of the markers.
@@ -238,11 +219,10 @@ impl Sensed {
     fn gain(&self, options: &PressOptions) -> Option<String> {
         let told = options.estimator.priors().gain_std?;
         (self.slope_share > VAGUE.max(told)).then(|| {
-            let share = Number::rounded(self.slope_share).to_string();
             format!(
-                "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count: state it with {}",
+                "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count: state it with setting `gain_std` {}",
                 100.0 * self.slope_share,
-                self.wording().with("gain_std", &share)
+                Number::rounded(self.slope_share)
             )
         })
     }

@@ -189,7 +189,7 @@ impl Labels {
     }
 }
 
-/// Header of a table. Checks that `--columns` renames only these `columns`.
+/// Header of a table. Checks that the setting `columns` renames only these `columns`.
 pub(super) fn header<'a>(
     table: &'a Written<'_>,
     columns: &[Column],
@@ -198,7 +198,7 @@ pub(super) fn header<'a>(
     check_names(names, columns).map_err(|ColumnNamesError { message, .. }| {
         RecordedError::Readings {
             file: table.file.name.clone(),
-            message: format!("--columns: {message}"),
+            message: format!("setting `columns`: {message}"),
         }
     })?;
     Ok(Header::new(&table.header, names))
@@ -237,7 +237,7 @@ fn length_unit(
             [first, second, ..] => {
                 let target = first.nearest().unwrap_or_default().as_str();
                 Err(format!(
-                    "lengths are in {} and in {}; one unit is needed: --length-unit {target} converts them",
+                    "lengths are in {} and in {}; one unit is needed: setting `length_unit` {target} converts them",
                     first.name(),
                     second.name()
                 ))
@@ -248,7 +248,7 @@ fn length_unit(
         if unit.to(target).is_none() {
             let (unit, target) = (unit.name(), target.as_str());
             return Err(format!(
-                "the header says {unit}, --length-unit says {target}, and neither is a multiple of the other"
+                "the header says {unit}, setting `length_unit` says {target}, and neither is a multiple of the other"
             ));
         }
         if let Some(column) = bare.filter(|_| *unit != ColumnUnit::Length(target)) {
@@ -261,7 +261,7 @@ fn length_unit(
 fn without_unit(column: &Column, other: ColumnUnit) -> String {
     let (stem, other) = (column.stem(), other.name());
     format!(
-        "column `{stem}` states no unit and others are in {other}; say which: --columns '{stem}_{other}=NAME', with its name in the file"
+        "column `{stem}` states no unit and others are in {other}; say which: setting `columns` '{stem}_{other}=NAME', with its name in the file"
     )
 }
 

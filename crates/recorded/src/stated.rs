@@ -8,7 +8,6 @@ use palpate_statistics::{Number, normal_tail};
 use super::doubted::Misfit;
 use super::origin::Origin;
 use super::pressed_object::Row;
-use super::wording::Wording;
 use palpate_study::Warning;
 
 /// Version of the JSON format of estimates from recorded readings. It increases when a key is removed or changes its
@@ -30,21 +29,15 @@ pub(super) const LARGE_RESIDUALS: f64 = 1.5;
 const MANY: usize = 20;
 
 /// The stated indentation with its standard deviation, and a warning if the latter is assumed.
-pub(super) fn indentation(
-    value: f64,
-    std: f64,
-    unit: &str,
-    wording: Wording,
-) -> (Measured, Option<Warning>) {
+pub(super) fn indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
     if std > 0.0 {
         return (Measured { value, std }, None);
     }
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
     let text = format!(
-        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed ({})",
-        Number::rounded(std),
-        wording.name("indentation_std")
+        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (setting `indentation_std`)",
+        Number::rounded(std)
     );
     let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);
     (Measured { value, std }, Some(warning))

@@ -5,11 +5,11 @@ use palpate_study::config::{
     ProbeConfig, Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
 };
 
+use super::glide_settings::TipReports;
 use super::patch::GlideOptions;
 use super::pressed::PressOptions;
 use super::roll::RollOptions;
 use palpate_ep1::ReadingNoise;
-use palpate_ep2::{RoundTip, TipPoint};
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
 
@@ -130,19 +130,22 @@ impl GlideOptions {
             evaluate.mean_threshold / factor,
         )
         .map_err(|error| FieldError::at("scene.evaluate", error))?;
+        let tip_radius = radius_of_lowest_points(config).map(|radius| radius * factor);
         Ok(Self {
             estimator: in_unit(&config.estimator, factor),
             length_unit: Some(unit),
-            thresholds: Some(thresholds),
+            gaussian_threshold: Some(thresholds.gaussian()),
+            mean_threshold: Some(thresholds.mean()),
             inter_finger_distance: Some(config.motion.inter_finger_distance * factor),
-            tip: tip(config, factor),
+            tip_radius,
+            reports: tip_radius.map(|_| TipReports::LowestPoint),
             ..Self::default()
         })
     }
 }
 
-/// The round tip of a study whose sensor reports the tip's lowest point; lengths are multiplied by `factor`.
-fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
+/// Radius of the round tip of a study whose sensor reports the tip's lowest point.
+fn radius_of_lowest_points(config: &GlideConfig) -> Option<f64> {
     let FingertipConfig::Sphere { radius } = config.probe else {
         return None;
     };
@@ -153,10 +156,7 @@ fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
     else {
         return None;
     };
-    Some(RoundTip {
-        radius: radius * factor,
-        point: TipPoint::Lowest,
-    })
+    Some(radius)
 }
 
 impl PressOptions {

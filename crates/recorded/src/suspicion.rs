@@ -151,7 +151,7 @@ pub(super) fn of_roll(
     unit: LengthUnit,
 ) -> Option<String> {
     let remedy = match unit {
-        LengthUnit::M => " (--length-unit mm, then)",
+        LengthUnit::M => " (setting `length_unit` mm, then)",
         _ => "",
     };
     let unit = unit.as_str();

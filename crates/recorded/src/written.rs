@@ -311,7 +311,7 @@ fn found(
             return Err(file.fail(
                 header_line,
                 format!(
-                    "fields may be separated by {}; say which: --delimiter {}",
+                    "fields may be separated by {}; say which: setting `delimiter` {}",
                     names.join(" or "),
                     names[0]
                 ),

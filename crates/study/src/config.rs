@@ -65,7 +65,10 @@ pub use roll::{
     RollSensorConfig, Side, When,
 };
 pub use schema::schema;
-pub use setting_list::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
+pub use setting_list::{
+    Accepts, Range, Setting, SettingError, in_unit, rename_settings, setting, settings,
+    split_settings, with_settings,
+};
 pub use study::{
     LengthUnit, ModelConfig, Output, SceneConfig, StopConfig, StopStatistic, StudyConfig,
 };

@@ -27,15 +27,6 @@ impl Kind {
             Self::Press => "press",
         }
     }
-
-    /// Plural of the name.
-    pub(super) const fn plural(self) -> &'static str {
-        match self {
-            Self::Roll => "rolls",
-            Self::Glide => "glides",
-            Self::Press => "presses",
-        }
-    }
 }
 
 /// Random numbers of a scene.

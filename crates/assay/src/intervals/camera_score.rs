@@ -1,11 +1,9 @@
 //! Scores of presses with a camera: coverage and width of the intervals of a scene, its errors relative to the Cramér–Rao
 //! bound, and the summary of a family.
 
-use std::fmt;
-
 use palpate_press::Interval;
 use palpate_scene::CurvatureScore;
-use palpate_statistics::{NORMAL_95, Number};
+use palpate_statistics::NORMAL_95;
 use serde::Serialize;
 
 use super::camera_case::{Case, Family};
@@ -175,16 +173,16 @@ const MAX_RMS: f64 = 1.3;
 const MAX_WIDTH: f64 = 1.5;
 
 /// All scenes of a family together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The family.
-    family: Family,
-    /// Share of 95 % intervals that contain the true value, over all scenes.
-    pub coverage95: f64,
+    pub family: &'static str,
     /// Number of scenes.
     pub scenes: usize,
+    /// Share of 95 % intervals that contain the true value, over all scenes.
+    pub coverage95: f64,
     /// Number of scenes with a 95 % coverage of at least 85 %.
-    pub above_85: usize,
+    pub scenes_above_85: usize,
     /// Number of scenes with a mean error of at most 0.3 of the scatter.
     pub unbiased: usize,
     /// Rms error relative to the bound: root mean square over the scenes.
@@ -195,12 +193,22 @@ pub struct Summary {
     pub rms_per_pixel_bound: f64,
     /// Width of closed intervals relative to that of normal errors with the same rms: mean over the scenes.
     pub width_per_rms: f64,
-    /// Shares of intervals with two ends, one and none, and of failures.
-    pub shares: [f64; 4],
+    /// Share of intervals with two ends.
+    pub closed: f64,
+    /// Share of intervals with one end.
+    pub one_sided: f64,
+    /// Share of intervals without an end.
+    pub open: f64,
+    /// Share of trials without an interval.
+    pub failed: f64,
     /// Share of fits with a p-value below 0.05.
     pub small_p_values: f64,
-    /// Warnings in scenes with a correct coverage and in others.
-    pub warnings: WarningShares,
+    /// Share of estimates with a warning in scenes with a coverage below 85 %.
+    pub doubted_where_short: f64,
+    /// Share of estimates with a warning in scenes with a coverage of at least 92 %.
+    pub doubted_where_covered: f64,
+    /// Whether the family meets its limits.
+    pub is_within_limits: bool,
 }
 
 impl Summary {
@@ -216,35 +224,37 @@ impl Summary {
             parts.iter().sum::<f64>() / parts.len() as f64
         };
         let count = |is: &dyn Fn(&Score) -> bool| scores.iter().filter(|one| is(one)).count();
-        Some(Self {
-            family,
-            coverage95: mean(&|one| one.coverage95),
+        let warnings: Vec<SceneWarnings> = scores.iter().map(warnings).collect();
+        let warnings = WarningShares::new(&warnings);
+        let summary = Self {
+            family: family.name(),
             scenes: scores.len(),
-            above_85: count(&|one| one.coverage95 >= MIN_COVERAGE),
+            coverage95: mean(&|one| one.coverage95),
+            scenes_above_85: count(&|one| one.coverage95 >= MIN_COVERAGE),
             unbiased: count(&|one| one.mean_per_scatter.abs() <= MAX_MEAN),
             rms_per_bound: mean(&|one| one.rms_per_bound.powi(2)).sqrt(),
             efficient: count(&|one| one.rms_per_bound <= MAX_RMS),
             rms_per_pixel_bound: mean(&|one| one.rms_per_pixel_bound.powi(2)).sqrt(),
             width_per_rms: mean(&|one| one.width_per_rms),
-            shares: [
-                mean(&|one| one.closed),
-                mean(&|one| one.one_sided),
-                mean(&|one| one.open),
-                mean(&|one| one.failed),
-            ],
+            closed: mean(&|one| one.closed),
+            one_sided: mean(&|one| one.one_sided),
+            open: mean(&|one| one.open),
+            failed: mean(&|one| one.failed),
             small_p_values: mean(&|one| one.small_p_values),
-            warnings: WarningShares::new(&scores.iter().map(warnings).collect::<Vec<_>>()),
+            doubted_where_short: warnings.short.1,
+            doubted_where_covered: warnings.covered.1,
+            is_within_limits: warnings.meet_limits(),
+        };
+        Some(Self {
+            is_within_limits: summary.is_within_limits
+                && (family.is_wrong() || summary.meets_limits_of_a_sound_family()),
+            ..summary
         })
     }
 
-    /// Whether the family meets its limits.
-    pub fn is_within_limits(&self) -> bool {
-        if self.family.is_wrong() {
-            return self.warnings.meet_limits();
-        }
-        self.warnings.meet_limits()
-            && (COVERAGE[0]..=COVERAGE[1]).contains(&self.coverage95)
-            && self.above_85 as f64 >= MIN_SCENES_ABOVE_85 * self.scenes as f64
+    fn meets_limits_of_a_sound_family(&self) -> bool {
+        (COVERAGE[0]..=COVERAGE[1]).contains(&self.coverage95)
+            && self.scenes_above_85 as f64 >= MIN_SCENES_ABOVE_85 * self.scenes as f64
             && self.unbiased == self.scenes
             && self.rms_per_bound <= MAX_RMS
             && self.width_per_rms <= MAX_WIDTH
@@ -256,42 +266,6 @@ fn warnings(score: &&Score) -> SceneWarnings {
     SceneWarnings {
         coverage: score.coverage95 / (1.0 - score.failed),
         warned: score.doubted,
-    }
-}
-
-impl fmt::Display for Summary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            coverage95,
-            scenes,
-            above_85,
-            unbiased,
-            rms_per_bound,
-            efficient,
-            rms_per_pixel_bound,
-            width_per_rms,
-            shares,
-            family,
-            small_p_values,
-            warnings,
-        } = self;
-        let [closed, one_sided, open, failed] = shares.map(|share| 100.0 * share);
-        let [rms_per_bound, rms_per_pixel_bound] =
-            [rms_per_bound, rms_per_pixel_bound].map(|ratio| Number(*ratio));
-        let limits = match self.is_within_limits() {
-            true => "within the limits",
-            false => "beyond the limits",
-        };
-        write!(
-            f,
-            "{}: {:.1} % of the intervals contain the true value, at least 85 % in {above_85} of {scenes} scenes; mean error at most 0.3 of the \
-             scatter in {unbiased}; rms/bound {rms_per_bound:.2}, at most 1.3 in {efficient} (bound from pixels \
-             {rms_per_pixel_bound:.2}); width/(3.92 rms) {width_per_rms:.2}; closed {closed:.1} %, one-sided \
-             {one_sided:.1} %, open {open:.1} %, failed {failed:.1} %; p < 0.05 in {:.1} %; {warnings}: {limits}",
-            family.name(),
-            100.0 * coverage95,
-            100.0 * small_p_values,
-        )
     }
 }
 
@@ -348,7 +322,7 @@ mod tests {
         assert_eq!((score.doubted, score.small_p_values), (0.0, 0.0));
         assert!((score.p_value_distance - 0.5).abs() < 1e-12);
         let summary = Summary::new(Family::Sound, &[&score]).unwrap();
-        assert!(!summary.is_within_limits());
+        assert!(!summary.is_within_limits);
         assert_eq!(Summary::new(Family::Sound, &[]), None);
     }
 
@@ -363,24 +337,24 @@ mod tests {
             .collect();
         let good = score(&case, &trials, Some(0.01));
         let summary = Summary::new(Family::Sound, &[&good, &good]).unwrap();
-        assert!(summary.is_within_limits(), "{summary}");
+        assert!(summary.is_within_limits, "{summary:?}");
         let bad = Score {
             coverage95: 0.5,
             ..good.clone()
         };
         let of = |family, one: &Score| Summary::new(family, &[one]).unwrap();
-        assert!(!of(Family::Sound, &bad).is_within_limits());
+        assert!(!of(Family::Sound, &bad).is_within_limits);
         // A wrong model must get a warning if its intervals are wrong.
-        assert!(!of(Family::LayerForHalfSpace, &bad).is_within_limits());
+        assert!(!of(Family::LayerForHalfSpace, &bad).is_within_limits);
         let warned = Score {
             doubted: 0.9,
             ..bad
         };
-        assert!(of(Family::LayerForHalfSpace, &warned).is_within_limits());
+        assert!(of(Family::LayerForHalfSpace, &warned).is_within_limits);
         let warned = Score {
             doubted: 0.06,
             ..good
         };
-        assert!(!of(Family::Sound, &warned).is_within_limits());
+        assert!(!of(Family::Sound, &warned).is_within_limits);
     }
 }

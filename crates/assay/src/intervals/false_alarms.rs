@@ -2,7 +2,6 @@
 //! correct.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use super::coverage::MIN_COVERAGE;
 
@@ -56,11 +55,11 @@ pub(super) struct SceneWarnings {
 
 /// Shares of estimates with a warning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WarningShares {
+pub(super) struct WarningShares {
     /// Number of scenes with a 95 % coverage below 85 %, and the share of their estimates with a warning.
-    pub short: (usize, f64),
+    pub(super) short: (usize, f64),
     /// Number of scenes with a 95 % coverage of at least 92 %, and the share of their estimates with a warning.
-    pub covered: (usize, f64),
+    pub(super) covered: (usize, f64),
 }
 
 impl WarningShares {
@@ -85,18 +84,6 @@ impl WarningShares {
 
     pub(super) fn false_alarms_are_rare(&self) -> bool {
         self.covered.0 == 0 || self.covered.1 <= MAX_FALSE_ALARMS
-    }
-}
-
-impl fmt::Display for WarningShares {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [(short, in_short), (covered, in_covered)] = [self.short, self.covered];
-        write!(
-            f,
-            "warnings: {:.1} % in {short} scenes with less than 85 % covered, {:.1} % in {covered} with at least 92 %",
-            100.0 * in_short,
-            100.0 * in_covered,
-        )
     }
 }
 

@@ -4,9 +4,7 @@ use std::borrow::Cow;
 use std::hint::black_box;
 
 use anyhow::Result;
-use palpate::recorded::{
-    Curvature, FittedGlide, GlideGiven, GlideOptions, GlideReadings, RecordedError, Wording,
-};
+use palpate::recorded::{Curvature, FittedGlide, GlideOptions, GlideReadings, RecordedError};
 use palpate_ep2::{Contact, Ep2Error, Fit, Method, Passes, Patch, Penalised, Quadric, TwoPass};
 
 use super::{Figure, MANY, PATCHES};
@@ -119,13 +117,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
 
 /// Surface through the points and its curvatures over the map, as Python computes them for a map.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
-    let options = GlideOptions::given(&GlideGiven::default(), None, false, Wording::Arguments);
     let readings = GlideReadings::new(points, None, None, None)?;
-    let options = options.map_err(|error| RecordedError::Readings {
-        file: "options".to_owned(),
-        message: error.message,
-    })?;
-    let fitted = FittedGlide::new(Cow::Owned(readings), &options)?;
+    let fitted = FittedGlide::new(Cow::Owned(readings), &GlideOptions::default())?;
     let curvatures = fitted.curvatures()?;
     black_box(fitted);
     Ok(curvatures)

@@ -134,11 +134,7 @@ mod tests {
     #[test]
     fn the_finest_rung_errs_by_rounding() {
         for stage in ladder().scenes {
-            let errors = stage
-                .rungs
-                .into_iter()
-                .map(|rung| (rung.error)().unwrap().error);
-            let errors: Vec<f64> = errors.collect();
+            let errors = stage.errors();
             assert!(errors.iter().any(|error| *error < 1e-13), "{errors:?}");
         }
     }

@@ -50,6 +50,15 @@ pub(super) struct SceneRungs {
     pub(super) rungs: Vec<Rung>,
 }
 
+#[cfg(test)]
+impl SceneRungs {
+    /// Errors of all rungs.
+    pub(super) fn errors(self) -> Vec<f64> {
+        let errors = self.rungs.into_iter().map(|rung| (rung.error)());
+        errors.map(|error| error.unwrap().error).collect()
+    }
+}
+
 /// Error of a rung.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {

@@ -199,12 +199,8 @@ mod tests {
     #[test]
     fn every_roll_has_its_truth() {
         for stage in ladder().unwrap().scenes {
-            let best = stage
-                .rungs
-                .into_iter()
-                .map(|rung| (rung.error)().unwrap().error);
-            let best = best.fold(f64::INFINITY, f64::min);
-            assert!(best < 1e-12, "{}: {best:e}", stage.scene);
+            let errors = stage.errors();
+            assert!(errors.iter().any(|error| *error < 1e-12), "{errors:?}");
         }
     }
 }

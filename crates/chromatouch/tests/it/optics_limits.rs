@@ -101,12 +101,8 @@ fn impossible_colours_are_named() {
 
 #[test]
 fn impossible_motions_are_named() {
-    let optics = optics(
-        &[[0.0, 0.0], at(30.0, 0.0)],
-        depths(3.0, 1.0),
-        Lens::Fisheye,
-        PURE,
-    );
+    let places = [[0.0, 0.0], at(30.0, 0.0)];
+    let optics = optics(&places, depths(3.0, 1.0), Lens::Fisheye, PURE);
     let rest = Some(MarkerMotion::default());
     let wrong = OpticsError::WrongCount {
         motions: 1,

@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Departure, DiscDepths, Discs, Lens, MarkerArray, MarkerMotion,
-    Optics, OpticsError, Pose, SeenMarker,
+    Blemishes, Camera, Colours, Departure, Discs, Lens, MarkerArray, MarkerMotion, Optics,
+    OpticsError, Pose, SeenMarker,
 };
+
+use crate::optics::depths;
 
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
@@ -15,11 +17,7 @@ fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
         magenta: diameter,
         yellow: diameter,
     };
-    let depths = DiscDepths {
-        magenta: DEPTH,
-        yellow: DEPTH,
-    };
-    let array = MarkerArray::new(RADIUS, places, discs, depths).unwrap();
+    let array = MarkerArray::new(RADIUS, places, discs, depths(DEPTH, DEPTH)).unwrap();
     let camera = Camera::new(Lens::Fisheye, 700, 80.0).unwrap();
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
@@ -141,11 +139,7 @@ fn departures_are_what_they_say() {
         magenta: 2.04,
         yellow: 2.04,
     };
-    let depths = DiscDepths {
-        magenta: 2.1,
-        yellow: 2.1,
-    };
-    let array = MarkerArray::new(RADIUS, &PLACES, discs, depths).unwrap();
+    let array = MarkerArray::new(RADIUS, &PLACES, discs, depths(2.1, 2.1)).unwrap();
     let made = Optics::new(
         array,
         *known.camera(),

@@ -7,6 +7,8 @@ use palpate_chromatouch::{
 };
 use palpate_sensing::{Channel, Stream};
 
+use crate::optics::depths;
+
 const RADIUS: f64 = 20.0;
 const MARKERS: usize = 77;
 /// Step of all differences.
@@ -27,11 +29,7 @@ impl Scene {
             magenta: 2.0,
             yellow: 2.2,
         };
-        let depths = DiscDepths {
-            magenta: 3.0,
-            yellow: 1.0,
-        };
-        let array = MarkerArray::new(RADIUS, &places, discs, depths).unwrap();
+        let array = MarkerArray::new(RADIUS, &places, discs, depths(3.0, 1.0)).unwrap();
         let camera = Camera::new(lens, 640, 75.0).unwrap();
         let known = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
         let mut stream = Stream::new(5, 5, Channel::Sensor);

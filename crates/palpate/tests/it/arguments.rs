@@ -95,7 +95,7 @@ const PRESSES: &str = "
 --sensor-radius 20 --indentation-std 0.02 | a given --indentation
 --sensor-radius 20 --indentation 20 | less than --sensor-radius, 20
 --sensor-radius 20 --thickness 5 | only to --method bonded-layer
---sensor-radius 20 --method bonded-layer | needs --thickness H
+--sensor-radius 20 --method bonded-layer | --thickness is needed by --method bonded-layer
 --sensor-radius 20 --method bonded-layer --thickness 1 --depth 2 | --depth is 2; it must be at most --thickness, 1
 --sensor-radius 20 --method bonded-layer --thickness 21 | at most --sensor-radius, 20
 --sensor-radius 20 --method bonded-layer --thickness 5 --indentation 6 | less than --thickness, 5
@@ -103,7 +103,7 @@ const PRESSES: &str = "
 --sensor-radius 20 --c 1 | only to --method gaussian
 --sensor-radius 20 --window 5 | only to --method gaussian
 --sensor-radius 20 --method gaussian --c 1 --gain-std 0.1 | --method half-space or bonded-layer
---sensor-radius 20 --method gaussian | --c C, or --indentation D
+--sensor-radius 20 --method gaussian | --c is needed by --method gaussian, or --indentation
 --like camera.toml | needs the frames
 ";
 
@@ -130,7 +130,7 @@ const TRACKS: &str = "
 --calibration k.toml --sensor-radius 2 --depth 1 --grid 0 | --grid
 --calibration k.toml --sensor-radius 2 --depth 1 --method bonded-layer | --thickness
 --like camera.toml --method bonded-layer | --like needs --calibration FILE
---method image | --like STUDY.toml
+--method image | --like is needed by --method image
 --like direct.toml --method image | scene.sensor: must have a camera
 --like plain.toml --method image | `discs` is missing
 --like camera.toml --sensor-radius 20 | --sensor-radius is of no use

@@ -165,7 +165,7 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
     assert!(
         said.contains("rest.png: contradicts")
             && said.contains("place[")
-            && said.contains("--rest"),
+            && said.contains("by `sensor calibrate`"),
         "{said}"
     );
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
@@ -206,7 +206,7 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
     desk.write("camera.toml", "\n");
     desk.palpate(&format!("sensor track {run}")).fails(
         1,
-        "camera.toml: is empty; a camera is needed, as `palpate sensor calibrate --rest` writes it",
+        "camera.toml: is empty; a camera is needed, as `sensor calibrate` writes it from a frame at rest",
     );
     desk.write("camera.toml", &camera);
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");

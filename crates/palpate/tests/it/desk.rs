@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use palpate::config::rename_settings;
 use tempfile::TempDir;
 
 /// A study of two noisy cells; short rolls of a sphere on spheres.
@@ -179,13 +180,20 @@ pub(crate) struct Ended {
     pub(crate) swept: String,
 }
 
+/// A text of the library, with its settings named as flags.
+pub(crate) fn with_flags(text: &str) -> String {
+    rename_settings(text, |key| format!("--{}", key.replace('_', "-")))
+}
+
 impl Ended {
-    /// Standard output of a command, which must have succeeded without a message but the warnings of its JSON.
+    /// Standard output of a command, which must have succeeded without a message but the warnings of its JSON, in which
+    /// settings are flags.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
+        let printed = with_flags(&self.stdout);
         let is_of_json = |line: &str| {
             let warning = line.strip_prefix("warning: ").map(serde_json::Value::from);
-            warning.is_some_and(|warning| self.stdout.contains(&warning.to_string()))
+            warning.is_some_and(|warning| printed.contains(&warning.to_string()))
         };
         assert_eq!(self.status, Some(0), "{self:?}");
         assert!(self.stderr.lines().all(is_of_json), "{self:?}");

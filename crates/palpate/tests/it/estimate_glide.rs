@@ -79,7 +79,7 @@ fn a_wall_is_a_patch_like_any_other() {
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")
-        .fails(1, "--outward X,Y,Z");
+        .fails(1, "give another with --outward");
     for (outward, sign) in [("1,0,0", 1.0), ("-2,0,0", -1.0)] {
         let found = estimate(&wall, &format!("--outward {outward}"));
         assert_close(mean(&found), sign * 0.1, 0.02);

@@ -295,7 +295,7 @@ fn forces_follow_from_a_modulus() {
         4.0 / 3.0 * 0.4 * 20.0_f64.sqrt(),
         1e-5,
     );
-    assert_eq!(press["force"]["unit"], "unit of --young x mm^2");
+    assert_eq!(press["force"]["unit"], "unit of young x mm^2");
     let pressure = 0.8 / std::f64::consts::PI / 20.0_f64.sqrt();
     assert_close(number(&press["peak_pressure"]["value"]), pressure, 1e-5);
     assert!(told("")["force"].is_null());

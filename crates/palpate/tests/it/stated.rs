@@ -3,7 +3,7 @@
 use palpate::recorded::Form;
 use serde_json::Value;
 
-use super::desk::Desk;
+use super::desk::{Desk, with_flags};
 use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
 
 /// Options of a command, and words of its warning; `[]` if it gives no warning.
@@ -60,7 +60,7 @@ fn stated_quantities_that_the_readings_contradict() {
                 // The warnings are also printed on stderr.
                 let lines = warnings(&json)
                     .into_iter()
-                    .map(|told| format!("warning: {told}\n"));
+                    .map(|told| format!("warning: {}\n", with_flags(told)));
                 assert_eq!(ended.stderr, lines.collect::<String>());
                 json["warnings"].to_string()
             } else {

@@ -307,12 +307,12 @@ fn names_in_other_units_are_read_by_form() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// With the `--columns` that a message proposes, the table can be read, whatever the names in the file.
+/// With the setting `columns` that a message proposes, the table can be read, whatever the names in the file.
 #[test]
 fn messages_propose_names_of_columns() {
     fn proposed(said: &str) -> &str {
         let (_, columns) = said
-            .split_once("--columns '")
+            .split_once("setting `columns` '")
             .unwrap_or_else(|| panic!("{said}"));
         columns.split_once('\'').unwrap().0
     }

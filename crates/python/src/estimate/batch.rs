@@ -40,7 +40,7 @@ impl Batch {
         let fields = fields.unwrap_or_else(|_| PyDict::new(py));
         let alone = |one: Result<(Bound<'_, PyAny>, Json), RecordedError>| {
             one.map(|(estimate, _)| estimate.unbind())
-                .map_err(|error| error.to_string())
+                .map_err(|error| error::text(&error))
         };
         Ok(Self {
             estimates: estimates.into_iter().map(alone).collect(),

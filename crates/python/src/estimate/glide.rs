@@ -4,9 +4,10 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use numpy::{PyArray1, PyArrayMethods};
+use palpate::config::{GlideEstimatorConfig, setting};
 use palpate::recorded::{
-    self, Curvature, FittedGlide, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint,
-    RecordedError, ShapeClass, TipPoint, Wording,
+    self, Curvature, FittedGlide, GlideMap, GlideOptions, GlideReadings, MapPoint, RecordedError,
+    ShapeClass,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +15,7 @@ use serde_json::Value as Json;
 
 use super::batch::{batch, in_set};
 use super::like::like;
-use super::settings::{given, length_unit, number, word};
+use super::settings::{given, length_unit};
 use crate::arrays::{Numbers, array, whole};
 use crate::error;
 use crate::json::to_python;
@@ -189,18 +190,6 @@ impl Map {
     }
 }
 
-/// Point of a round tip by its name.
-fn tip_point(name: &str) -> PyResult<TipPoint> {
-    match name {
-        "lowest-point" => Ok(TipPoint::Lowest),
-        "centre" => Ok(TipPoint::Centre),
-        _ => {
-            let message = format!("reports: must be lowest-point or centre, is {name:?}");
-            Err(error::argument("reports", &[], None, message))
-        }
-    }
-}
-
 /// Curvature of a patch all over it, from contacts of fingers that glide over the object.
 ///
 /// Parameters
@@ -278,85 +267,38 @@ fn tip_point(name: &str) -> PyResult<TipPoint> {
 /// M. Charlebois, K. Gupta and S. Payandeh, Curvature Based Shape Estimation Using Tactile Sensing, ICRA 1996;
 /// P. Dierckx, Curve and Surface Fitting with Splines, 1993 (two-pass); S. Wood, Generalized Additive Models, 2017.
 #[pyfunction]
-#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, tip_radius=None,
-    reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None,
-    intervals=None, criterion=None, gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None,
-    first_degree=None, second_degree=None, weight=None, smoothing=None, second_smoothing=None, tangent_step=None,
-    tangent_normals=None, passes=None, length_unit=None, like=None, cell=0, threads=None))]
+#[pyo3(signature = (points, normals=None, fingers=None, *, at_contacts=false, length_unit=None, like=None, cell=0,
+    threads=None, **settings),
+    text_signature = "(points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=False, \
+    tip_radius=None, reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, \
+    inter_finger_distance=None, intervals=None, criterion=None, gamma=None, position_std=None, \
+    position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None, \
+    smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None, passes=None, length_unit=None, \
+    like=None, cell=0, threads=None)")]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_glide<'py>(
     py: Python<'py>,
     points: &Bound<'py, PyAny>,
     normals: Option<Bound<'py, PyAny>>,
     fingers: Option<Bound<'py, PyAny>>,
-    method: Option<String>,
-    grid: Option<u32>,
     at_contacts: bool,
-    tip_radius: Option<f64>,
-    reports: Option<&str>,
-    outward: Option<[f64; 3]>,
-    gaussian_threshold: Option<f64>,
-    mean_threshold: Option<f64>,
-    inter_finger_distance: Option<f64>,
-    intervals: Option<u32>,
-    criterion: Option<String>,
-    gamma: Option<f64>,
-    position_std: Option<f64>,
-    position_fraction_of_ifd: Option<f64>,
-    normal_std_deg: Option<f64>,
-    first_degree: Option<u32>,
-    second_degree: Option<u32>,
-    weight: Option<f64>,
-    smoothing: Option<f64>,
-    second_smoothing: Option<f64>,
-    tangent_step: Option<f64>,
-    tangent_normals: Option<String>,
-    passes: Option<u32>,
     length_unit: Option<&str>,
     like: Option<Bound<'py, Study>>,
     cell: usize,
     threads: Option<usize>,
+    settings: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let unit = self::length_unit(length_unit)?;
-    let whole_number = |number: Option<u32>| number.map(Json::from);
-    let given = GlideGiven {
-        estimator: given([
-            ("kind", word(method)),
-            ("intervals", whole_number(intervals)),
-            ("criterion", word(criterion)),
-            ("gamma", number("gamma", gamma)?),
-            ("position_std", number("position_std", position_std)?),
-            (
-                "position_fraction_of_ifd",
-                number("position_fraction_of_ifd", position_fraction_of_ifd)?,
-            ),
-            ("normal_std_deg", number("normal_std_deg", normal_std_deg)?),
-            ("first_degree", whole_number(first_degree)),
-            ("second_degree", whole_number(second_degree)),
-            ("weight", number("weight", weight)?),
-            ("smoothing", number("smoothing", smoothing)?),
-            (
-                "second_smoothing",
-                number("second_smoothing", second_smoothing)?,
-            ),
-            ("tangent_step", number("tangent_step", tangent_step)?),
-            ("normals", word(tangent_normals)),
-            ("passes", whole_number(passes)),
-        ]),
-        grid,
-        at_contacts,
-        tip_radius,
-        reports: reports.map(tip_point).transpose()?,
-        outward,
-        length_unit: unit,
-        gaussian_threshold,
-        mean_threshold,
-        inter_finger_distance,
-    };
+    let given = given(
+        settings.as_ref(),
+        [setting::<GlideOptions>, setting::<GlideEstimatorConfig>],
+    )?;
     let base = self::like(like.as_ref(), cell, unit, palpate::study_options::glide)?;
-    let has_normals = normals.is_some();
-    let options = GlideOptions::given(&given, base, has_normals, Wording::Arguments);
-    let options = options.map_err(error::given)?;
+    let options = GlideOptions::with_settings(base, &given, unit, normals.is_some());
+    let options = GlideOptions {
+        map_at_contacts: at_contacts,
+        ..options.map_err(error::setting)?
+    };
     let points = Numbers::of("points", points)?;
     let axes = points.shape().len().clamp(2, 3);
     points.columns(axes, &[3], "(n, 3) or (m, n, 3)")?;

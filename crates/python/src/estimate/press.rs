@@ -1,16 +1,14 @@
 //! Estimates from presses.
 
-use palpate::config::LengthUnit;
-use palpate::recorded::{self, PressGiven, PressOptions, PressReadings, Wording};
-use pyo3::conversion::FromPyObjectOwned;
-use pyo3::exceptions::PyTypeError;
+use palpate::config::{PressEstimatorConfig, setting};
+use palpate::recorded::{self, PressOptions, PressReadings};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value as Json;
 
 use super::batch::{batch, in_set};
 use super::like::like;
-use super::settings::{given, length_unit, number};
+use super::settings::{given, length_unit};
 use crate::arrays::Numbers;
 use crate::error;
 use crate::json::to_python;
@@ -25,98 +23,6 @@ record!(
 impl Made for recorded::PressedObject {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, self)
-    }
-}
-
-/// Value of a keyword argument, if it is there and not None.
-fn taken<'py, T: FromPyObjectOwned<'py>>(
-    settings: &Bound<'py, PyDict>,
-    name: &str,
-) -> PyResult<Option<T>> {
-    match settings.get_item(name)?.filter(|value| !value.is_none()) {
-        Some(value) => value.extract().map(Some).map_err(Into::into),
-        None => Ok(None),
-    }
-}
-
-/// Declares the settings of a press that a call gives, with their reading from keyword arguments.
-macro_rules! arguments {
-    ($($name:ident: $kind:ty),* $(,)?) => {
-        /// Settings of a press that a call gives.
-        #[derive(Default)]
-        pub(crate) struct PressArguments {
-            $($name: Option<$kind>,)*
-        }
-
-        impl PressArguments {
-            /// Settings among the keyword arguments of a call.
-            pub(crate) fn of(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-                let Some(settings) = settings else {
-                    return Ok(Self::default());
-                };
-                let known = [$(stringify!($name)),*];
-                for name in settings.keys() {
-                    let name: String = name.extract()?;
-                    if !known.contains(&name.as_str()) {
-                        let message = format!("got an unexpected keyword argument {name:?}");
-                        return Err(PyTypeError::new_err(message));
-                    }
-                }
-                Ok(Self {
-                    $($name: taken(settings, stringify!($name))?,)*
-                })
-            }
-        }
-    };
-}
-
-arguments! {
-    sensor_radius: f64,
-    depth: f64,
-    method: String,
-    indentation: f64,
-    indentation_std: f64,
-    normal_std: f64,
-    tangential_std: f64,
-    young: f64,
-    poisson: f64,
-    thickness: f64,
-    c: f64,
-    window: f64,
-    baseline: String,
-    gain_std: f64,
-    shift_std: f64,
-    noise: String,
-}
-
-impl PressArguments {
-    pub(crate) fn given(&self, unit: Option<LengthUnit>) -> PyResult<PressGiven> {
-        let word = |word: &Option<String>| word.clone().map(Json::String);
-        Ok(PressGiven {
-            sensor_radius: self.sensor_radius,
-            depth: self.depth,
-            estimator: given([
-                ("kind", word(&self.method)),
-                (
-                    "indentation_std",
-                    number("indentation_std", self.indentation_std)?,
-                ),
-                ("poisson", number("poisson", self.poisson)?),
-                ("thickness", number("thickness", self.thickness)?),
-                ("c", number("c", self.c)?),
-                ("window", number("window", self.window)?),
-                ("baseline", word(&self.baseline)),
-                ("gain_std", number("gain_std", self.gain_std)?),
-                ("shift_std", number("shift_std", self.shift_std)?),
-                ("noise", word(&self.noise)),
-            ]),
-            indentation: self.indentation,
-            normal_std: self.normal_std,
-            tangential_std: self.tangential_std,
-            young: self.young,
-            length_unit: unit,
-            ..PressGiven::default()
-        })
     }
 }
 
@@ -187,62 +93,28 @@ impl PressArguments {
 /// X. Lin, L. Willemet, A. Bailleul and M. Wiertlewski, Curvature sensing with a spherical tactile sensor using the
 /// color-interference of a marker array, ICRA 2020; K. Johnson, Contact Mechanics, 1985, chapters 3 and 4.
 #[pyfunction]
-#[pyo3(signature = (positions, displacements, *, sensor_radius=None, depth=None, method=None, indentation=None,
-    indentation_std=None, normal_std=None, tangential_std=None, radial_scale=None, young=None, poisson=None,
-    thickness=None, c=None, window=None, baseline=None, gain_std=None, shift_std=None, noise=None, length_unit=None,
-    like=None, cell=0, threads=None))]
+#[pyo3(signature = (positions, displacements, *, length_unit=None, like=None, cell=0, threads=None, **settings),
+    text_signature = "(positions, displacements, *, sensor_radius=None, depth=None, method=None, indentation=None, \
+    indentation_std=None, normal_std=None, tangential_std=None, radial_scale=None, young=None, poisson=None, \
+    thickness=None, c=None, window=None, baseline=None, gain_std=None, shift_std=None, noise=None, length_unit=None, \
+    like=None, cell=0, threads=None)")]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_press<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
     displacements: &Bound<'py, PyAny>,
-    sensor_radius: Option<f64>,
-    depth: Option<f64>,
-    method: Option<String>,
-    indentation: Option<f64>,
-    indentation_std: Option<f64>,
-    normal_std: Option<f64>,
-    tangential_std: Option<f64>,
-    radial_scale: Option<f64>,
-    young: Option<f64>,
-    poisson: Option<f64>,
-    thickness: Option<f64>,
-    c: Option<f64>,
-    window: Option<f64>,
-    baseline: Option<String>,
-    gain_std: Option<f64>,
-    shift_std: Option<f64>,
-    noise: Option<String>,
     length_unit: Option<&str>,
     like: Option<Bound<'py, Study>>,
     cell: usize,
     threads: Option<usize>,
+    settings: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let unit = self::length_unit(length_unit)?;
-    let arguments = PressArguments {
-        sensor_radius,
-        depth,
-        method,
-        indentation,
-        indentation_std,
-        normal_std,
-        tangential_std,
-        young,
-        poisson,
-        thickness,
-        c,
-        window,
-        baseline,
-        gain_std,
-        shift_std,
-        noise,
-    };
-    let given = PressGiven {
-        radial_scale,
-        ..arguments.given(unit)?
-    };
+    let given = given(
+        settings.as_ref(),
+        [setting::<PressOptions>, setting::<PressEstimatorConfig>],
+    )?;
     let base = self::like(like.as_ref(), cell, unit, palpate::study_options::press)?;
-    let options = PressOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
     let positions = Numbers::of("positions", positions)?;
     let places: Vec<[f64; 2]> = match positions.shape() {
         [_] => positions.flat().iter().map(|place| [*place, 0.0]).collect(),
@@ -267,6 +139,8 @@ pub(crate) fn estimate_press<'py>(
             ));
         }
     };
+    let options = PressOptions::with_settings(base, &given, unit, with_tangential);
+    let options = options.map_err(error::setting)?;
     let readings = |set: usize| {
         let flat = displacements.flat();
         let of_set = match sets {
@@ -283,19 +157,11 @@ pub(crate) fn estimate_press<'py>(
     };
     let Some(sets) = sets else {
         let readings = readings(0).map_err(error::recorded)?;
-        given
-            .fits(&readings, Wording::Arguments)
-            .map_err(error::given)?;
         let object = py.detach(|| recorded::estimate_press(&readings, &options));
         return PressEstimate::of(py, object.map_err(error::recorded)?);
     };
     let all = (0..sets).map(|set| readings(set).map_err(|error| in_set(set, error)));
     let all: Vec<PressReadings> = all.collect::<Result<_, _>>().map_err(error::recorded)?;
-    if let Some(first) = all.first() {
-        given
-            .fits(first, Wording::Arguments)
-            .map_err(error::given)?;
-    }
     let estimate = |readings: &PressReadings| {
         let object = recorded::estimate_press(readings, &options)?;
         let fields = serde_json::to_value(&object).unwrap_or(Json::Null);

@@ -1,8 +1,9 @@
 //! Estimates from rolls.
 
 use numpy::PyArrayMethods;
+use palpate::config::{RollEstimatorConfig, setting};
 use palpate::recorded::{
-    self, RecordedError, RollGiven, RollOptions, RollReadings, RollSets, SetRow, Wording,
+    self, RecordedError, RollOptions, RollReadings, RollSets, RollSettings, SetRow,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 
 use super::batch::{place, words};
 use super::like::like;
-use super::settings::{given, length_unit, word};
+use super::settings::{given, length_unit};
 use crate::arrays::{Numbers, array};
 use crate::error;
 use crate::json::to_python;
@@ -95,36 +96,27 @@ impl Made for recorded::RollEstimate {
 /// >>> round(estimate.mean_curvature.value, 12)
 /// 0.05
 #[pyfunction]
-#[pyo3(signature = (rotations, shifts, *, probe_radius=None, pitch=None, shift_std=None, rotation_std_rad=None,
-    relative_rotation_std=None, method=None, length_unit=None, like=None, cell=0, threads=None))]
+#[pyo3(signature = (rotations, shifts, *, length_unit=None, like=None, cell=0, threads=None, **settings),
+    text_signature = "(rotations, shifts, *, probe_radius=None, pitch=None, shift_std=None, rotation_std_rad=None, \
+    relative_rotation_std=None, method=None, length_unit=None, like=None, cell=0, threads=None)")]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_roll<'py>(
     py: Python<'py>,
     rotations: &Bound<'py, PyAny>,
     shifts: &Bound<'py, PyAny>,
-    probe_radius: Option<f64>,
-    pitch: Option<f64>,
-    shift_std: Option<f64>,
-    rotation_std_rad: Option<f64>,
-    relative_rotation_std: Option<f64>,
-    method: Option<String>,
     length_unit: Option<&str>,
     like: Option<Bound<'py, Study>>,
     cell: usize,
     threads: Option<usize>,
+    settings: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let unit = self::length_unit(length_unit)?;
-    let given = RollGiven {
-        probe_radius,
-        estimator: given([("kind", word(method))]),
-        pitch,
-        shift_std,
-        rotation_std_rad,
-        relative_rotation_std,
-        length_unit: unit,
-    };
+    let given = given(
+        settings.as_ref(),
+        [setting::<RollSettings>, setting::<RollEstimatorConfig>],
+    )?;
     let base = self::like(like.as_ref(), cell, unit, palpate::study_options::roll)?;
-    let options = RollOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
+    let options = RollOptions::with_settings(base, &given, unit).map_err(error::setting)?;
     let rotations = Numbers::of("rotations", rotations)?;
     let shifts = Numbers::of("shifts", shifts)?;
     let axes = [&rotations, &shifts].map(|numbers| numbers.shape().len());
@@ -212,7 +204,7 @@ fn batch<'py>(
     let why = |set: usize| {
         let readings = sets.readings(set);
         let error = readings.and_then(|readings| recorded::estimate_roll(&readings, options));
-        Some((set, error.err()?.to_string()))
+        Some((set, error::text(&error.err()?)))
     };
     let errors = untold.into_iter().filter_map(why).collect();
     Ok(RollBatch {

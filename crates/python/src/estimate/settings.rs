@@ -1,36 +1,63 @@
-//! Settings of estimators by their keys in a config.
+//! Settings of readings and estimators by their keys.
 
-use palpate::config::LengthUnit;
+use palpate::config::{Accepts, LengthUnit, Setting};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Map, Value as Json};
 
 use crate::error;
 
-/// Settings that were given, by their keys.
-pub(crate) fn given<const N: usize>(settings: [(&str, Option<Json>); N]) -> Map<String, Json> {
-    let given = settings
-        .into_iter()
-        .filter_map(|(key, value)| Some((key.to_owned(), value?)));
-    given.collect()
+/// Settings among the keyword arguments of a call, by their keys. `tables` find a setting by its key, in readings and in
+/// an estimator.
+pub(crate) fn given(
+    arguments: Option<&Bound<'_, PyDict>>,
+    tables: [fn(&str) -> Option<Setting>; 2],
+) -> PyResult<Map<String, Json>> {
+    let mut given = Map::new();
+    for (name, value) in arguments.iter().flat_map(|arguments| arguments.iter()) {
+        let name: String = name.extract()?;
+        let key = error::key(&name);
+        let known = tables.iter().find_map(|table| table(key));
+        let Some(known) = known.filter(|_| error::name(key) == name) else {
+            let message = format!("got an unexpected keyword argument '{name}'");
+            return Err(PyTypeError::new_err(message));
+        };
+        if !value.is_none() {
+            given.insert(known.key, json(&name, &value, &known.accepts)?);
+        }
+    }
+    Ok(given)
 }
 
-/// Number of a setting, as JSON; one that is not finite is none that a setting may have.
-pub(crate) fn number(key: &str, value: Option<f64>) -> PyResult<Option<Json>> {
-    let Some(number) = value else {
-        return Ok(None);
+fn json(name: &str, value: &Bound<'_, PyAny>, accepts: &Accepts) -> PyResult<Json> {
+    let typed = |error: PyErr| {
+        let why = error.value(value.py());
+        PyTypeError::new_err(format!("argument '{name}': {why}"))
     };
-    match serde_json::Number::from_f64(number) {
-        Some(number) => Ok(Some(Json::Number(number))),
-        None => {
-            let message = format!("{key} is {number}; it must be finite");
-            Err(error::argument(key, &[], Some(number), message))
+    match accepts {
+        Accepts::Word(_) => value.extract().map(Json::String).map_err(typed),
+        Accepts::Number(range) if range.is_whole => {
+            value.extract::<i64>().map(Json::from).map_err(typed)
+        }
+        Accepts::Number(_) => number(name, value.extract().map_err(typed)?),
+        Accepts::Vector => {
+            let components: [f64; 3] = value.extract().map_err(typed)?;
+            components
+                .map(|one| number(name, one))
+                .into_iter()
+                .collect()
         }
     }
 }
 
-/// Word of a setting.
-pub(crate) fn word(value: Option<String>) -> Option<Json> {
-    value.map(Json::String)
+/// Number of a setting, as JSON; a number that is not finite is an error.
+fn number(name: &str, number: f64) -> PyResult<Json> {
+    let json = serde_json::Number::from_f64(number).map(Json::Number);
+    json.ok_or_else(|| {
+        let message = format!("{name} is {number}; it must be finite");
+        error::argument(name, &[], Some(number), message)
+    })
 }
 
 /// Unit of lengths.

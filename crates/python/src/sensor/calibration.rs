@@ -3,7 +3,7 @@
 use palpate::Table as Rows;
 use palpate::config::LengthUnit;
 use palpate::recorded::{
-    self, CalibrateOptions, CalibrationReport, KnownOfFrames, NormalFrom, RecordedFile, Wording,
+    self, CalibrateOptions, CalibrationReport, KnownOfFrames, NormalFrom, RecordedFile,
     calibration_points_of_frames, calibration_toml, parse_calibration, parse_calibration_points,
 };
 use pyo3::prelude::*;
@@ -148,7 +148,6 @@ pub(crate) fn calibrate(
         per_marker,
         markers: None,
         length_unit: self::length_unit(length_unit)?,
-        wording: Wording::Arguments,
     };
     let points = tables.iter().enumerate().map(|(place, table)| {
         let file = RecordedFile::new(format!("tables[{place}]"), csv(place, table)?);
@@ -267,7 +266,6 @@ pub(crate) fn calibrate_frames(
             per_marker,
             markers: Some(markers),
             length_unit: unit,
-            wording: Wording::Arguments,
         };
         recorded::calibrate(&[points], &options)
     });

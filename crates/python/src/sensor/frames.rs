@@ -1,12 +1,13 @@
 //! Frames of a camera sensor.
 
-use palpate::recorded::{TrackedFrames, TrackedPress, difference_image, overlay, track_frames};
+use palpate::config::{PressEstimatorConfig, setting};
+use palpate::recorded::{PressOptions, TrackedPress, difference_image, overlay, track_frames};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::reader::{Read, Reader};
+use super::reader::reader;
 use crate::error;
-use crate::estimate::{PressArguments, PressEstimate};
+use crate::estimate::{PressEstimate, given};
 use crate::json::to_python;
 use crate::pixels::{frame, pixels};
 use crate::record::{Made, Record};
@@ -162,12 +163,19 @@ pub(crate) fn track(
     settings: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Tracked> {
     let frames = [frame("rest", rest)?, frame("pressed", pressed)?];
-    let given = PressArguments::of(settings.as_ref())?.given(None)?;
+    let given = given(
+        settings.as_ref(),
+        [setting::<PressOptions>, setting::<PressEstimatorConfig>],
+    )?;
+    if given.contains_key("radial_scale") {
+        let message = "radial_scale is of use only to estimate_press";
+        return Err(error::argument("radial_scale", &[], None, message));
+    }
     if !(1..=1000).contains(&grid) {
         let message = format!("grid is {grid}; it must be a whole number from 1 to 1000");
         return Err(error::argument("grid", &[], Some(grid as f64), message));
     }
-    let reader = Reader::of(
+    let reader = reader(
         calibration.as_ref(),
         px_per_rad,
         (like.as_ref(), cell),
@@ -187,11 +195,16 @@ pub(crate) fn track(
             overlay(&pressed.image, &tracked),
             difference_image(rest, pressed)?,
         ];
-        let read = reader.map(|reader| reader.read([rest, pressed], &tracked, (grid, filter)));
-        Ok((tracked, pictures, read.transpose()?))
+        let estimated = match reader {
+            Some(reader) => {
+                let read = reader.read([rest, pressed], &tracked, (grid, filter), None)?;
+                Some((read.estimate?, read.readings, read.field, read.unit))
+            }
+            None => None,
+        };
+        Ok((tracked, pictures, estimated))
     });
-    let (tracked, [drawn, difference], read): (TrackedFrames, _, Option<Read>) =
-        seen.map_err(error::recorded)?;
+    let (tracked, [drawn, difference], estimated) = seen.map_err(error::recorded)?;
     let mut made = Tracked {
         markers: table(py, &tracked.table().to_csv(), Default::default())?,
         fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
@@ -202,13 +215,7 @@ pub(crate) fn track(
         field: None,
         estimate: None,
     };
-    if let Some(Read {
-        readings,
-        field,
-        estimate,
-        unit,
-    }) = read
-    {
+    if let Some((estimate, readings, field, unit)) = estimated {
         made.readings = Some(table(py, &readings.to_csv(), unit)?);
         made.field = Some(table(py, &field.to_csv(), unit)?);
         made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());

@@ -29,11 +29,12 @@ pub fn read_camera(path: &Path) -> Result<RestCamera, RecordedError> {
 /// not finite, a scale or a standard deviation that is not positive, and a matrix that is no covariance or
 /// contradicts the standard deviations.
 pub fn parse_camera(file: &RecordedFile) -> Result<RestCamera, RecordedError> {
-    let text = file.text("a camera is needed, as `palpate sensor calibrate --rest` writes it")?;
+    let text =
+        file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
     let kinds = kinds_of_calibration(text);
     if !kinds.is_empty() {
         return Err(file.error(format!(
-            "is a calibration of displacements (`{}`); the method image takes the camera that `palpate sensor calibrate --rest` writes",
+            "is a calibration of displacements (`{}`); the method image takes the camera that `sensor calibrate` writes from a frame at rest",
             kinds.join("`, `")
         )));
     }

@@ -161,7 +161,7 @@ impl<'a> KnownCamera<'a> {
             rest.file,
             told(there[worst], std(&seen, worst))
         );
-        let remedy = "calibrate the camera with this frame by `palpate sensor calibrate --rest`";
+        let remedy = "calibrate the camera with this frame by `sensor calibrate`";
         let apart = DVector::from_fn(count, |entry, _| {
             (here[entry] - there[entry]) / scales[entry]
         });

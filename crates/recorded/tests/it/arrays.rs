@@ -2,12 +2,13 @@
 
 use palpate_ep1::SetRow;
 use palpate_recorded::{
-    GlideGiven, GlideOptions, GlideReadings, PressGiven, PressOptions, PressReadings,
-    RecordedError, RollGiven, RollOptions, RollReadings, RollSets, Wording, estimate_glide,
-    estimate_press, estimate_roll, read_glide, read_press, read_roll,
+    GlideOptions, GlideReadings, PressOptions, PressReadings, RecordedError, RollOptions,
+    RollReadings, RollSets, estimate_glide, estimate_press, estimate_roll, read_glide, read_press,
+    read_roll,
 };
 use palpate_study::config::LengthUnit;
 use serde::Serialize;
+use serde_json::json;
 
 fn example(name: &str) -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -76,8 +77,7 @@ fn glides_are_those_of_a_file() {
         .iter()
         .map(|[one]| *one as u64)
         .collect();
-    let options = GlideOptions::given(&GlideGiven::default(), None, true, Wording::Arguments);
-    let options = options.unwrap();
+    let options = GlideOptions::default();
     let readings = GlideReadings::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
     let (estimate, map) = estimate_glide(&readings, &options).unwrap();
     let (of_file, of_map) = estimate_glide(&read_glide(&example(name)).unwrap(), &options).unwrap();
@@ -90,12 +90,10 @@ fn presses_are_those_of_a_file() {
     let name = "press-readings.csv";
     let (places, along) = (columns::<2>(name, 0), columns::<2>(name, 3));
     let normal: Vec<f64> = columns::<1>(name, 2).into_iter().flatten().collect();
-    let given = PressGiven {
-        sensor_radius: Some(20.0),
-        depth: Some(2.0),
-        ..PressGiven::default()
+    let options = PressOptions {
+        marker_depth: Some(2.0),
+        ..PressOptions::new(20.0)
     };
-    let options = PressOptions::given(&given, None, Wording::Arguments).unwrap();
     let readings = PressReadings::new(&places, &normal, Some(&along), MM).unwrap();
     let object = estimate_press(&readings, &options).unwrap();
     let of_file = estimate_press(&read_press(&example(name)).unwrap(), &options).unwrap();
@@ -163,25 +161,28 @@ fn arrays_that_cannot_be_are_named() {
 
 #[test]
 fn settings_that_cannot_be_are_named() {
-    let roll = |change: fn(&mut RollGiven)| {
-        let mut given = RollGiven {
-            probe_radius: Some(10.0),
-            ..RollGiven::default()
-        };
-        change(&mut given);
-        let error = RollOptions::given(&given, None, Wording::Arguments).unwrap_err();
-        (error.setting.clone(), error.value, error.to_string())
-    };
-    let (setting, value, message) = roll(|given| given.probe_radius = Some(-1.0));
-    assert_eq!((setting.as_str(), value), ("probe_radius", Some(-1.0)));
-    assert_eq!(message, "probe_radius is -1; it must be finite and > 0");
-    let (setting, _, message) =
-        roll(|given| (given.pitch, given.shift_std) = (Some(1.0), Some(1.0)));
-    assert_eq!(setting, "shift_std");
-    assert_eq!(message, "shift_std is of use only without pitch");
-    // As flags, where the command line asks.
-    let error = RollOptions::given(&RollGiven::default(), None, Wording::Flags).unwrap_err();
-    assert!(error.to_string().contains("--probe-radius"), "{error}");
-    let error = RollOptions::given(&RollGiven::default(), None, Wording::Arguments).unwrap_err();
-    assert!(error.to_string().contains("probe_radius"), "{error}");
+    for (given, key, value, reason) in [
+        (
+            json!({ "probe_radius": -1.0 }),
+            "probe_radius",
+            Some(-1.0),
+            "is -1; it must be finite and > 0",
+        ),
+        (
+            json!({ "probe_radius": 10.0, "pitch": 1.0, "shift_std": 1.0 }),
+            "shift_std",
+            None,
+            "is of use only without setting `pitch`",
+        ),
+        (
+            json!({}),
+            "probe_radius",
+            None,
+            "is needed, or setting `like`",
+        ),
+    ] {
+        let error = RollOptions::with_settings(None, given.as_object().unwrap(), None).unwrap_err();
+        assert_eq!((error.key.as_str(), error.value), (key, value));
+        assert_eq!(error.reason, reason);
+    }
 }

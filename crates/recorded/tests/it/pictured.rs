@@ -143,7 +143,7 @@ fn the_camera_of_a_frame_at_rest_serves_presses() {
     let mut options = options(&meant);
     let said = estimate(&frames, &options).expect_err("another camera");
     assert!(
-        said.contains("rest.png: contradicts") && said.contains("--rest"),
+        said.contains("rest.png: contradicts") && said.contains("by `sensor calibrate`"),
         "{said}"
     );
     options.camera = Some(("camera.toml".to_owned(), camera));

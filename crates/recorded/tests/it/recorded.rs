@@ -190,7 +190,7 @@ fn the_unit_of_an_option_must_be_that_of_the_header() {
         .unwrap_err()
         .to_string();
     assert!(
-        message.ends_with("readings.csv: the header says mm, --length-unit says um"),
+        message.ends_with("readings.csv: the header says mm, setting `length_unit` says um"),
         "{message}"
     );
 }

@@ -1,4 +1,5 @@
-//! The list of a config table's settings, for a command line or a form, and tables with some settings replaced.
+//! Settings of a config's table one by one, as a command line or a form offers them, and a table with some of them
+//! replaced.
 
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -14,7 +15,7 @@ use serde_json::{Map, Value as Json};
 use super::schema::{schema_of, variant, variants};
 use super::validate::{instead_of, kind_of};
 
-/// A setting of a table that has kinds.
+/// Setting of a table.
 ///
 /// ```
 /// use palpate_study::config::{Accepts, PressEstimatorConfig, settings};
@@ -31,47 +32,55 @@ use super::validate::{instead_of, kind_of};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The key in a config. The first setting is `kind` itself.
+    /// The key in a config. Where a table has kinds, `kind` itself is a setting, the first.
     pub key: String,
-    /// Kinds that have the setting.
+    /// Kinds that have it; empty where a table has no kinds.
     pub kinds: Vec<String>,
     /// Meaning in words.
     pub help: String,
-    /// Values that the setting may have.
+    /// Values that it may have.
     pub accepts: Accepts,
-    /// Default value, if there is one.
+    /// Value that stands for none, where one is stated.
     pub default: Option<String>,
-    /// Whether the setting is a length in the config's unit.
+    /// Whether it is a length in the config's unit.
     pub is_length: bool,
 }
 
 /// Values that a setting may have.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accepts {
-    /// A number in a range.
+    /// A number of a range.
     Number(Range),
-    /// One of these words. Each has a meaning.
+    /// Words to choose from, each with its meaning.
     Word(Vec<(String, String)>),
+    /// Three components of a vector.
+    Vector,
 }
 
 impl Accepts {
-    /// Checks that a number is in the range, or that a text is one of the words. Types are checked when the table is
-    /// deserialised.
-    fn check(&self, value: &Json) -> Result<(), String> {
+    /// Checks a value's range, or that it is one of the words; its type shows when the table is read.
+    fn check(&self, key: &str, value: &Json) -> Result<(), SettingError> {
         match (self, value) {
-            (Self::Number(range), Json::Number(_)) => {
-                value.as_f64().map_or(Ok(()), |number| range.check(number))
-            }
+            (Self::Number(range), Json::Number(number)) => match number.as_f64() {
+                Some(number) if !range.holds(number) => {
+                    Err(SettingError::of_number(key, number, range))
+                }
+                _ => Ok(()),
+            },
             (Self::Word(words), Json::String(word)) => {
-                let mut known = words.iter().map(|(known, _)| known.as_str());
-                if known.clone().any(|known| known == word) {
+                let words: Vec<&str> = words.iter().map(|(word, _)| word.as_str()).collect();
+                if words.contains(&word.as_str()) {
                     return Ok(());
                 }
-                let last = known.next_back().unwrap_or_default();
-                let others: Vec<&str> = known.collect();
-                Err(format!(
-                    "must be {} or {last}, is {word:?}",
-                    others.join(", ")
+                let words = match words.as_slice() {
+                    [others @ .., last] if !others.is_empty() => {
+                        format!("{} or {last}", others.join(", "))
+                    }
+                    all => all.concat(),
+                };
+                Err(SettingError::new(
+                    key,
+                    format!("is {word:?}; it must be {words}"),
                 ))
             }
             _ => Ok(()),
@@ -82,13 +91,13 @@ impl Accepts {
 /// Range of a finite number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Exclusive lower bound.
+    /// Bound that it exceeds.
     pub above: Option<f64>,
-    /// Smallest value.
+    /// Least value.
     pub least: Option<f64>,
-    /// Largest value.
+    /// Greatest value.
     pub most: Option<f64>,
-    /// Whether the number is an integer.
+    /// Whether it is a whole number.
     pub is_whole: bool,
 }
 
@@ -108,10 +117,10 @@ impl Range {
         ..Self::POSITIVE
     };
 
-    /// Parses a number and checks that it is in the range.
+    /// Number that a text states, if it is in the range.
     ///
     /// # Errors
-    /// The violated condition, as a text that follows the name of the setting.
+    /// The expectation that it does not meet, in words that follow the name of the setting.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
         match self.holds(number) {
@@ -120,7 +129,7 @@ impl Range {
         }
     }
 
-    /// Whether a number is in the range.
+    /// Whether it holds a number.
     pub fn holds(&self, number: f64) -> bool {
         number.is_finite()
             && (!self.is_whole || number == libm::trunc(number))
@@ -129,18 +138,7 @@ impl Range {
             && self.most.is_none_or(|most| number <= most)
     }
 
-    /// Checks a number.
-    ///
-    /// # Errors
-    /// The same as for [`Range::parse`].
-    pub fn check(&self, number: f64) -> Result<(), String> {
-        match self.holds(number) {
-            true => Ok(()),
-            false => Err(format!("must be {self}, is {}", Number(number))),
-        }
-    }
-
-    fn from_schema(schema: &Json) -> Self {
+    fn of(schema: &Json) -> Self {
         let limit = |key: &str| schema[key].as_f64();
         Self {
             above: limit("exclusiveMinimum"),
@@ -166,31 +164,60 @@ impl fmt::Display for Range {
     }
 }
 
-/// Schema and settings of a type of tables.
-struct TableInfo {
+/// Facts about a type of tables.
+struct Known {
     schema: Json,
     settings: Vec<Setting>,
 }
 
-/// Cache: creating a schema takes longer than many estimates.
-static CACHE: LazyLock<Mutex<HashMap<TypeId, Arc<TableInfo>>>> = LazyLock::new(Mutex::default);
+/// Facts about the tables that were asked for: to find them out takes longer than many an estimate.
+static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
-fn table_info<T: JsonSchema + 'static>() -> Arc<TableInfo> {
-    let mut all = CACHE.lock().unwrap_or_else(PoisonError::into_inner);
-    let info = all.entry(TypeId::of::<T>()).or_insert_with(|| {
+fn known<T: JsonSchema + 'static>() -> Arc<Known> {
+    let mut all = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = all.entry(TypeId::of::<T>()).or_insert_with(|| {
         let schema = schema_of::<T>();
         let settings = settings_in(&schema);
-        Arc::new(TableInfo { schema, settings })
+        Arc::new(Known { schema, settings })
     });
-    Arc::clone(info)
+    Arc::clone(known)
 }
 
-/// All settings of a table that has kinds, in the order of the kinds.
+/// All settings of a table, in the order in which it or its kinds state them.
 pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
-    table_info::<T>().settings.clone()
+    known::<T>().settings.clone()
+}
+
+/// The setting of a table with this key.
+pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
+    known::<T>().setting(key).cloned()
+}
+
+/// Splits settings into those of the table `T` and all others.
+pub fn split_settings<T: JsonSchema + 'static>(
+    given: &Map<String, Json>,
+) -> [Map<String, Json>; 2] {
+    let known = known::<T>();
+    let (own, others): (Vec<_>, Vec<_>) = given
+        .clone()
+        .into_iter()
+        .partition(|(key, _)| known.setting(key).is_some());
+    [own, others].map(Map::from_iter)
+}
+
+impl Known {
+    fn setting(&self, key: &str) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.key == key)
+    }
 }
 
 fn settings_in(schema: &Json) -> Vec<Setting> {
+    if schema["properties"].is_object() {
+        let properties = schema["properties"].as_object().into_iter().flatten();
+        return properties
+            .map(|(key, schema)| Setting::of(key, Vec::new(), schema))
+            .collect();
+    }
     let mut settings: Vec<Setting> = vec![Setting {
         key: "kind".to_owned(),
         kinds: Vec::new(),
@@ -211,7 +238,7 @@ fn settings_in(schema: &Json) -> Vec<Setting> {
         for (key, schema) in properties.filter(|(key, _)| *key != "kind") {
             match settings.iter_mut().find(|setting| setting.key == *key) {
                 Some(setting) => setting.kinds.push(kind.to_owned()),
-                None => settings.push(Setting::from_schema(key, kind, schema)),
+                None => settings.push(Setting::of(key, vec![kind.to_owned()], schema)),
             }
         }
     }
@@ -219,31 +246,45 @@ fn settings_in(schema: &Json) -> Vec<Setting> {
 }
 
 impl Setting {
-    fn from_schema(key: &str, kind: &str, schema: &Json) -> Self {
-        let word = |word: &Json| {
-            let name = word["const"].as_str()?.to_owned();
-            Some((name, text(&word["description"])))
-        };
-        let words: Vec<_> = variants(schema).iter().filter_map(word).collect();
+    fn of(key: &str, kinds: Vec<String>, schema: &Json) -> Self {
+        let words: Vec<_> = variants(schema)
+            .iter()
+            .filter_map(|word| {
+                Some((
+                    word["const"].as_str()?.to_owned(),
+                    text(&word["description"]),
+                ))
+            })
+            .collect();
         Self {
             key: key.to_owned(),
-            kinds: vec![kind.to_owned()],
+            kinds,
             help: text(&schema["description"]),
             accepts: match words.is_empty() {
-                true => Accepts::Number(Range::from_schema(schema)),
+                true if schema["type"] == "array" => Accepts::Vector,
+                true => Accepts::Number(Range::of(schema)),
                 false => Accepts::Word(words),
             },
-            default: match &schema["default"] {
-                Json::Null => None,
-                Json::String(word) => Some(word.clone()),
-                other => Some(
-                    other
-                        .as_f64()
-                        .map_or(other.to_string(), |one| one.to_string()),
-                ),
-            },
+            default: default_text(&schema["default"]),
             is_length: schema["x-unit"] == "length",
         }
+    }
+}
+
+/// A default as a user writes it.
+fn default_text(json: &Json) -> Option<String> {
+    match json {
+        Json::Null => None,
+        Json::String(word) => Some(word.clone()),
+        Json::Array(items) => {
+            let items: Vec<String> = items.iter().filter_map(default_text).collect();
+            Some(items.join(","))
+        }
+        other => Some(
+            other
+                .as_f64()
+                .map_or(other.to_string(), |number| number.to_string()),
+        ),
     }
 }
 
@@ -251,37 +292,71 @@ fn text(json: &Json) -> String {
     json.as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// Reasons why a table cannot have a setting.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SettingError {
-    /// The table's kind does not have the setting.
-    #[error("`{key}` is of use only to kind {}", kinds.join(" or "))]
-    Useless {
-        /// Key of the setting.
-        key: String,
-        /// Kinds that have the setting.
-        kinds: Vec<String>,
-    },
-    /// Two settings are alternatives to each other.
-    #[error("`{key}` cannot stand beside `{other}`; give one of them")]
-    Both {
-        /// Key of the first setting.
-        key: String,
-        /// Key of the second setting.
-        other: String,
-    },
-    /// The setting cannot have the value.
-    #[error("`{key}`: {message}")]
-    Bad {
-        /// Key of the setting; empty if several settings do not fit together.
-        key: String,
-        /// Problem in words.
-        message: String,
-    },
+/// A setting that is missing, invalid or without effect beside the others.
+///
+/// ```
+/// use palpate_study::config::SettingError;
+///
+/// let error = SettingError::of_number("depth", 25.0, "less than setting `sensor_radius`, 20");
+/// assert_eq!(
+///     error.to_string(),
+///     "setting `depth` is 25; it must be less than setting `sensor_radius`, 20"
+/// );
+/// ```
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("setting `{key}` {reason}")]
+pub struct SettingError {
+    /// Key of the setting.
+    pub key: String,
+    /// Its value, if it is a number.
+    pub value: Option<f64>,
+    /// The problem, in words that follow the key. Other settings are named as in `` setting `key` ``.
+    pub reason: String,
 }
 
-/// A table with some settings replaced. Alternatives to these settings are removed. If `kind` is replaced, settings that both
-/// kinds have keep their values.
+impl SettingError {
+    /// Error of the setting with this key.
+    pub fn new(key: &str, reason: impl Into<String>) -> Self {
+        Self {
+            key: key.to_owned(),
+            value: None,
+            reason: reason.into(),
+        }
+    }
+
+    /// Error of a number that is not `expected`.
+    pub fn of_number(key: &str, value: f64, expected: impl fmt::Display) -> Self {
+        Self {
+            value: Some(value),
+            ..Self::new(key, format!("is {}; it must be {expected}", Number(value)))
+        }
+    }
+}
+
+/// Replaces the name of each setting in a message. Messages name a setting as in `` setting `gain_std` ``; `name` returns
+/// the flag or the argument of a key.
+///
+/// ```
+/// use palpate_study::config::rename_settings;
+///
+/// let message = "setting `gain_std` is -1; it must be finite and >= 0";
+/// let flag = |key: &str| format!("--{}", key.replace('_', "-"));
+/// assert_eq!(rename_settings(message, flag), "--gain-std is -1; it must be finite and >= 0");
+/// ```
+pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
+    let mut parts = message.split("setting `");
+    let mut renamed = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        match part.split_once('`') {
+            Some((key, rest)) => renamed += &(name(key) + rest),
+            None => renamed = renamed + "setting `" + part,
+        }
+    }
+    renamed
+}
+
+/// Table with some settings replaced, and with them what states the same in another way. With another `kind` among them,
+/// settings that both kinds have keep their values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};
@@ -294,64 +369,58 @@ pub enum SettingError {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] if the kind does not have a setting, if a value is out of its range or not one of the words, or if two
-/// settings are alternatives.
+/// [`SettingError`] names the setting that the kind does not have, or whose value is out of its range or none of its words;
+/// or two that state the same.
 pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
 where
-    T: Serialize + DeserializeOwned + JsonSchema + 'static,
+    T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
 {
-    let info = table_info::<T>();
-    let bad = |key: &str, message: String| SettingError::Bad {
-        key: key.to_owned(),
-        message,
-    };
+    if given.is_empty() {
+        return Ok(base.clone());
+    }
+    let known = known::<T>();
+    let unreadable = |error: &serde_json::Error| format!("cannot be read: {error}");
     let mut table = match serde_json::to_value(base) {
         Ok(Json::Object(table)) => table,
         Ok(_) => Map::new(),
-        Err(error) => return Err(bad("", error.to_string())),
+        Err(error) => return Err(SettingError::new("kind", unreadable(&error))),
     };
-    if let Some(kind) = given.get("kind") {
-        if let Some(setting) = info.settings.first() {
-            let checked = setting.accepts.check(kind);
-            checked.map_err(|message| bad("kind", message))?;
-        }
+    if let Some((setting, kind)) = known.setting("kind").zip(given.get("kind")) {
+        setting.accepts.check("kind", kind)?;
         table.insert("kind".to_owned(), kind.clone());
     }
     let kind = table.get("kind").and_then(Json::as_str);
-    let variant = variant(&info.schema, kind);
+    let variant = variant(&known.schema, kind);
     let properties = variant.and_then(|variant| variant["properties"].as_object());
-    let has = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
-    table.retain(|key, _| has(key));
+    let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
+    table.retain(|key, _| knows(key));
     for (key, value) in given {
-        let setting = info.settings.iter().find(|setting| setting.key == *key);
-        if !has(key) {
-            let kinds = setting.map(|setting| setting.kinds.clone());
-            return Err(SettingError::Useless {
-                key: key.clone(),
-                kinds: kinds.unwrap_or_default(),
+        let setting = known.setting(key);
+        if !knows(key) {
+            let kinds = setting.map(|setting| setting.kinds.join(" or "));
+            let reason = kinds.map_or("does not exist".to_owned(), |kinds| {
+                format!("is of use only to setting `kind` {kinds}")
             });
+            return Err(SettingError::new(key, reason));
         }
         if let Some(setting) = setting {
-            let checked = setting.accepts.check(value);
-            checked.map_err(|message| bad(key, message))?;
+            setting.accepts.check(key, value)?;
         }
         let property = properties.and_then(|properties| properties.get(key));
         for other in property.into_iter().flat_map(instead_of) {
             if given.contains_key(other) {
-                return Err(SettingError::Both {
-                    key: key.clone(),
-                    other: other.to_owned(),
-                });
+                let reason = format!("cannot stand beside setting `{other}`; give one of them");
+                return Err(SettingError::new(key, reason));
             }
             table.remove(other);
         }
         table.insert(key.clone(), value.clone());
     }
     serde_path_to_error::deserialize(Json::Object(table))
-        .map_err(|error| bad(&error.path().to_string(), error.inner().to_string()))
+        .map_err(|error| SettingError::new(&error.path().to_string(), unreadable(error.inner())))
 }
 
-/// The table in another unit of length: lengths are multiplied by the factor, curvatures are divided by it.
+/// Table with all its lengths multiplied by a factor, curvatures divided by it: the table in another unit of length.
 ///
 /// ```
 /// use palpate_study::config::{PressModelConfig, in_unit};
@@ -364,7 +433,7 @@ where
     T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
 {
     let scaled = serde_json::to_value(table).ok().and_then(|mut json| {
-        scale(&table_info::<T>().schema, &mut json, factor);
+        scale(&known::<T>().schema, &mut json, factor);
         serde_json::from_value(json).ok()
     });
     scaled.unwrap_or_else(|| table.clone())
@@ -379,20 +448,22 @@ fn scale(schema: &Json, json: &mut Json, factor: f64) {
     };
     match json {
         Json::Number(number) if by != 1.0 => {
-            let scaled = number.as_f64().map(|number| number * by);
-            if let Some(scaled) = scaled.and_then(serde_json::Number::from_f64) {
+            if let Some(scaled) = number
+                .as_f64()
+                .and_then(|number| serde_json::Number::from_f64(number * by))
+            {
                 *number = scaled;
             }
         }
         Json::Array(items) => {
-            // The items of an array have the unit of the array.
+            // The items of an array have the array's unit.
             let of_items = match by == 1.0 {
                 true => &schema["items"],
                 false => schema,
             };
-            for item in items {
-                scale(of_items, item, factor);
-            }
+            items
+                .iter_mut()
+                .for_each(|item| scale(of_items, item, factor));
         }
         Json::Object(table) => {
             let kind = table.get("kind").and_then(Json::as_str);

@@ -20,8 +20,7 @@ use crate::output::Format;
 
 pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
 pub(crate) use estimate::{
-    EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
-    TipReports,
+    EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
 };
 pub(crate) use form::FormArgs;
 pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};

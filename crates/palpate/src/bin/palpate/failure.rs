@@ -4,6 +4,7 @@ use std::fmt;
 use std::process::ExitCode;
 
 use anyhow::{Error, anyhow};
+use palpate::config::rename_settings;
 use palpate::{ConfigError, Study, SweepError};
 
 /// Reason why a command failed, and so its status.
@@ -73,7 +74,20 @@ impl fmt::Display for Failure {
                 text = format!("{text}: {cause}");
             }
         }
-        f.write_str(&visible(&text))
+        f.write_str(&visible(&with_flags(&text)))
+    }
+}
+
+/// A message of the library, with its settings named as flags.
+pub(crate) fn with_flags(message: &str) -> String {
+    rename_settings(message, |key| format!("--{}", flag(key)))
+}
+
+/// Name of the flag of a key.
+pub(crate) fn flag(key: &str) -> String {
+    match key {
+        "kind" => "method".to_owned(),
+        key => key.replace('_', "-"),
     }
 }
 

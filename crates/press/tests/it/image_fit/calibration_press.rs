@@ -157,10 +157,7 @@ fn a_press_that_is_told_wrong_is_named() {
 fn the_only_press_that_is_told_wrong_is_named() {
     let (_, at_rest, mut presses) = pressed(&[1.0]);
     presses[0].at = [2.0, 0.0];
-    let error = fit(None, WIDE)
-        .calibrated(&at_rest, &presses)
-        .map(|_| ())
-        .unwrap_err();
+    let error = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap_err();
     let is_named = matches!(error, PressError::ContradictingPress { press: 0, .. });
     assert!(is_named, "{error}");
 }
@@ -169,10 +166,7 @@ fn the_only_press_that_is_told_wrong_is_named() {
 fn a_frame_at_rest_of_another_sensor_is_named() {
     let (_, _, presses) = pressed(&[0.5, 0.8, 1.1]);
     let other = Truth::drawn(3, WIDE).at_rest(None);
-    let error = fit(None, WIDE)
-        .calibrated(&other, &presses)
-        .map(|_| ())
-        .unwrap_err();
+    let error = fit(None, WIDE).calibrated(&other, &presses).unwrap_err();
     let is_named =
         matches!(error, PressError::ContradictingRest { markers, most: 10 } if markers > 10);
     assert!(is_named, "{error}");

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
+use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
 use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
 use super::form::FormArgs;
-use super::number::{Direction, angle_std, direction, not_negative, positive, share};
+use super::number::positive;
 use super::settings::Settings;
 
 /// Paragraph on tables that every help of them has.
@@ -178,35 +179,10 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) form: FormArgs,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
-    /// The probe's radius, in the readings' length unit.
-    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
-    #[arg(required_unless_present = "like")]
-    pub(crate) probe_radius: Option<f64>,
+    #[command(flatten)]
+    pub(crate) rolls: Settings<RollSettings>,
     #[command(flatten)]
     pub(crate) estimator: Settings<RollEstimatorConfig>,
-    /// Pitch of the pads, in the readings' length unit. With it the estimates have standard deviations,
-    /// and a roll whose contact did not move bounds the object's radius from above.
-    #[arg(long, value_name = "P", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) pitch: Option<f64>,
-    /// Standard deviation of each component of a shift, of a sensor without pads, in the readings'
-    /// length unit.
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with = "pitch")]
-    pub(crate) shift_std: Option<f64>,
-    /// Standard deviation of each component of a rotation.
-    #[arg(long, value_name = "S", value_parser = angle_std, allow_negative_numbers = true)]
-    pub(crate) rotation_std_rad: Option<f64>,
-    /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
-    #[arg(long, value_name = "F", value_parser = share, allow_negative_numbers = true)]
-    pub(crate) relative_rotation_std: Option<f64>,
-}
-
-/// Point of a round fingertip that positions are of.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum TipReports {
-    /// The point farthest against --outward.
-    LowestPoint,
-    /// The tip's centre.
-    Centre,
 }
 
 #[derive(Debug, Args)]
@@ -219,9 +195,6 @@ pub(crate) struct EstimateGlideArgs {
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) estimator: Settings<GlideEstimatorConfig>,
-    /// Points along each side of the map's grid.
-    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(crate) grid: u32,
     /// Write the curvature all over the patch to this CSV file; to - is to standard output, and the JSON to
     /// standard error.
     #[arg(long, value_name = "FILE")]
@@ -229,28 +202,8 @@ pub(crate) struct EstimateGlideArgs {
     /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
     #[arg(long, requires = "map")]
     pub(crate) at_contacts: bool,
-    /// Radius of round fingertips, in the readings' length unit, where positions are not of the contacts but of the
-    /// point that --reports names: contacts then follow from the normals, or from a first fit.
-    #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
-    pub(crate) tip_radius: Option<f64>,
-    /// The point of round fingertips that positions are of [default: lowest-point].
-    #[arg(long, value_name = "POINT")]
-    pub(crate) reports: Option<TipReports>,
-    /// The direction out of the object, for readings without normals or of lowest points [default: 0,0,1].
-    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
-    pub(crate) outward: Option<Direction>,
-    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square
-    /// of the mean threshold [default: from the patch's size].
-    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "mean_threshold")]
-    pub(crate) gaussian_threshold: Option<f64>,
-    /// Magnitude of the mean curvature below which it counts as zero, 1/length [default: from the
-    /// patch's size].
-    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "gaussian_threshold")]
-    pub(crate) mean_threshold: Option<f64>,
-    /// Distance between fingers, in the readings' length unit; the unit of length of the settings of
-    /// two-pass [default: the mean distance between neighbouring fingers].
-    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) inter_finger_distance: Option<f64>,
+    #[command(flatten)]
+    pub(crate) glides: Settings<GlideOptions>,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
@@ -274,45 +227,9 @@ pub(crate) struct EstimatePressArgs {
 pub(crate) struct SensorArgs {
     #[command(flatten)]
     pub(crate) like: LikeArgs,
-    /// Radius of the sensor's skin, in the readings' length unit; needed without --like.
-    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) sensor_radius: Option<f64>,
-    /// Depth of the markers under the skin; `sensor track` needs it without --like, `estimate press` takes 0, the
-    /// surface, with a warning.
-    #[arg(long, value_name = "Z", value_parser = not_negative, allow_negative_numbers = true)]
-    pub(crate) depth: Option<f64>,
+    #[command(flatten)]
+    pub(crate) presses: Settings<PressOptions>,
     /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
-    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted]. It is known to
-    /// --indentation-std; where that is 0 or not given, to 2 % of itself.
-    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) indentation: Option<f64>,
-    /// Standard deviation of each normal displacement [default: found from the residuals].
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) normal_std: Option<f64>,
-    /// Standard deviation of each component of the tangential displacements [default: found from the
-    /// residuals].
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) tangential_std: Option<f64>,
-    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force
-    /// and the highest pressure, which are proportional to it.
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
-    pub(crate) young: Option<f64>,
-}
-
-impl SensorArgs {
-    /// Flag of this struct's own that was given, if any was.
-    pub(crate) fn given(&self) -> Option<&'static str> {
-        let given = [
-            ("--sensor-radius", self.sensor_radius),
-            ("--depth", self.depth),
-            ("--indentation", self.indentation),
-            ("--normal-std", self.normal_std),
-            ("--tangential-std", self.tangential_std),
-            ("--young", self.young),
-        ];
-        let mut given = given.into_iter().filter(|(_, value)| value.is_some());
-        given.next().map(|(flag, _)| flag)
-    }
 }

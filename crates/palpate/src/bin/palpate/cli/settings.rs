@@ -1,4 +1,4 @@
-//! Settings of an estimator as flags: one for each key of its config.
+//! Settings of an estimator and of readings as flags: one for each key.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -8,6 +8,7 @@ use clap::builder::{
 };
 use clap::error::Error;
 use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, Id};
+use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
 use palpate_study::config::{
     Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting, settings,
 };
@@ -16,13 +17,16 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
-/// Estimator whose settings are flags; its `kind` is `--method`.
+use super::number::vector;
+use crate::failure::{flag, with_flags};
+
+/// Table whose settings are flags; its `kind` is `--method`.
 pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
     /// Name of the group of flags.
     const GROUP: &'static str;
-    /// Keys of the config that are no flags, because recorded readings have other means to tell them.
+    /// Keys that are no flags, because other flags state them.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 
@@ -36,11 +40,25 @@ impl Flagged for GlideEstimatorConfig {
 
 impl Flagged for PressEstimatorConfig {
     const GROUP: &'static str = "press estimator";
-    // Told by a flag with the indentation itself.
+    // A flag states the indentation itself.
     const NO_FLAGS: &'static [&'static str] = &["indentation"];
 }
 
-/// Settings of an estimator that were given as flags, by their keys.
+impl Flagged for RollSettings {
+    const GROUP: &'static str = "rolls";
+}
+
+impl Flagged for GlideOptions {
+    const GROUP: &'static str = "glides";
+}
+
+impl Flagged for PressOptions {
+    const GROUP: &'static str = "presses";
+    // Only tables of readings have it.
+    const NO_FLAGS: &'static [&'static str] = &["radial_scale"];
+}
+
+/// Settings that were given as flags, by their keys.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings<T> {
     pub(crate) given: Map<String, Json>,
@@ -53,13 +71,12 @@ impl<T> Settings<T> {
         let key = self.given.keys().next()?;
         Some(format!("--{}", flag(key)))
     }
-}
 
-/// Name of the flag of a key.
-fn flag(key: &str) -> String {
-    match key {
-        "kind" => "method".to_owned(),
-        key => key.replace('_', "-"),
+    /// These settings and others.
+    pub(crate) fn and<U>(&self, others: &Settings<U>) -> Map<String, Json> {
+        let mut all = self.given.clone();
+        all.extend(others.given.clone());
+        all
     }
 }
 
@@ -81,7 +98,7 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
         false => String::new(),
     };
     let default = default.map_or(String::new(), |default| format!(" [default: {default}]"));
-    let help = setting.help.trim_end_matches('.');
+    let help = with_flags(setting.help.trim_end_matches('.'));
     let (name, parser) = match &setting.accepts {
         Accepts::Number(range) => {
             let (range, is_whole) = (*range, range.is_whole);
@@ -105,6 +122,10 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
             let parser = PossibleValuesParser::new(words).map(Json::String);
             (flag.to_uppercase(), ValueParser::new(parser))
         }
+        Accepts::Vector => {
+            let parser = StringValueParser::new().try_map(|text| vector(&text).map(Json::from));
+            ("X,Y,Z".to_owned(), ValueParser::new(parser))
+        }
     };
     Arg::new(setting.key.clone())
         .long(flag)
@@ -112,6 +133,7 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
         .value_name(name)
         .value_parser(parser)
         .allow_negative_numbers(true)
+        .allow_hyphen_values(setting.accepts == Accepts::Vector)
 }
 
 impl<T: Flagged> Args for Settings<T> {

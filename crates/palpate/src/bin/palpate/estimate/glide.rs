@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use palpate_recorded::{
-    GlideGiven, GlideOptions, GlideReadings, TipPoint, Wording, estimate_glide, parse_glide,
-};
+use palpate_recorded::{GlideOptions, GlideReadings, estimate_glide, parse_glide};
 
 use super::like::Like;
 use super::table::{form, table};
 use super::warned::warn;
-use crate::cli::{EstimateGlideArgs, TipReports};
+use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
 use crate::output::{self, Guard, Single};
 
@@ -37,28 +35,16 @@ fn options(
 ) -> Result<GlideOptions, Failure> {
     let unit = readings.unit().or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, palpate::study_options::glide));
-    let given = GlideGiven {
-        estimator: args.estimator.given.clone(),
-        grid: Some(args.grid),
-        at_contacts: args.at_contacts,
-        outward: args.outward.map(|outward| outward.0),
-        tip_radius: args.tip_radius,
-        reports: args.reports.map(|reports| match reports {
-            TipReports::LowestPoint => TipPoint::Lowest,
-            TipReports::Centre => TipPoint::Centre,
-        }),
-        length_unit: args.form.length_unit,
-        gaussian_threshold: args.gaussian_threshold,
-        mean_threshold: args.mean_threshold,
-        inter_finger_distance: args.inter_finger_distance,
-    };
-    GlideOptions::given(
-        &given,
+    let options = GlideOptions::with_settings(
         base.transpose()?,
+        &args.glides.and(&args.estimator),
+        args.form.length_unit,
         readings.has_normals(),
-        Wording::Flags,
-    )
-    .map_err(Failure::usage)
+    );
+    Ok(GlideOptions {
+        map_at_contacts: args.at_contacts,
+        ..options.map_err(Failure::usage)?
+    })
 }
 
 /// Place of the map, whose directory must be there.

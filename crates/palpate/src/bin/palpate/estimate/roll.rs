@@ -1,6 +1,6 @@
 //! `palpate estimate roll`.
 
-use palpate_recorded::{RollGiven, RollOptions, Wording, estimate_roll, parse_roll};
+use palpate_recorded::{RollOptions, estimate_roll, parse_roll};
 
 use super::like::Like;
 use super::table::{form, table};
@@ -15,17 +15,9 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let readings = parse_roll(file).map_err(Failure::work)?;
     let unit = readings.unit().or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, palpate::study_options::roll));
-    let base = base.transpose()?;
-    let given = RollGiven {
-        probe_radius: args.probe_radius,
-        estimator: args.estimator.given.clone(),
-        pitch: args.pitch,
-        shift_std: args.shift_std,
-        rotation_std_rad: args.rotation_std_rad,
-        relative_rotation_std: args.relative_rotation_std,
-        length_unit: args.form.length_unit,
-    };
-    let options = RollOptions::given(&given, base, Wording::Flags).map_err(Failure::usage)?;
+    let given = args.rolls.and(&args.estimator);
+    let options = RollOptions::with_settings(base.transpose()?, &given, args.form.length_unit);
+    let options = options.map_err(Failure::usage)?;
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
     output::print(&output::json(&estimate)?)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, Wording, calibrate as calibrate_to,
+    CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, calibrate as calibrate_to,
     calibrate_camera, calibration_points_of_frames, parse_calibration_points, read_frame,
 };
 
@@ -40,7 +40,6 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         per_marker: args.per_marker,
         markers,
         length_unit: args.form.length_unit,
-        wording: Wording::Flags,
     };
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
     out.write(report.to_toml().as_bytes())?;

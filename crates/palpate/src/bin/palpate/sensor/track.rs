@@ -4,12 +4,9 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    Calibration, Fates, Frame, PictureOptions, PressOptions, RecordedError, Sensed, SensorOptions,
-    TrackedFrames, TrackedPress, difference_image, estimate_pictures, overlay, read_calibration,
-    read_camera, read_frame, track_frames,
+    Fates, FrameReader, PictureOptions, difference_image, overlay, read_calibration, read_camera,
+    read_frame, track_frames,
 };
-use palpate_study::Table;
-use palpate_study::config::LengthUnit;
 
 use crate::cli::TrackArgs;
 use crate::estimate::{Like, picture_options, press_options, warn};
@@ -20,7 +17,7 @@ use crate::output::{self, Folder, Guard};
 const GRID: u32 = 30;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
-    let reader = Reader::of(args)?;
+    let reader = reader(args)?;
     output::make_directory(&args.out)?;
     let read = |path: &Path| read_frame(path).map_err(Failure::work);
     let [rest, pressed] = [read(&args.rest)?, read(&args.pressed)?];
@@ -35,7 +32,11 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ("difference.png", output::png(&difference)?),
     ];
     // The tables are written even where the frames turn out not to fit together below.
-    let read = reader.map(|reader| reader.read(args, [&rest, &pressed], &frames));
+    let grid = args.grid.unwrap_or(GRID) as usize;
+    let filter = args.filter.unwrap_or(0.0);
+    let file = args.out.join("readings.csv").display().to_string();
+    let read =
+        reader.map(|reader| reader.read([&rest, &pressed], &frames, (grid, filter), Some(file)));
     if let Some(Ok(read)) = &read {
         files.push(("readings.csv", read.readings.to_csv().into_bytes()));
         files.push(("field.csv", read.field.to_csv().into_bytes()));
@@ -77,79 +78,18 @@ fn summary(fates: &Fates, out: &Path) -> String {
     )
 }
 
-/// Way from tracked markers to what pressed them.
-enum Reader {
-    /// By the displacements that a calibration tells.
-    Displacements(Box<Calibrated>),
-    /// By what the camera of a study sees.
-    Pictures(Box<PictureOptions>),
-}
-
-/// Calibration of a sensor, with the options of what is to be read with it.
-struct Calibrated {
-    sensor: SensorOptions,
-    estimate: PressOptions,
-    calibration: Calibration,
-    unit: LengthUnit,
-}
-
-/// Displacements of the markers, and the press that they tell.
-struct Read {
-    readings: Table,
-    /// Displacements on a regular grid.
-    field: Table,
-    estimate: Result<TrackedPress, RecordedError>,
-}
-
-impl Reader {
-    /// The way that is asked for, if one is.
-    fn of(args: &TrackArgs) -> Result<Option<Self>, Failure> {
-        let like = Like::of(&args.sensor.like)?;
-        let study = like.as_ref().map(|like| &like.config);
-        if PictureOptions::are_asked_for(&args.sensor.estimator.given, study) {
-            let pictures = pictures(args, like.as_ref())?;
-            return Ok(Some(Self::Pictures(Box::new(pictures))));
-        }
-        match (&args.calibration, of_calibration(args)) {
-            (Some(file), _) => {
-                let calibrated = Calibrated::new(args, file, like.as_ref())?;
-                Ok(Some(Self::Displacements(Box::new(calibrated))))
-            }
-            (None, Some(flag)) => Err(Failure::Usage(anyhow!("{flag} needs --calibration FILE"))),
-            (None, None) => Ok(None),
-        }
+/// The method that the arguments state, if they state one.
+fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
+    let like = Like::of(&args.sensor.like)?;
+    let study = like.as_ref().map(|like| &like.config);
+    if PictureOptions::are_asked_for(&args.sensor.estimator.given, study) {
+        let pictures = pictures(args, like.as_ref())?;
+        return Ok(Some(FrameReader::Pictures(Box::new(pictures))));
     }
-
-    fn read(
-        self,
-        args: &TrackArgs,
-        shown: [&Frame; 2],
-        frames: &TrackedFrames,
-    ) -> Result<Read, RecordedError> {
-        let file = args.out.join("readings.csv").display().to_string();
-        let (grid, filter) = (
-            args.grid.unwrap_or(GRID) as usize,
-            args.filter.unwrap_or(0.0),
-        );
-        match self {
-            Self::Displacements(calibrated) => {
-                let calibration = (&calibrated.calibration, calibrated.unit);
-                let sensed = Sensed::read(frames, calibration, &calibrated.sensor, Some(file))?;
-                Ok(Read {
-                    readings: sensed.readings(),
-                    field: sensed.field(grid, filter)?,
-                    estimate: sensed.estimate(&calibrated.estimate),
-                })
-            }
-            Self::Pictures(options) => {
-                let pictured = estimate_pictures(shown, frames, &options, Some(file))?;
-                Ok(Read {
-                    readings: pictured.readings(),
-                    field: pictured.field(grid, filter)?,
-                    estimate: Ok(pictured.press().clone()),
-                })
-            }
-        }
+    match (&args.calibration, of_calibration(args)) {
+        (Some(file), _) => calibrated(args, file, like.as_ref()).map(Some),
+        (None, Some(flag)) => Err(Failure::Usage(anyhow!("{flag} needs --calibration FILE"))),
+        (None, None) => Ok(None),
     }
 }
 
@@ -163,8 +103,9 @@ fn of_calibration(args: &TrackArgs) -> Option<String> {
     ];
     let mut given = given.into_iter().filter(|(_, is_given)| *is_given);
     let other = given.next().map(|(flag, _)| flag);
-    let own = args.sensor.given().or(other).map(str::to_owned);
-    own.or_else(|| args.sensor.estimator.flag())
+    let own = args.sensor.presses.flag();
+    own.or(other.map(str::to_owned))
+        .or_else(|| args.sensor.estimator.flag())
 }
 
 /// Options of a fit of pictures.
@@ -175,41 +116,35 @@ fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Fai
         )));
     }
     // Bad arguments are refused before the calibration is read.
-    picture_options(&args.sensor, like, None)?;
+    let given = args.sensor.presses.and(&args.sensor.estimator);
+    picture_options(&given, like, None)?;
     let camera = args.calibration.as_deref().map(|file| {
         let camera = read_camera(file).map_err(Failure::work)?;
         Ok::<_, Failure>((file.display().to_string(), camera))
     });
     let camera = camera.transpose()?;
     let unit = camera.as_ref().map(|(_, camera)| camera.length_unit);
-    let mut options = picture_options(&args.sensor, like, unit)?;
+    let mut options = picture_options(&given, like, unit)?;
     options.camera = camera;
     Ok(options)
 }
 
-impl Calibrated {
-    fn new(args: &TrackArgs, file: &Path, like: Option<&Like>) -> Result<Self, Failure> {
-        let given = &args.sensor;
-        let missing = |option| Failure::Usage(anyhow!("--calibration needs {option}"));
-        if like.is_none() {
-            given
-                .sensor_radius
-                .ok_or_else(|| missing("--sensor-radius"))?;
-            given.depth.ok_or_else(|| missing("--depth"))?;
-            // Bad arguments are refused before any file is read.
-            press_options(given, None, None)?;
+fn calibrated(args: &TrackArgs, file: &Path, like: Option<&Like>) -> Result<FrameReader, Failure> {
+    let given = args.sensor.presses.and(&args.sensor.estimator);
+    if like.is_none() {
+        for (key, flag) in [("sensor_radius", "--sensor-radius"), ("depth", "--depth")] {
+            if !given.contains_key(key) {
+                return Err(Failure::Usage(anyhow!("--calibration needs {flag}")));
+            }
         }
-        let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
-        let estimate = press_options(given, like, Some(unit))?;
-        Ok(Self {
-            sensor: SensorOptions {
-                radius: estimate.sensor_radius,
-                depth: estimate.depth(),
-                px_per_rad: args.px_per_rad,
-            },
-            estimate,
-            calibration,
-            unit,
-        })
+        // Bad arguments are refused before any file is read.
+        press_options(&given, None, None, true)?;
     }
+    let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
+    Ok(FrameReader::Displacements {
+        calibration: Box::new(calibration),
+        unit,
+        px_per_rad: args.px_per_rad,
+        options: Box::new(press_options(&given, like, Some(unit), true)?),
+    })
 }

@@ -1,0 +1,129 @@
+//! Settings of an estimate from glides.
+
+use palpate_ep2::{RoundTip, TipPoint};
+use palpate_geometry::ShapeThresholds;
+use palpate_study::config::{
+    GlideEstimatorConfig, LengthUnit, SettingError, split_settings, with_settings,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json};
+
+use super::patch::GlideOptions;
+
+/// Point of a round fingertip that readings state instead of the contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TipReports {
+    /// The point farthest against setting `outward`.
+    #[default]
+    LowestPoint,
+    /// The tip's centre.
+    Centre,
+}
+
+impl GlideOptions {
+    /// Options from the given settings, by their keys: fields of this struct and settings of the estimator. `base` states
+    /// all others. Readings may have normals or not.
+    ///
+    /// ```
+    /// use palpate_recorded::GlideOptions;
+    ///
+    /// let given = serde_json::json!({ "inter_finger_distance": 1.0 });
+    /// let given = given.as_object().ok_or("a table")?;
+    /// let error = GlideOptions::with_settings(None, given, None, true).expect_err("no two-pass");
+    /// assert_eq!(error.key, "inter_finger_distance");
+    /// let reason = "is of use only to setting `kind` two-pass or setting `position_fraction_of_ifd`";
+    /// assert_eq!(error.reason, reason);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SettingError`] for a setting that is out of its range or has no effect with the others.
+    pub fn with_settings(
+        base: Option<Self>,
+        given: &Map<String, Json>,
+        length_unit: Option<LengthUnit>,
+        has_normals: bool,
+    ) -> Result<Self, SettingError> {
+        let base = base.unwrap_or_default();
+        let [own, of_estimator] = split_settings::<Self>(given);
+        let mut options = Self {
+            estimator: with_settings(&base.estimator, &of_estimator)?,
+            length_unit: length_unit.or(base.length_unit),
+            map_at_contacts: base.map_at_contacts,
+            ..with_settings(&base, &own)?
+        };
+        options.outward = direction(options.outward)?;
+        let checked = options.estimator.check();
+        checked.map_err(|reason| SettingError::new("gamma", format!("has no effect: {reason}")))?;
+        let useless = |key: &str, to: &str| {
+            let is_given = given.contains_key(key);
+            let error = SettingError::new(key, format!("is of use only to {to}"));
+            is_given.then_some(error).map_or(Ok(()), Err)
+        };
+        let is_two_pass = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
+        if !is_two_pass && options.estimator.position_fraction_of_ifd().is_none() {
+            useless(
+                "inter_finger_distance",
+                "setting `kind` two-pass or setting `position_fraction_of_ifd`",
+            )?;
+        }
+        let tip = options.tip();
+        if has_normals && tip.is_none_or(|tip| tip.point != TipPoint::Lowest) {
+            useless(
+                "outward",
+                "readings without normals and to lowest points of round tips",
+            )?;
+        }
+        if tip.is_none() {
+            useless(
+                "reports",
+                "readings of round tips; give setting `tip_radius` too",
+            )?;
+        }
+        if !has_normals {
+            useless("normal_std_deg", "readings with normals")?;
+        }
+        let [gaussian, mean] = ["gaussian_threshold", "mean_threshold"];
+        for (key, other) in [(gaussian, mean), (mean, gaussian)] {
+            if given.contains_key(key) && !given.contains_key(other) {
+                let reason = format!("is of use only with setting `{other}`");
+                return Err(SettingError::new(key, reason));
+            }
+        }
+        options.thresholds()?;
+        Ok(options)
+    }
+
+    /// The stated thresholds below which curvatures count as zero.
+    pub(super) fn thresholds(&self) -> Result<Option<ShapeThresholds>, SettingError> {
+        let both = self.gaussian_threshold.zip(self.mean_threshold);
+        let thresholds = both.map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean));
+        thresholds.transpose().map_err(|error| {
+            SettingError::new("gaussian_threshold", format!("is invalid: {error}"))
+        })
+    }
+
+    /// The round tip, if the readings state another point of the tip than the contact.
+    pub(super) fn tip(&self) -> Option<RoundTip> {
+        Some(RoundTip {
+            radius: self.tip_radius?,
+            point: match self.reports.unwrap_or_default() {
+                TipReports::LowestPoint => TipPoint::Lowest,
+                TipReports::Centre => TipPoint::Centre,
+            },
+        })
+    }
+}
+
+/// Scales a direction so that its largest component is ±1.
+fn direction(components: [f64; 3]) -> Result<[f64; 3], SettingError> {
+    let largest = components
+        .iter()
+        .fold(0.0, |largest: f64, one| largest.max(one.abs()));
+    if components.iter().all(|one| one.is_finite()) && largest > 0.0 {
+        return Ok(components.map(|one| one / largest));
+    }
+    Err(SettingError::new("outward", "must be finite and not zero"))
+}

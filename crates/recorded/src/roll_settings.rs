@@ -1,0 +1,84 @@
+//! Settings of an estimate from rolls.
+
+use palpate_ep1::ReadingNoise;
+use palpate_study::config::{LengthUnit, SettingError, split_settings, with_settings};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json};
+
+use super::roll::RollOptions;
+
+/// Settings of rolls that a user states; `None` if not given. Lengths are in the readings' unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RollSettings {
+    /// The probe's radius, in the readings' length unit.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub probe_radius: Option<f64>,
+    /// Pitch of the pads, in the readings' length unit. With it the estimates have standard deviations, and a roll whose
+    /// contact did not move bounds the object's radius from above.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub pitch: Option<f64>,
+    /// Standard deviation of each component of a shift, of a sensor without pads, in the readings' length unit.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub shift_std: Option<f64>,
+    /// Standard deviation of each component of a rotation.
+    #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI))]
+    pub rotation_std_rad: Option<f64>,
+    /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
+    #[schemars(extend("minimum" = 0, "maximum" = 1))]
+    pub relative_rotation_std: Option<f64>,
+}
+
+impl RollOptions {
+    /// Options from the given settings, by their keys: those of [`RollSettings`] and those of the estimator. `base`
+    /// states all others.
+    ///
+    /// ```
+    /// use palpate_recorded::RollOptions;
+    ///
+    /// let given = serde_json::json!({ "probe_radius": 10.0, "pitch": -0.5 });
+    /// let given = given.as_object().ok_or("a table")?;
+    /// let error = RollOptions::with_settings(None, given, None).expect_err("no pitch");
+    /// assert_eq!(error.to_string(), "setting `pitch` is -0.5; it must be finite and > 0");
+    /// assert_eq!((error.key.as_str(), error.value), ("pitch", Some(-0.5)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SettingError`] for a setting that is missing, out of its range or without effect.
+    pub fn with_settings(
+        base: Option<Self>,
+        given: &Map<String, Json>,
+        length_unit: Option<LengthUnit>,
+    ) -> Result<Self, SettingError> {
+        let [own, of_estimator] = split_settings::<RollSettings>(given);
+        let own = with_settings(&RollSettings::default(), &own)?;
+        let base = base
+            .or(own.probe_radius.map(Self::new))
+            .ok_or_else(|| SettingError::new("probe_radius", "is needed, or setting `like`"))?;
+        let probe_radius = own.probe_radius.unwrap_or(base.probe_radius);
+        let shifts = match (own.pitch, own.shift_std) {
+            (Some(_), Some(_)) => {
+                let reason = "is of use only without setting `pitch`";
+                return Err(SettingError::new("shift_std", reason));
+            }
+            (Some(pitch), None) => Self::noise_of_pads(probe_radius, pitch)?,
+            (None, Some(std)) => Self::noise_of_shifts(probe_radius, std)?,
+            (None, None) => base.noise,
+        };
+        let rotations = base.noise;
+        Ok(Self {
+            probe_radius,
+            estimator: with_settings(&base.estimator, &of_estimator)?,
+            noise: ReadingNoise {
+                rotation_std_rad: own.rotation_std_rad.unwrap_or(rotations.rotation_std_rad),
+                relative_rotation_std: own
+                    .relative_rotation_std
+                    .unwrap_or(rotations.relative_rotation_std),
+                ..shifts
+            },
+            length_unit: length_unit.or(base.length_unit),
+        })
+    }
+}
