@@ -22,7 +22,7 @@ pub(crate) fn run(shell: &Shell, name: &str, options: &Options) -> Result<()> {
         return Ok(());
     }
     let assay = programs::build(shell, "palpate-assay")?;
-    let table = "crates/palpate/src/tested/table.csv";
+    let table = "crates/palpate/src/coverage/families.csv";
     Ok(cmd!(
         shell,
         "{assay} coverage-table --results results --out {table}"

@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use palpate::{
-    Answer, Order, Question, RunOptions, Runner, SceneTrial, Scenes, Side, design, distinguish,
-    parse,
+    Order, Region, RunOptions, Runner, SceneTrial, Scenes, Side, Survey, design, distinguish, parse,
 };
 use serde::Serialize;
 
@@ -109,14 +108,14 @@ pub fn check(scores: &[Score]) -> Result<()> {
 
 /// Compares designs of a scene, one for each seed, with a reference.
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
-    let ask = |seed: u64, gap: f64| -> Result<Answer> {
+    let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
         study.override_seed(seed)?;
-        let mut question = Question::new(scene.target.parse()?, scene.vary.parse()?);
-        question.gap = gap;
-        question.most_trials = 1 << 32;
+        let mut survey = Survey::new(scene.target.parse()?, vec![scene.vary.parse()?], None)?;
+        survey.question.gap = gap;
+        survey.question.most_trials = 1 << 32;
         let start = Instant::now();
-        let answer = design(&study, &question, runner, &|| start.elapsed(), &|_, _| ());
+        let answer = design(&study, &survey, runner, &|| start.elapsed(), &|_, _| ());
         answer.with_context(|| scene.name)
     };
     let reference = ask(REFERENCE_SEED, scene.gap * REFERENCE_GAP)?;
@@ -133,7 +132,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
 }
 
 /// Whether an answer has values on both sides of the target, and the reference puts no end of a run on the other side.
-fn is_right_design(answer: &Answer, reference: &Answer) -> bool {
+fn is_right_design(answer: &Region, reference: &Region) -> bool {
+    let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {
         let mut runs = reference.runs.iter();
         runs.any(|run| run.side != side && (run.from..=run.to).contains(&value))
@@ -176,11 +176,9 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
                 let order = order.with_context(|| format!("{} has twins", scene.name))?;
                 let [low, high] =
                     [pair.first, pair.second].map(|one| &fresh[group.objects[one].cell]);
-                let is_in_order = |(low, high): &(&Option<(f64, f64)>, &Option<(f64, f64)>)| {
-                    low.zip(**high)
-                        .is_some_and(|((low, _), (high, _))| low < high)
-                };
-                let in_order = low.iter().zip(high).filter(is_in_order).count();
+                let pairs = low.iter().zip(high);
+                let pairs = pairs.filter_map(|(low, high)| low.zip(*high));
+                let in_order = pairs.filter(|((low, _), (high, _))| low < high).count();
                 let share = in_order as f64 / low.len().max(1) as f64;
                 score.cases += 1;
                 score.right += u64::from(is_right_order(order, share, low.len()));

@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use journal::{Asked, CellRecord, Header, Journal};
+use journal::{CellRecord, Header, Journal, RunRequest};
 use palpate::{RunOptions, Runner, Simulation, Study, SweepOutput, Warnings};
 
 /// Rolls on balls of so many radii, closed form.
@@ -55,7 +55,7 @@ fn bare(simulation: &Simulation<'_>) -> usize {
 }
 
 fn journalled(simulation: &Simulation<'_>, dir: &Path) {
-    let asked = Asked {
+    let request = RunRequest {
         config: String::new(),
         goal: String::new(),
         every_nth_cell: 1,
@@ -63,11 +63,11 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
         trials_out: false,
     };
     let tasks = [simulation.tasks(); 2];
-    let header = Header::new(String::new(), asked, &Warnings::default(), tasks);
+    let header = Header::new(String::new(), request, &Warnings::default(), tasks);
     let mut journal = Journal::new(dir, &header).unwrap();
-    let made = |finished: palpate::Finished| {
-        let rows = simulation.rows(&finished);
-        CellRecord::new(finished.cell(), rows)
+    let made = |results: palpate::CellResults| {
+        let rows = simulation.rows(&results);
+        CellRecord::new(results.cell(), rows)
     };
     let take = &mut |_, taken| {
         if let SweepOutput::Result(record) = taken {

@@ -1,4 +1,4 @@
-//! Forecast of what a study will do, without running it.
+//! Forecast of a study: its models, trials and time, without a run.
 
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
@@ -10,60 +10,61 @@ use palpate_study::config::{
 };
 use palpate_sweep::{Clock, Pace, Runner, SweepError, Trial, spread};
 
-use crate::asked::refuse;
-use crate::costs::{self, Cost};
-use crate::plan::bare;
-use crate::tested::{Tested, tested};
+use crate::coverage::{Coverage, coverage};
+use crate::ladder_timing::{EvaluationTime, neighbour_times};
+use crate::output_check::check_outputs;
+use crate::plan::with_ideal_sensor;
 use crate::trial::SceneTrial;
 
-/// Times after which no more scenes are set up as they are run, no more trials are timed, and no more rungs of ladders
-/// are measured.
-const SETTING_UP: Duration = Duration::from_millis(800);
-/// Time after which no more cells are set up at all, of a study of which every cell should be.
-const WHOLE: Duration = Duration::from_secs(10);
-const TIMING: Duration = Duration::from_millis(300);
-const LADDERS: Duration = Duration::from_millis(600);
-/// Longest trial of a roll whose ladder is measured.
-const LONG_TRIAL: Duration = Duration::from_millis(50);
+/// Time limit for the set-up of cells with their cameras.
+const SET_UP_LIMIT: Duration = Duration::from_millis(800);
+/// Time limit for the set-up of the other cells without cameras, if the sample has every cell of the study.
+const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
+/// Time limit for timing trials.
+const TRIALS_LIMIT: Duration = Duration::from_millis(300);
+/// Time limit for the ladders of all groups.
+const LADDERS_LIMIT: Duration = Duration::from_millis(600);
+/// The ladder of a roll is measured only if a trial takes at most this long.
+const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 
-/// Valid study: what a run of it will do, and what that will cost.
+/// Forecast of a valid study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     /// Number of cells.
     pub cells: usize,
-    /// Number of cells whose settings were checked together; of the others each swept value was checked by itself.
+    /// Number of cells whose settings were checked together. In the others only each single swept value was checked.
     pub checked: usize,
-    /// Number of cells that were set up as they are run; of the others as many as there was time for were set up without a
+    /// Number of cells that were set up completely. Of the others, as many as possible in the time were set up without a
     /// camera.
     pub set_up: usize,
-    /// Number of the cells set up that run a single trial, because nothing in them is random.
+    /// Number of these cells with a single trial, because nothing in them is random.
     pub single: usize,
-    /// Number of trials; where not all cells were set up, the most that there can be.
+    /// Number of trials; if not all cells were set up, an upper limit.
     pub trials: u64,
     /// Cells that were set up, by the models that they need.
     pub groups: Vec<CellGroup>,
-    /// Number of the cells set up whose intervals were tested alike, or not for the same reason.
-    pub intervals: Vec<(usize, Tested)>,
-    /// Time that planning and the run will take, roughly, s.
+    /// Measured coverage of the cells that were set up, with the number of cells that share it.
+    pub intervals: Vec<(usize, Coverage)>,
+    /// Estimated time of planning and run, s.
     pub seconds: f64,
-    /// Number of threads that this time is for.
+    /// Number of threads for this time.
     pub threads: NonZeroUsize,
 }
 
 /// Cells that need the same models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellGroup {
-    /// Number of the cells.
+    /// Number of cells.
     pub cells: usize,
     /// One line per model that each cell needs, with the reason, and one line per warning.
     pub needs: Vec<String>,
-    /// Means that scenes of this kind may need and these do not: "integrator".
+    /// Means that other scenes of this kind need and these do not: "integrator".
     pub needless: Vec<&'static str>,
-    /// Models by which their truth can be computed.
+    /// Models that can compute the true values.
     pub rungs: Rungs,
 }
 
-/// Models by which the truth of a group's first cell can be computed.
+/// Models that can compute the true values of a group's first cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
     /// There is nothing to choose.
@@ -78,14 +79,13 @@ pub enum Rungs {
         cell: usize,
         /// Rungs with their errors.
         ladder: Ladder,
-        /// Index of the rungs about that which is taken, with the cost of each where it was measured.
-        costs: Vec<(usize, Option<Cost>)>,
+        /// Indices of the chosen rung and its neighbours, with the computing time if it was measured.
+        times: Vec<(usize, Option<EvaluationTime>)>,
     },
 }
 
-/// Checks a study: sets up its cells, as many as there is time for, measures their models, and times a few trials. Of a study
-/// of many cells it sets up those of the [sample](Study::sample). `progress` is told the number of cells looked at so far,
-/// and of how many.
+/// Checks a study: sets up as many cells as a time limit allows, measures their models, and times a few trials. Of a study
+/// with many cells it uses the [sample](Study::sample). `progress` receives the number of checked cells and of all.
 ///
 /// ```
 /// use std::time::Instant;
@@ -114,15 +114,15 @@ pub enum Rungs {
 /// ```
 ///
 /// # Errors
-/// [`SweepError::SetUp`] as [`refuse`], and at the field of the first cell found that makes no scene; [`SweepError`] where
-/// trials cannot be timed.
+/// [`SweepError::SetUp`] for an error of [`check_outputs`], and for the first cell with an invalid field; other [`SweepError`]s
+/// if trials cannot be timed.
 pub fn check(
     study: &Study,
     runner: &Runner,
     clock: &Clock<'_>,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Check, SweepError<ConfigError>> {
-    refuse(study).map_err(SweepError::SetUp)?;
+    check_outputs(study).map_err(SweepError::SetUp)?;
     let start = clock();
     let scenes = scenes(study, clock, progress).map_err(SweepError::SetUp)?;
     let share = study.cell_count() as f64 / scenes.len() as f64;
@@ -132,7 +132,7 @@ pub fn check(
     let asked = sum(scenes.iter().map(|one| one.config.trials));
     let trials_of_all = study.trials().saturating_sub(asked).saturating_add(known);
     let timed: Vec<&SceneTrial> = scenes.iter().map(|one| &one.trial).collect();
-    let pace = Pace::of(runner, &timed, TIMING, clock);
+    let pace = Pace::of(runner, &timed, TRIALS_LIMIT, clock);
     let groups = groups(study, &scenes, &pace, clock).map_err(SweepError::SetUp)?;
     let intervals = intervals(&scenes);
     let of_all = study.trials() as f64 / asked as f64;
@@ -150,12 +150,12 @@ pub fn check(
     })
 }
 
-/// Sum of counts, at most the largest number of 64 bits.
+/// Saturating sum of counts.
 fn sum(counts: impl Iterator<Item = u64>) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// Cell that has been set up.
+/// Cell that is set up.
 struct CellScene {
     number: usize,
     config: StudyConfig,
@@ -167,26 +167,23 @@ impl CellScene {
         self.trial.scene.trials(self.config.trials)
     }
 
-    /// Scene whose costs are measured: of a press, one that is read without a camera, so that it is quick to set up.
+    /// Scene whose computing time is measured: a press without its camera, so that its set-up is fast.
     fn measured(&self) -> SceneConfig {
         match &self.config.scene {
-            scene @ SceneConfig::Press(_) => bare(scene),
+            scene @ SceneConfig::Press(_) => with_ideal_sensor(scene),
             scene => scene.clone(),
         }
     }
 
-    /// Whether a camera reads a press: it sees markers at other depths than those at which displacements are read
-    /// without one.
+    /// Whether a camera reads the press. Then its markers are at other depths than in a direct reading.
     fn has_camera(&self) -> bool {
-        match &self.config.scene {
-            SceneConfig::Press(press) => !matches!(press.sensor, PressSensorConfig::Direct { .. }),
-            _ => false,
-        }
+        let scene = &self.config.scene;
+        matches!(scene, SceneConfig::Press(press) if !matches!(press.sensor, PressSensorConfig::Direct { .. }))
     }
 }
 
-/// Scenes of the cells of the study's sample, in order, as many as there is time for; once the time is up, presses are set
-/// up without a camera, and dropped, and where the sample is not the whole study, no more cells are.
+/// Scenes of the study's sample in order, as many as the time limit allows. After the limit, presses are only checked, without
+/// a camera; if the sample is not the whole study, nothing more is set up.
 fn scenes(
     study: &Study,
     clock: &Clock<'_>,
@@ -199,14 +196,18 @@ fn scenes(
         progress(done, sample.len());
         let number = sample[place];
         let spent = clock().saturating_sub(start);
-        let is_late = !scenes.is_empty() && spent >= SETTING_UP;
-        if is_late && (!is_whole || spent >= WHOLE) {
+        let is_late = !scenes.is_empty() && spent >= SET_UP_LIMIT;
+        if is_late && (!is_whole || spent >= SET_UP_WITHOUT_CAMERA_LIMIT) {
             break;
         }
         let cell = study.cell(number)?;
         if is_late && matches!(cell.config.scene, SceneConfig::Press(_)) {
-            Scene::of(&bare(&cell.config.scene), cell.config.seed, &parts)
-                .map_err(|error| study.error_at(number, &error.path, error.message))?;
+            Scene::of(
+                &with_ideal_sensor(&cell.config.scene),
+                cell.config.seed,
+                &parts,
+            )
+            .map_err(|error| study.error_at(number, &error.path, error.message))?;
         } else {
             let scene = study.estimable_scene_of(number, &cell, &parts)?;
             scenes.push(CellScene {
@@ -252,19 +253,19 @@ fn groups(
             }
         }
     }
-    let deadline = clock() + LADDERS;
-    let mut told: Vec<(SceneConfig, bool, usize)> = Vec::new();
+    let deadline = clock() + LADDERS_LIMIT;
+    let mut measured: Vec<(SceneConfig, bool, usize)> = Vec::new();
     for (group, (place, one)) in groups.iter_mut().zip(firsts) {
         let cell = one.number;
         let (scene, has_camera) = (one.measured(), one.has_camera());
         let like = |known: &&(SceneConfig, bool, usize)| known.0 == scene && known.1 == has_camera;
-        if let Some((.., other)) = told.iter().find(like) {
+        if let Some((.., other)) = measured.iter().find(like) {
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        // The ladder of a roll follows its contacts on every rung, as a trial does on one.
+        // Each rung of a roll's ladder takes as long as a trial.
         let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
-        let is_long = is_roll && pace.seconds_per_trial(place) > LONG_TRIAL.as_secs_f64();
+        let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();
         let in_time = clock() < deadline && !is_long;
         let ladder = match in_time {
             true => study.ladder_of(cell, &one.trial.scene)?,
@@ -274,13 +275,12 @@ fn groups(
         group.needless = needless(&one.trial, &one.config.scene, taken);
         group.rungs = match ladder {
             Some(ladder) => {
-                let measured = (&scene, one.config.seed);
-                let costs = costs::of_neighbours(measured, &ladder, deadline, clock);
-                told.push((scene, has_camera, cell));
+                let times = neighbour_times((&scene, one.config.seed), &ladder, deadline, clock);
+                measured.push((scene, has_camera, cell));
                 Rungs::Measured {
                     cell,
                     ladder,
-                    costs,
+                    times,
                 }
             }
             None if in_time => Rungs::None,
@@ -290,31 +290,27 @@ fn groups(
     Ok(groups)
 }
 
-/// Verdicts of random scenes on the intervals of scenes, with the number of those of which it is told.
-fn intervals(scenes: &[CellScene]) -> Vec<(usize, Tested)> {
-    let mut told: Vec<(usize, Tested)> = Vec::new();
+/// Measured coverage of the scenes, with the number of scenes that share it.
+fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
+    let mut all: Vec<(usize, Coverage)> = Vec::new();
     for one in scenes {
-        let tested = tested(&one.config.scene, one.config.length_unit);
-        match told.iter_mut().find(|(_, known)| *known == tested) {
+        let coverage = coverage(&one.config.scene, one.config.length_unit);
+        match all.iter_mut().find(|(_, known)| *known == coverage) {
             Some((cells, _)) => *cells += 1,
-            None => told.push((1, tested)),
+            None => all.push((1, coverage)),
         }
     }
-    told
+    all
 }
 
-/// Means which scenes of this kind may need and this one does not.
+/// Means that other scenes of this kind need and this one does not.
 fn needless(
     trial: &SceneTrial,
     scene: &SceneConfig,
     taken: Option<&ModelConfig>,
 ) -> Vec<&'static str> {
-    let integrates = !matches!(
-        taken,
-        Some(ModelConfig::Roll(
-            RollModelConfig::ClosedForm {} | RollModelConfig::Meridian {}
-        ))
-    );
+    use RollModelConfig::{ClosedForm, Meridian};
+    let integrates = !matches!(taken, Some(ModelConfig::Roll(ClosedForm {} | Meridian {})));
     let renders = match scene {
         SceneConfig::Press(press) => matches!(press.sensor, PressSensorConfig::Rendered(_)),
         _ => true,

@@ -1,20 +1,27 @@
-//! Answers to the question which values of a field meet a target, by Monte Carlo.
+//! Which values of one or several fields of a study meet a target, found by Monte Carlo.
 //!
-//! Each value that is looked at is a study of its own: the config with that value. Trials of one number draw the same random
-//! numbers at every value, so that values compare trial by trial. The target is to hold in every cell of the study at once;
-//! failed trials belong to it, for the survivors flatter.
+//! One field is searched. The others take the values of a grid, and at each combination of these the search is repeated.
+//! Around the best value the grid is refined.
+//!
+//! Each tried value is a study of its own: the config with that value. Trials with the same number draw the same random
+//! numbers at every value, so that values compare trial by trial. All cells of the study must meet the target. Failed trials
+//! count as misses, because the remaining trials alone would look too good.
+//!
+//! Each search may be wrong with the same part of the allowed probability, so that the whole region is right with the
+//! confidence of the question.
 
-mod answer;
 mod curves;
+mod feasible_region;
 mod field;
-mod figure;
-mod json;
-mod measure;
+mod grid;
 mod question;
-mod table;
-mod words;
+mod region_figure;
+mod region_table;
+mod region_text;
+mod target_score;
 
-use std::collections::BTreeMap;
+use std::cell::Cell;
+use std::time::Duration;
 
 use palpate_scene::quantities_of;
 use palpate_study::Target;
@@ -22,26 +29,26 @@ use palpate_study::config::Study;
 use palpate_sweep::{Clock, Curves, Run, Runner, ScoreRequest, Search, SearchResult, Side, search};
 
 use curves::CellCurves;
+use feasible_region::nearest;
+use field::single_values;
+use grid::{Grid, REFINEMENTS};
 
-pub use answer::{Answer, LookedAt, Sample};
+pub use feasible_region::{Best, DesignPoint, Region, RegionColumn, Sample};
 pub use field::Field;
-pub(crate) use json::{found, shown};
-pub(crate) use question::MOST_COLUMNS;
-pub use question::{DesignError, Question};
-pub(crate) use table::verdict;
-pub(crate) use words::{first_letter_large, joined, notes, sure, trials_in_words};
+pub use question::{DesignError, Extreme, Question, Sought, Survey};
+pub(crate) use region_text::settings_in_words;
 
-/// Trials by which the best value is known where none meets the target.
-const BEST: u64 = 4096;
+/// Number of trials of the best value if no value meets the target.
+const BEST_VALUE_TRIALS: u64 = 4096;
 
-/// Finds the values of a field at which all cells of a study meet a target.
+/// Finds which values of one or several fields meet a target, and the best value of one of them.
 ///
-/// `progress` is told, whenever some have been run, at how many values there are how many trials. Without a budget the
-/// result hangs on the study and the question alone.
+/// `progress` receives the number of tried values and of trials so far. Without a budget the result depends on the study and
+/// the survey alone. The combinations of the grid share a budget.
 ///
 /// ```
 /// use std::time::Instant;
-/// use palpate::{Question, RunOptions, Runner, Side};
+/// use palpate::{Extreme, RunOptions, Runner, Side, Sought, Survey};
 ///
 /// let text = r#"
 /// name = "a-ball"
@@ -51,16 +58,28 @@ const BEST: u64 = 4096;
 /// probe = { kind = "sphere", radius = 10.0 }
 /// object = { kind = "sphere", radius = 30.0 }
 /// motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-/// sensor = { kind = "pads", pitch = 0.5, layout = "uniform", offset = "random" }
+/// noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
 /// "#;
 /// let study = palpate::parse("a-ball.toml", text)?;
-/// let target = "relative_rms_error(mean_curvature) <= 5 %".parse()?;
-/// let question = Question::new(target, "scene.sensor.pitch=0.05..1".parse()?);
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let start = Instant::now();
-/// let answer = palpate::design(&study, &question, &runner, &|| start.elapsed(), &|_, _| ())?;
-/// let [meets, misses] = answer.runs[..] else { panic!("{}", answer.sentence()) };
+/// let noise = "scene.noise.angular_velocity.fraction=0.001..0.1";
+/// let target = "relative_rms_error(mean_curvature) <= 2 %".parse()?;
+/// let survey = Survey::new(target, vec![noise.parse()?], None)?;
+/// let region = palpate::design(&study, &survey, &runner, &|| start.elapsed(), &|_, _| ())?;
+/// let [meets, misses] = region.columns[0].runs[..] else { panic!("{}", region.sentence()) };
 /// assert!(meets.side == Side::Meets && meets.to < misses.from && misses.from < 1.06 * meets.to);
+///
+/// // Two objects, and the largest noise that still meets the target.
+/// let fields = vec!["scene.object.radius=20,60".parse()?, noise.parse()?];
+/// let path = "scene.noise.angular_velocity.fraction".to_owned();
+/// let mut survey = Survey::new(target, fields, Some(Sought { path, extreme: Extreme::Largest }))?;
+/// survey.question.gap = 0.2;
+/// let region = palpate::design(&study, &survey, &runner, &|| start.elapsed(), &|_, _| ())?;
+/// assert_eq!(region.columns.len(), 2);
+/// // The sharper ball allows more noise.
+/// let best = region.best().ok_or("some noise is small enough")?;
+/// assert_eq!(best.column.at, [0.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -68,173 +87,204 @@ const BEST: u64 = 4096;
 /// [`DesignError`].
 pub fn design(
     study: &Study,
-    question: &Question,
+    survey: &Survey,
     runner: &Runner,
     clock: &Clock<'_>,
     progress: &dyn Fn(usize, u64),
-) -> Result<Answer, DesignError> {
-    check(question)?;
-    let field = Field::of(study, &question.set, &question.vary)?;
-    let mut curves = CellCurves::new(study, question, &field, runner, progress)?;
-    let asked = Search {
-        among: field.among(),
-        gap: question.gap,
-        most_trials: question.most_trials,
-        budget: question.budget,
-        wrong: 1.0 - question.confidence,
+) -> Result<Region, DesignError> {
+    survey.check()?;
+    let grid = Grid::new(study, survey)?;
+    let max_columns = grid.max_columns(survey);
+    let confidence = survey.question.confidence;
+    let searches = Searches {
+        study,
+        grid: &grid,
+        question: Question {
+            confidence: 1.0 - (1.0 - confidence) / max_columns as f64,
+            ..survey.question.clone()
+        },
+        runner,
+        clock,
+        progress,
+        done: Cell::new((0, 0)),
     };
-    let found = search(&mut curves, &asked, clock)?;
-    let answer = assembled(&curves, question, &found)?;
-    if answer.on(Side::Meets).next().is_some() {
-        return Ok(answer);
+    let mut region = empty_region(study, survey, &grid)?;
+    for (done, place) in grid.places.iter().enumerate() {
+        let column = searches.search_at(place, max_columns - done)?;
+        region.columns.push(column);
     }
-    // What is best is worth knowing well where nothing is good enough.
-    if let Some((looked, sample)) = answer.best() {
-        let known = known_in_time(&answer, question, clock);
-        curves.scores(&[ScoreRequest {
-            value: looked.value,
-            cell: sample.cell,
-            trials: known.max(sample.trials),
-            fresh: false,
-        }])?;
-    }
-    assembled(&curves, question, &found)
-}
-
-/// Trials by which the best value is known, as far as there is time.
-fn known_in_time(answer: &Answer, question: &Question, clock: &Clock<'_>) -> u64 {
-    let Some(budget) = question.budget else {
-        return BEST;
-    };
-    let elapsed = clock();
-    let trials: u64 = answer.samples().map(|sample| sample.trials).sum();
-    let each = elapsed.as_secs_f64() / trials.max(1) as f64;
-    let left = budget.saturating_sub(elapsed).as_secs_f64();
-    if each > 0.0 {
-        ((left / each) as u64).min(BEST)
+    let rounds = if grid.is_refined(survey) {
+        REFINEMENTS
     } else {
-        BEST
+        0
+    };
+    for _ in 0..rounds {
+        let best = region
+            .best()
+            .map(|best| (best.column.at.clone(), best.value));
+        let Some((best, value)) = best else {
+            break;
+        };
+        let is_end = |sought: &Sought| value == sought.extreme.end_of(grid.searched.span);
+        if survey.sought.as_ref().is_some_and(is_end) {
+            break;
+        }
+        let known = region.columns.iter().map(|column| column.at.clone());
+        for place in grid.neighbours(&best, &known.collect::<Vec<_>>()) {
+            let left = max_columns.saturating_sub(region.columns.len()).max(1);
+            let column = searches.search_at(&place, left)?;
+            region.columns.push(column);
+        }
     }
+    let by_place = |one: &RegionColumn, other: &RegionColumn| {
+        let mut pairs = one.at.iter().zip(&other.at);
+        let differ = pairs.find(|(one, other)| one != other);
+        differ.map_or(std::cmp::Ordering::Equal, |(one, other)| {
+            one.total_cmp(other)
+        })
+    };
+    region.columns.sort_by(by_place);
+    Ok(region)
 }
 
-/// The answer of what was found and run.
-fn assembled(
-    curves: &CellCurves<'_>,
-    question: &Question,
-    found: &SearchResult,
-) -> Result<Answer, DesignError> {
-    let field = curves.field().clone();
-    let mut samples: BTreeMap<(u64, bool), Vec<Sample>> = BTreeMap::new();
-    for (((value, cell), fresh), sampled) in &curves.samples {
-        samples.entry((*value, *fresh)).or_default().push(Sample {
-            cell: *cell,
-            trials: sampled.trials,
-            failed: sampled.failed,
-            statistic: sampled.statistic,
-        });
-    }
-    let mut looked = Vec::new();
-    for one in &found.tested {
-        let mut of = |fresh: bool| {
-            let known = samples.remove(&(one.value.to_bits(), fresh));
-            known.unwrap_or_default()
-        };
-        looked.push(LookedAt {
-            value: one.value,
-            side: side_of(&found.runs, one.value),
-            worst: one.worst,
-            searched: of(false),
-            fresh: of(true),
-        });
-    }
-    let told = curves.study_at(found.tested.first().map_or(0.0, |looked| looked.value))?;
-    // The field itself and what is set are the last, and the same in all cells.
-    let axes = told.columns.len() - 1 - question.set.len();
-    let cells = (0..told.cell_count()).map(|cell| {
-        let coordinates = told.cell(cell)?.coordinates;
+/// Region of a survey before the first search.
+fn empty_region(study: &Study, survey: &Survey, grid: &Grid) -> Result<Region, DesignError> {
+    let question = &survey.question;
+    let mut fields = single_values(&question.set);
+    let varied = grid.fields.iter().chain([&grid.searched]);
+    fields
+        .extend(varied.map(|field| (field.path.clone(), vec![field.config_value(field.first())])));
+    let study = study.varied(&fields)?;
+    // The set and varied fields are the last axes, and have one value each.
+    let axes = study.columns.len() - fields.len();
+    let cells = (0..study.cell_count()).map(|cell| {
+        let coordinates = study.cell(cell)?.coordinates;
         Ok(coordinates.into_iter().take(axes).collect())
     });
-    let cells: Result<_, DesignError> = cells.collect();
-    let quantities = quantities_of(&told.config.scene);
+    let first_quantity = quantities_of(&study.config.scene).first().copied();
     let target = Target {
-        quantity: question.target.quantity.or(quantities.first().copied()),
+        quantity: question.target.quantity.or(first_quantity),
         ..question.target
     };
-    Ok(Answer {
-        unit: unit(&told, &target),
+    let unit = match target.quantity {
+        _ if target.statistic.is_number() => "1",
+        Some(quantity) => quantity.unit.of(study.config.length_unit),
+        None => "",
+    };
+    Ok(Region {
+        grid: grid.fields.clone(),
+        searched: grid.searched.clone(),
         target,
+        unit,
         max_failures: question.max_failures,
         confidence: question.confidence,
-        columns: told.columns.iter().take(axes).cloned().collect(),
-        cells: cells?,
-        looked,
-        runs: found.runs.clone(),
-        narrowed: found.narrowed,
-        ended: found.ended,
-        field,
+        cells: cells.collect::<Result<_, DesignError>>()?,
+        cell_columns: study.columns.into_iter().take(axes).collect(),
+        sought: survey.sought.clone(),
+        columns: Vec::new(),
     })
 }
 
-/// Side of the run in which a value lies.
+/// Searches at the combinations of a grid, one after the other.
+struct Searches<'a> {
+    study: &'a Study,
+    grid: &'a Grid,
+    question: Question,
+    runner: &'a Runner,
+    clock: &'a Clock<'a>,
+    progress: &'a dyn Fn(usize, u64),
+    /// Number of values and of trials so far.
+    done: Cell<(usize, u64)>,
+}
+
+impl Searches<'_> {
+    /// Searches at a combination. Each of the `left` remaining searches gets the same share of the remaining time.
+    fn search_at(&self, place: &[f64], left: usize) -> Result<RegionColumn, DesignError> {
+        let mut question = self.question.clone();
+        let fields = self.grid.fields.iter().zip(place);
+        let set = fields.map(|(field, value)| (field.path.clone(), field.config_value(*value)));
+        question.set.extend(set);
+        let start = (self.clock)();
+        let share = |budget: Duration| {
+            budget.saturating_sub(start) / u32::try_from(left.max(1)).unwrap_or(u32::MAX)
+        };
+        question.budget = question.budget.map(share);
+        let clock = || (self.clock)().saturating_sub(start);
+        let before = self.done.get();
+        let progress = |values: usize, trials: u64| {
+            let done = (before.0 + values, before.1 + trials);
+            self.done.set(done);
+            (self.progress)(done.0, done.1);
+        };
+        let field = &self.grid.searched;
+        let mut curves = CellCurves::new(self.study, &question, field, self.runner, &progress)?;
+        let settings = Search {
+            among: field.among(),
+            gap: question.gap,
+            most_trials: question.most_trials,
+            budget: question.budget,
+            wrong: 1.0 - question.confidence,
+        };
+        let found = search(&mut curves, &settings, &clock)?;
+        let column = column_of(&curves, place, &found);
+        if column.on(Side::Meets).next().is_some() {
+            return Ok(column);
+        }
+        // If no value meets the target, the answer states how near the best one comes, so that one gets more trials.
+        let Question {
+            target,
+            max_failures,
+            ..
+        } = question;
+        let best = nearest([&column], target.bound, max_failures);
+        let Some((_, point, sample)) = best else {
+            return Ok(column);
+        };
+        curves.scores(&[ScoreRequest {
+            value: point.value,
+            cell: sample.cell,
+            trials: trials_in_time(&column, question.budget, &clock).max(sample.trials),
+            fresh: false,
+        }])?;
+        Ok(column_of(&curves, place, &found))
+    }
+}
+
+/// Number of trials of the best value for which the remaining time is enough.
+fn trials_in_time(column: &RegionColumn, budget: Option<Duration>, clock: &Clock<'_>) -> u64 {
+    let Some(budget) = budget else {
+        return BEST_VALUE_TRIALS;
+    };
+    let elapsed = clock();
+    let trials: u64 = column.samples().map(|sample| sample.trials).sum();
+    let each = elapsed.as_secs_f64() / trials.max(1) as f64;
+    let left = budget.saturating_sub(elapsed).as_secs_f64();
+    match each > 0.0 {
+        true => ((left / each) as u64).min(BEST_VALUE_TRIALS),
+        false => BEST_VALUE_TRIALS,
+    }
+}
+
+/// Column of a search, with the trials that were run for it.
+fn column_of(curves: &CellCurves<'_>, place: &[f64], found: &SearchResult) -> RegionColumn {
+    let points = found.tested.iter().map(|point| DesignPoint {
+        value: point.value,
+        side: side_of(&found.runs, point.value),
+        worst: point.worst,
+        searched: curves.samples_at(point.value, false),
+        fresh: curves.samples_at(point.value, true),
+    });
+    RegionColumn {
+        at: place.to_owned(),
+        points: points.collect(),
+        runs: found.runs.clone(),
+        narrowed: found.narrowed,
+        ended: found.ended,
+    }
+}
+
+/// Side of the run that contains a value.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)
-}
-
-/// Unit of a target's statistic.
-fn unit(study: &Study, target: &Target) -> &'static str {
-    match target.statistic {
-        statistic if statistic.is_number() => "1",
-        _ => target
-            .quantity
-            .map_or("", |quantity| quantity.unit.of(study.config.length_unit)),
-    }
-}
-
-/// Refuses settings that are out of their ranges.
-fn check(question: &Question) -> Result<(), DesignError> {
-    let Question {
-        target,
-        max_failures,
-        vary,
-        set,
-        gap,
-        most_trials,
-        confidence,
-        ..
-    } = question;
-    let refused = |setting, value, expected| {
-        Err(DesignError::OutOfRange {
-            setting,
-            value,
-            expected,
-        })
-    };
-    if !(*max_failures > 0.0 && *max_failures <= 1.0) {
-        let expected = "above 0, for no number of trials shows that none fails, and at most 1";
-        return refused("max_failures", *max_failures, expected);
-    }
-    if !(*gap > 0.0 && *gap <= 1.0) {
-        return refused("gap", *gap, "above 0 and at most 1");
-    }
-    if *most_trials == 0 {
-        return refused("most_trials", 0.0, "at least 1");
-    }
-    if !(*confidence > 0.0 && *confidence < 1.0) {
-        return refused("confidence", *confidence, "above 0 and below 1");
-    }
-    if !target.limit.is_finite() || target.statistic.is_size() && target.limit <= 0.0 {
-        let expected = match target.statistic.is_size() {
-            true => "finite and above 0",
-            false => "finite",
-        };
-        return refused("limit", target.limit, expected);
-    }
-    let mut paths: Vec<&str> = set.iter().map(|(path, _)| path.as_str()).collect();
-    paths.push(&vary.path);
-    paths.sort_unstable();
-    match paths.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(DesignError::Twice(pair[0].to_owned())),
-        None => Ok(()),
-    }
 }

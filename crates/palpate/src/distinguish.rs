@@ -1,35 +1,57 @@
-//! How surely trials tell the swept objects of a study apart.
-
-mod error;
-mod figure;
-mod found;
-mod json;
-mod objects;
-mod words;
+//! How certainly trials distinguish the swept objects of a study.
 
 use palpate_scene::{Scenes, quantities_of};
 use palpate_study::Quantity;
-use palpate_study::config::{SceneConfig, Study};
+use palpate_study::config::{ConfigError, SceneConfig, Study};
 use palpate_sweep::{Runner, TrialMeans, both_above, in_order, repeats};
+use thiserror::Error;
 
+use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::trial::SceneTrial;
-use error::MOST_CELLS;
-use objects::grouped;
 
-pub use error::DistinguishError;
-pub use found::{Group, Object, Pair, ToldApart};
+/// Largest number of cells. The estimates of all their trials are stored.
+const MAX_CELLS: usize = 1000;
+/// A class holds for a patch if it holds for more than this share of its places.
+const MAJORITY: f64 = 0.5;
+/// Distance between the trial numbers of two cells, so that no two cells draw the same random numbers.
+const TRIALS_PER_CELL: u64 = 1 << 40;
 
-/// Share of places of a patch above which a class is that of most.
-const MOST_PLACES: f64 = 0.5;
-/// Trial numbers of a cell, so that no two cells draw the same random numbers.
-const APART: u64 = 1 << 40;
+/// Reason why objects cannot be compared.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DistinguishError {
+    /// Invalid config.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Study without a swept object.
+    #[error(
+        "no field of `scene.object` is swept, so that there is nothing to tell apart; \
+         `--vary scene.object.radius=20,25,30` would be such a sweep"
+    )]
+    NoObjects,
+    /// Scene without this quantity.
+    #[error("a {scene} has no quantity {name:?} that tells objects apart (known: {known})")]
+    NoQuantity {
+        /// Kind of the scene.
+        scene: &'static str,
+        /// Name of the quantity.
+        name: String,
+        /// Quantities of the scene.
+        known: String,
+    },
+    /// Confidence out of its range.
+    #[error("confidence is {0}; it must be above 0 and below 1")]
+    Confidence(f64),
+    /// Too many cells.
+    #[error("the study has {0} cells, and at most {MAX_CELLS} are looked at")]
+    TooManyCells(usize),
+}
 
-/// Tells how surely one trial of each of two objects puts them in the right order, for every two objects that a study
-/// sweeps, and how many trials do it with the probability `confidence`.
+/// Computes, for each two objects that a study sweeps, the probability that one trial of each puts them in the right order,
+/// and the number of trials whose mean does so with the probability `confidence`.
 ///
-/// The quantity is `quantity`, or else the object's curvature: of a press `object_curvature`, of others `mean_curvature`. A
-/// trial that fails, and estimates that are alike, do not tell. By the quantity `class` of a glide two objects are told
-/// apart where most places of each are classified right; objects of one class never are.
+/// Without `quantity`, the object's curvature is compared: `object_curvature` of a press, else `mean_curvature`. A failed
+/// trial distinguishes nothing, nor do equal estimates. With the quantity `class` of a glide, two objects are
+/// distinguished if most places of both are classified correctly; objects of the same class never are.
 ///
 /// ```
 /// use palpate::{RunOptions, Runner};
@@ -50,8 +72,8 @@ const APART: u64 = 1 << 40;
 /// "#;
 /// let study = palpate::parse("balls.toml", text)?;
 /// let runner = Runner::new(&RunOptions::default())?;
-/// let told = palpate::distinguish(&study, None, 0.95, &runner, &|_, _| ())?;
-/// let pairs = &told.groups[0].pairs;
+/// let found = palpate::distinguish(&study, None, 0.95, &runner, &|_, _| ())?;
+/// let pairs = &found.groups[0].pairs;
 /// // The flatter object first: 60 and 21, 60 and 20, 21 and 20.
 /// let far = pairs[0].order.ok_or("of different truths")?;
 /// let near = pairs[2].order.ok_or("of different truths")?;
@@ -67,15 +89,15 @@ pub fn distinguish(
     confidence: f64,
     runner: &Runner,
     progress: &dyn Fn(usize, usize),
-) -> Result<ToldApart, DistinguishError> {
+) -> Result<Discrimination, DistinguishError> {
     if !(confidence > 0.0 && confidence < 1.0) {
         return Err(DistinguishError::Confidence(confidence));
     }
     let cells = study.cell_count();
-    if cells > MOST_CELLS {
+    if cells > MAX_CELLS {
         return Err(DistinguishError::TooManyCells(cells));
     }
-    // A wrong name is told before the lack of objects.
+    // A wrong quantity is reported before missing objects.
     let first = study.cell(0)?.config.scene;
     place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
@@ -86,8 +108,8 @@ pub fn distinguish(
         let trial = SceneTrial::new(study.estimable_scene(cell)?);
         let kind = study.cell(cell)?.config.scene.kind();
         let (place, found) = place_of(trial.scene.quantities(), kind, quantity)?;
-        let first = cell as u64 * APART;
-        let trials = study.trials_of(cell).min(APART);
+        let first = cell as u64 * TRIALS_PER_CELL;
+        let trials = study.trials_of(cell).min(TRIALS_PER_CELL);
         told.push(runner.trial_means(&trial, place, first..first + trials));
         facts.push((trial.scene.true_class(), found));
     }
@@ -95,7 +117,7 @@ pub fn distinguish(
         .first()
         .map_or(Quantity::MEAN_CURVATURE, |(_, found)| *found);
     let is_class = quantity == Quantity::CLASS;
-    let limit = is_class.then_some(MOST_PLACES);
+    let limit = is_class.then_some(MAJORITY);
     let mut groups = Vec::new();
     for (settings, members) in layout.groups {
         let mut objects: Vec<Object> = members
@@ -105,7 +127,7 @@ pub fn distinguish(
                     true => facts[*cell].0.map(str::to_owned),
                     false => None,
                 };
-                Object::of(*cell, label.clone(), &told[*cell], truth)
+                Object::new(*cell, label.clone(), &told[*cell], truth)
             })
             .collect();
         objects.sort_by(|one, other| match (one.truth, other.truth) {
@@ -141,7 +163,7 @@ pub fn distinguish(
             pairs,
         });
     }
-    Ok(ToldApart {
+    Ok(Discrimination {
         unit: quantity.unit.of(study.config.length_unit),
         quantity,
         confidence,
@@ -162,7 +184,7 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// Place and name of the quantity by which objects are told apart.
+/// The compared quantity, and its index among those of the scene.
 fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
@@ -182,4 +204,44 @@ fn place_of(
     };
     let place = found.ok_or_else(unknown)?;
     Ok((place, quantities[place]))
+}
+
+/// Swept fields that define objects, the other swept fields, and the cells that share the values of the latter.
+struct Layout {
+    /// Columns of the fields that define objects.
+    objects: Vec<String>,
+    /// Columns of the other fields.
+    others: Vec<String>,
+    groups: Vec<(Vec<String>, Members)>,
+}
+
+/// Cells, and the values that define their objects.
+type Members = Vec<(usize, Vec<String>)>;
+
+/// Groups of at least two cells that differ only in their objects, in the order of the study.
+fn grouped(study: &Study) -> Result<Layout, DistinguishError> {
+    let is_object = |path: &String| path == "scene.object" || path.starts_with("scene.object.");
+    let texts_of = |of_object: bool, texts: &[String]| -> Vec<String> {
+        let pairs = study.paths.iter().zip(texts);
+        let chosen = pairs.filter(|(path, _)| is_object(path) == of_object);
+        chosen.map(|(_, text)| text.clone()).collect()
+    };
+    let mut groups: Vec<(Vec<String>, Members)> = Vec::new();
+    for cell in 0..study.cell_count() {
+        let coordinates = study.cell(cell)?.coordinates;
+        let (settings, label) = (texts_of(false, &coordinates), texts_of(true, &coordinates));
+        match groups.iter_mut().find(|(known, _)| *known == settings) {
+            Some((_, members)) => members.push((cell, label)),
+            None => groups.push((settings, vec![(cell, label)])),
+        }
+    }
+    groups.retain(|(_, members)| members.len() > 1);
+    match study.paths.iter().any(is_object) && !groups.is_empty() {
+        true => Ok(Layout {
+            objects: texts_of(true, &study.columns),
+            others: texts_of(false, &study.columns),
+            groups,
+        }),
+        false => Err(DistinguishError::NoObjects),
+    }
 }

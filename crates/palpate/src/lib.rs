@@ -1,26 +1,26 @@
-//! Studies of a fingertip that explores a surface, and estimates from readings that somebody measured.
+//! Studies of a fingertip that explores a surface, and estimates from recorded readings.
 //!
 //! | to | call |
 //! |---|---|
 //! | read a study | [`load`] from a file, [`parse`] from a text with a name |
-//! | see what it will do | [`check`] |
-//! | know whether intervals of such scenes were held against the truth | [`tested`] |
-//! | refuse what it asks for and cannot have | [`refuse`] |
+//! | forecast its models, trials and time | [`check`] |
+//! | look up how often intervals of such scenes contain the true value | [`coverage`] |
+//! | check that the outputs that it requests are possible | [`check_outputs`] |
 //! | choose its trials from a budget of time or a target error | [`plan`] |
-//! | find the values of a field that meet a target | [`design`] |
-//! | tell how surely its objects are told apart | [`distinguish`] |
+//! | find the values of fields that meet a target | [`design`] |
+//! | compute how certainly its objects are distinguished | [`distinguish`] |
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
-//! | follow one pass of a cell | [`trace`] |
+//! | trace one pass of a cell | [`trace`] |
 //! | write its config as a run does | [`resolved`] |
-//! | take tables apart | [`columns`], [`columns_of_csv`] |
+//! | split tables into columns | [`columns`], [`columns_of_csv`] |
 //! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
 //! | score the papers' claims on tables, and make their page | [`report`] |
-//! | know what a word means | [`glossary`] |
-//! | cut the skin of a sensor | [`CutPattern`], [`marker_places`] |
+//! | look up the meaning of a word | [`glossary`] |
+//! | get the cutting pattern of a sensor's skin | [`CutPattern`], [`marker_places`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
-//! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
-//! there are no threads (WebAssembly). The program of this name (feature `cli`) adds arguments, files and a terminal.
+//! The library does not print, exit, read a clock or write files. It reads only files that the caller names, and works
+//! without threads (WebAssembly). The program of this name (feature `cli`) adds arguments, files and a terminal.
 //!
 //! ```
 //! let text = r#"
@@ -41,34 +41,34 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod asked;
 mod check;
 mod columns;
-mod costs;
+mod coverage;
 mod design;
+mod discrimination;
 mod distinguish;
-mod facts;
-mod map;
-mod means;
+mod inverse_quantities;
+mod ladder_timing;
+mod output_check;
 mod plan;
 mod readings;
-mod region;
-mod resolved;
-mod share;
+mod run_files;
+mod shard;
 mod simulation;
 pub mod study_options;
-mod tables;
-mod tested;
-mod trace;
 mod trial;
 
-pub use asked::refuse;
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, ColumnType, ValueKind, Values, columns, columns_of_csv};
-pub use costs::Cost;
-pub use design::{Answer, DesignError, Field, LookedAt, Question, Sample, design};
-pub use distinguish::{DistinguishError, Group, Object, Pair, ToldApart, distinguish};
-pub use map::Map;
+pub use coverage::{Coverage, Family, coverage};
+pub use design::{
+    Best, DesignError, DesignPoint, Extreme, Field, Question, Region, RegionColumn, Sample, Sought,
+    Survey, design,
+};
+pub use discrimination::{Discrimination, Group, Object, Pair};
+pub use distinguish::{DistinguishError, distinguish};
+pub use ladder_timing::EvaluationTime;
+pub use output_check::check_outputs;
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
@@ -85,13 +85,10 @@ pub use palpate_sweep::{
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
-pub use region::{Best, Extreme, Region, RegionColumn, Sought, Survey, region};
-pub use resolved::resolved;
-pub use share::Shard;
-pub use simulation::{CellRows, Finished, Ran, RunError, Simulation, Warnings, run};
-pub use tested::{Family, Tested, tested};
-pub use trace::{TraceError, trace};
-pub use trial::SceneTrial;
+pub use run_files::{Map, resolved};
+pub use shard::Shard;
+pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, Warnings, run};
+pub use trial::{SceneTrial, TraceError, trace};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

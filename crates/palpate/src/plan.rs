@@ -160,7 +160,7 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
 /// set up or its trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let scene = with_tolerance(&config.scene, tolerance)?;
-    let scene = Scene::new(&bare(&scene), config.seed).ok()?;
+    let scene = Scene::new(&with_ideal_sensor(&scene), config.seed).ok()?;
     let quantities = scene.quantities();
     let mut values = Vec::new();
     let mut truths = vec![0.0_f64; quantities.len()];
@@ -197,8 +197,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     })
 }
 
-/// Copy of a scene without noise and with an ideal sensor, which makes it cheap to set up.
-pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
+/// Scene without noise and with an ideal sensor, so that its set-up is fast.
+pub(crate) fn with_ideal_sensor(scene: &SceneConfig) -> SceneConfig {
     let mut scene = scene.clone();
     match &mut scene {
         SceneConfig::Roll(roll) => {

@@ -1,8 +1,7 @@
-//! The trials of a study's cells, and the tables that they give.
+//! Simulation of a study: the trials of its cells, and their tables.
 
-mod finished;
-mod ready;
-mod warnings;
+mod cell_results;
+mod cell_setup;
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -20,26 +19,23 @@ use palpate_sweep::{
 use thiserror::Error;
 
 use crate::columns::ColumnType;
-use crate::facts::Facts;
-use crate::map::{CellMap, Map};
-use crate::means;
-use crate::share::{Shard, Share};
-use crate::tables::{self, Row};
+use crate::inverse_quantities::drop_undefined_moments;
+use crate::run_files::{self, CellMap, Map, Row};
+use crate::shard::{Shard, ShardTasks};
 use crate::trial::SceneTrial;
 
-pub use finished::{CellRows, Finished};
-pub use warnings::Warnings;
+pub use cell_results::{CellResults, CellRows, Warnings};
+pub(crate) use cell_setup::CellTruth;
 
-use ready::Ready;
+use cell_setup::CellSetup;
 
-/// Most cells that are all set up before the first trial is run; of more, those of the study's sample, and the others when
-/// they are run.
-const MOST_CHECKED: u64 = 10_000;
-/// Scenes that are kept from their check until they are run. Those of further cells are set up once more, which bounds
-/// the memory of a study of many cells; a scene with a camera takes a second to set up.
-const KEPT: usize = 64;
+/// Largest number of cells that are all set up before the first trial. Of a larger study, only a sample is.
+const MAX_CHECKED: u64 = 10_000;
+/// Number of scenes that are stored from their check until their trials. The others are set up twice, which limits the
+/// memory for studies with many cells. A scene with a camera takes a second to set up.
+const MAX_CACHED: usize = 64;
 
-/// Cells of a study that have been checked and are ready to run.
+/// Cells of a study that are checked and ready for their trials.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -63,7 +59,7 @@ const KEPT: usize = 64;
 /// // The last cell alone.
 /// let simulation = Simulation::new(&study, [2], &runner)?;
 /// assert_eq!(simulation.trials(), 100);
-/// let ran = simulation.run(&AtomicBool::new(false), &|_finished| ())?;
+/// let ran = simulation.run(&AtomicBool::new(false), &|_trials| ())?;
 /// assert_eq!((ran.statistics.len(), ran.cells.rows[0][0].as_str()), (1, "2"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -72,25 +68,25 @@ pub struct Simulation<'a> {
     study: &'a Study,
     runner: &'a Runner,
     arch: Arch,
-    share: Share,
+    tasks: ShardTasks,
     states_bounds: bool,
-    /// Empty table for maps of the cells' scenes; `None` where the config asks for no maps.
+    /// Empty table for maps of the cells; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
-    /// Whether single trials are told.
-    tells_trials: bool,
-    /// Scenes that have been checked and not yet been run, by the numbers of their cells.
-    kept: Mutex<BTreeMap<usize, (Cell, Scene)>>,
-    /// SharedModels that scenes share.
+    /// Whether each trial gets a row.
+    has_trials: bool,
+    /// Checked scenes that wait for their trials, by the numbers of their cells.
+    cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
+    /// Models that scenes share.
     parts: SharedModels,
 }
 
 impl<'a> Simulation<'a> {
-    /// Sets up the cells with these numbers one by one, each on any of the runner's threads, and keeps few of them.
+    /// Simulation of the cells with these numbers, which are set up on the runner's threads to check them.
     ///
     /// # Errors
-    /// [`ConfigError`] at the field that makes no scene, that leaves nothing to estimate from, or that asks for a map of
-    /// what has none, of the first cell that has such a field; for a number that no cell has.
+    /// [`ConfigError`] of the first cell with an invalid field, with readings that allow no estimate, or with a map that its
+    /// scene does not have; also for a number that is not a cell of the study.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,
@@ -100,10 +96,10 @@ impl<'a> Simulation<'a> {
         Self::of_shard(study, cells, Shard::default(), runner)?.checked()
     }
 
-    /// Simulation of a shard of the cells with these numbers, none of which has been checked.
+    /// Simulation of a shard of the cells with these numbers, without a check of them.
     ///
     /// # Errors
-    /// [`ConfigError`] of the first cell, whose scene is set up where maps are asked for.
+    /// [`ConfigError`] of the first cell, which is set up if the config requests maps.
     pub fn of_shard(
         study: &'a Study,
         numbers: Vec<usize>,
@@ -112,38 +108,37 @@ impl<'a> Simulation<'a> {
     ) -> Result<Self, ConfigError> {
         let has_maps = study.config.outputs.contains(&Output::Map);
         let parts = SharedModels::default();
-        let mut kept = BTreeMap::new();
+        let mut cached = BTreeMap::new();
         let mut maps = None;
         if let (true, Some(&first)) = (has_maps, numbers.first()) {
             let cell = study.cell(first)?;
             let scene = study.estimable_scene_of(first, &cell, &parts)?;
             maps = Some(map_table(study, &scene)?);
-            kept.insert(first, (cell, scene));
+            cached.insert(first, (cell, scene));
         }
         Ok(Self {
             study,
             runner,
             arch: Arch::new(),
-            share: Share::new(numbers, shard),
-            states_bounds: tables::states_bounds(study),
+            tasks: ShardTasks::new(numbers, shard),
+            states_bounds: run_files::states_bounds(study),
             maps,
             warnings: Warnings::default(),
-            tells_trials: false,
-            kept: Mutex::new(kept),
+            has_trials: false,
+            cached: Mutex::new(cached),
             parts,
         })
     }
 
-    /// The simulation after its cells have been set up, and seen to be sound: of more than 10,000 those of the study's
-    /// [sample](Study::sample).
+    /// Sets up the cells to check them. Of more than 10,000 cells, only those of the study's [sample](Study::sample).
     ///
     /// # Errors
     /// [`ConfigError`], as [`Simulation::new`] has.
     pub fn checked(self) -> Result<Self, ConfigError> {
         let warnings = Mutex::new(Warnings::default());
-        let count = self.share.tasks() as usize;
+        let count = self.tasks.tasks() as usize;
         self.runner.check(count, |place| {
-            let number = self.share.cell(place as u64);
+            let number = self.tasks.cell(place as u64);
             if self.is_sampled() && self.study.sample().binary_search(&number).is_err() {
                 return Ok(());
             }
@@ -158,8 +153,8 @@ impl<'a> Simulation<'a> {
             if !lines.is_empty() {
                 lock(&warnings).add(number, lines);
             }
-            if place < KEPT {
-                lock(&self.kept).insert(number, (cell, scene));
+            if place < MAX_CACHED {
+                lock(&self.cached).insert(number, (cell, scene));
             }
             Ok::<(), ConfigError>(())
         })?;
@@ -170,68 +165,65 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// The simulation with trials side by side computed by other instructions than the widest that the processor has; no
-    /// number depends on them.
+    /// Uses other vector instructions than the widest ones of the processor. No result depends on them.
     #[must_use]
     pub fn with_arch(self, arch: Arch) -> Self {
         Self { arch, ..self }
     }
 
-    /// The simulation with rows of every trial, which [`Simulation::stream`] hands over before those of its cell, and
-    /// [`Simulation::run`] as a table.
+    /// Adds per-trial output: [`Simulation::stream`] passes it on before the results of the cell, [`Simulation::run`] returns a
+    /// table.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {
-            tells_trials: true,
+            has_trials: true,
             ..self
         }
     }
 
-    /// Number of trials of all cells together, at most the largest number of 64 bits; where nothing in a cell is random,
-    /// fewer are run.
+    /// Number of trials of all cells together, saturating. A cell without noise runs fewer.
     pub fn trials(&self) -> u64 {
-        self.share.trials_before(self.study, self.share.tasks())
+        self.tasks.trials_before(self.study, self.tasks.tasks())
     }
 
     /// Number of trials of the first tasks, as [`Simulation::trials`] counts them.
     pub fn trials_before(&self, tasks: u64) -> u64 {
-        self.share.trials_before(self.study, tasks)
+        self.tasks.trials_before(self.study, tasks)
     }
 
     /// Number of tasks: the cells of this shard.
     pub fn tasks(&self) -> u64 {
-        self.share.tasks()
+        self.tasks.tasks()
     }
 
-    /// Whether there are so many cells that only some are set up before the first trial. Then each cell that is run tells
-    /// its warnings itself.
+    /// Whether there are so many cells that only a sample is set up before the first trial. Then each cell reports its
+    /// warnings when it runs.
     pub fn is_sampled(&self) -> bool {
-        self.share.tasks() > MOST_CHECKED
+        self.tasks.tasks() > MAX_CHECKED
     }
 
     /// Number of tasks of all shards together.
     pub fn all_tasks(&self) -> u64 {
-        self.share.cells.len() as u64
+        self.tasks.cells.len() as u64
     }
 
     /// Cell of the task with this number.
     pub fn cell_of(&self, task: u64) -> usize {
-        self.share.cell(task)
+        self.tasks.cell(task)
     }
 
-    /// Warnings of the cells that have been set up, in which the theory or the estimator does not hold.
-    pub fn told(&self) -> &Warnings {
+    /// Warnings of the checked cells: cells in which the theory or the estimator does not hold.
+    pub fn check_warnings(&self) -> &Warnings {
         &self.warnings
     }
 
-    /// Lines that warn of cells in which the theory or the estimator does not hold, as `check` has them; each once, with
-    /// the cells that it is of.
+    /// Warnings of the checked cells as lines, each once, with its cells.
     pub fn warnings(&self) -> Vec<String> {
-        self.warnings.lines(self.share.cells.len())
+        self.warnings.lines(self.tasks.cells.len())
     }
 
-    /// Columns of `cells.csv`, `failures.csv`, where the config asks for maps `map.csv`, and where trials are told the table
-    /// of these.
+    /// Columns of `cells.csv` and `failures.csv`, of `map.csv` if the config requests maps, and of the table of trials with
+    /// per-trial output.
     pub fn columns(&self) -> [Option<Vec<ColumnType>>; 4] {
         let unit = self.study.config.length_unit;
         let beside = |names: &[&str]| {
@@ -243,14 +235,14 @@ impl<'a> Simulation<'a> {
             names.map(|name| ColumnType::named(name, unit)).collect()
         };
         [
-            Some(tables::columns(self.study, self.states_bounds)),
-            Some(beside(&tables::FAILURES)),
+            Some(run_files::columns(self.study, self.states_bounds)),
+            Some(beside(&run_files::FAILURES)),
             self.maps.as_ref().map(named),
-            self.tells_trials.then(|| beside(&tables::TRIALS)),
+            self.has_trials.then(|| beside(&run_files::TRIALS)),
         ]
     }
 
-    /// Name of what may be missing in maps: "cells" or "estimates of cells".
+    /// What a map lacks for a failed cell: "cells" or "estimates of cells".
     pub fn lacks(&self) -> &'static str {
         self.maps.as_ref().map_or("cells", |maps| maps.lacks)
     }
@@ -269,7 +261,7 @@ impl<'a> Simulation<'a> {
         first: u64,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
-        make: impl Fn(Finished) -> R + Sync,
+        make: impl Fn(CellResults) -> R + Sync,
         take: &mut (dyn FnMut(u64, SweepOutput<R>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<ConfigError>> {
         let tasks = Tasks {
@@ -281,37 +273,37 @@ impl<'a> Simulation<'a> {
         self.runner.stream(&tasks, cancelled, progress, take)
     }
 
-    /// Runs all trials, until another thread sets `cancelled`: then no trial begins. `progress` is told by any thread how
-    /// many it has done since it last told.
+    /// Runs all trials, until another thread sets `cancelled`. Any thread calls `progress` with the number of trials that it
+    /// has done since its last call.
     ///
     /// # Errors
     /// [`SweepError`], before any trial is run; [`SweepError::Cancelled`].
     ///
     /// # Panics
-    /// Where `progress` does.
+    /// If `progress` panics.
     pub fn run(
         &self,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
-        let mut cells: Vec<Finished> = Vec::new();
-        let mut trials = tables::TRIALS.join(",") + "\n";
-        let take = &mut |_: u64, taken: SweepOutput<Finished>| {
+        let mut cells: Vec<CellResults> = Vec::new();
+        let mut trials = run_files::TRIALS.join(",") + "\n";
+        let take = &mut |_: u64, taken: SweepOutput<CellResults>| {
             match taken {
                 SweepOutput::TrialRows(rows) => trials.push_str(&rows),
-                SweepOutput::Result(finished) => cells.push(finished),
+                SweepOutput::Result(results) => cells.push(results),
             }
             ControlFlow::Continue(())
         };
-        self.stream(0, cancelled, progress, |finished| finished, take)?;
-        let rows: Vec<Row<'_>> = cells.iter().map(Finished::row).collect();
+        self.stream(0, cancelled, progress, |results| results, take)?;
+        let rows: Vec<Row<'_>> = cells.iter().map(CellResults::row).collect();
         Ok(Ran {
-            cells: tables::cells(self.study, &rows, self.states_bounds),
-            failures: tables::failures(&rows),
-            trials: self.tells_trials.then_some(trials),
+            cells: run_files::cells(self.study, &rows, self.states_bounds),
+            failures: run_files::failures(&rows),
+            trials: self.has_trials.then_some(trials),
             map: self.maps.is_some().then(|| {
                 let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
-                Map::of_cells(maps)
+                Map::joined(maps)
             }),
             statistics: cells.into_iter().map(|cell| cell.statistics).collect(),
         })
@@ -321,11 +313,11 @@ impl<'a> Simulation<'a> {
         self.study.estimable_scene_of(number, cell, &self.parts)
     }
 
-    /// Experiment of a cell, with what its tables state of it.
-    fn set_up(&self, number: usize) -> Result<Ready, ConfigError> {
-        let kept = lock(&self.kept).remove(&number);
-        let (cell, scene) = match kept {
-            Some(kept) => kept,
+    /// Sets up a cell, or takes it from the checked ones.
+    fn set_up(&self, number: usize) -> Result<CellSetup, ConfigError> {
+        let cached = lock(&self.cached).remove(&number);
+        let (cell, scene) = match cached {
+            Some(cached) => cached,
             None => {
                 let cell = self.study.cell(number)?;
                 let scene = self.scene(number, &cell)?;
@@ -333,14 +325,14 @@ impl<'a> Simulation<'a> {
             }
         };
         let map = self.maps.clone();
-        Ok(Ready {
+        Ok(CellSetup {
             cell: number,
             warnings: match self.is_sampled() {
                 true => warnings_of(&scene),
                 false => Vec::new(),
             },
-            map: map.map(|table| CellMap::of(&scene, number, table)),
-            facts: Arc::new(Facts::of(&scene, cell)),
+            map: map.map(|table| CellMap::new(&scene, number, table)),
+            truth: Arc::new(CellTruth::new(&scene, cell)),
             trial: SceneTrial {
                 scene,
                 arch: self.arch,
@@ -362,61 +354,61 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Tasks of a simulation, from the first that is to be run.
+/// Tasks of a simulation that are still to be run.
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,
     make: F,
 }
 
-impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
-    type Trial = Ready;
+impl<R: Send, F: Fn(CellResults) -> R + Sync> Sweep for Tasks<'_, '_, F> {
+    type Trial = CellSetup;
     type Result = R;
     type Error = ConfigError;
 
     fn tasks(&self) -> u64 {
-        self.simulation.share.tasks().saturating_sub(self.first)
+        self.simulation.tasks.tasks().saturating_sub(self.first)
     }
 
     fn task(&self, number: u64) -> Task {
         let simulation = self.simulation;
-        simulation.share.task(simulation.study, self.first + number)
+        simulation.tasks.task(simulation.study, self.first + number)
     }
 
-    fn set_up(&self, cell: usize) -> Result<Ready, ConfigError> {
+    fn set_up(&self, cell: usize) -> Result<CellSetup, ConfigError> {
         self.simulation.set_up(cell)
     }
 
-    fn stopping_rule(&self, trial: &Ready) -> Option<StoppingRule> {
+    fn stopping_rule(&self, trial: &CellSetup) -> Option<StoppingRule> {
         trial.stop(self.simulation.study)
     }
 
     fn has_trial_rows(&self) -> bool {
-        self.simulation.tells_trials
+        self.simulation.has_trials
     }
 
     fn add_trial_row(
         &self,
-        trial: &Ready,
+        trial: &CellSetup,
         number: u64,
         observed: Result<&TrialObservations<'_>, &'static str>,
         text: &mut String,
     ) {
         let unit = self.simulation.study.config.length_unit;
-        tables::push_trial(
+        run_files::push_trial(
             text,
             (trial.cell, number),
-            trial.facts.quantities,
+            trial.truth.quantities,
             unit,
             observed,
         );
     }
 
-    fn finish(&self, cell: usize, trial: &Ready, mut statistics: CellStatistics) -> R {
-        means::withhold(trial.facts.quantities, &mut statistics.quantities);
-        (self.make)(Finished {
+    fn finish(&self, cell: usize, trial: &CellSetup, mut statistics: CellStatistics) -> R {
+        drop_undefined_moments(trial.truth.quantities, &mut statistics.quantities);
+        (self.make)(CellResults {
             cell,
-            facts: Arc::clone(&trial.facts),
+            truth: Arc::clone(&trial.truth),
             warnings: trial.warnings.clone(),
             map: trial.map.clone(),
             statistics,
@@ -425,18 +417,18 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
 }
 
 impl Simulation<'_> {
-    /// Table rows of a finished cell.
-    pub fn rows(&self, finished: &Finished) -> CellRows {
-        let rows = [finished.row()];
-        let map = finished.map.as_ref();
+    /// Table rows of a cell.
+    pub fn rows(&self, results: &CellResults) -> CellRows {
+        let rows = [results.row()];
+        let map = results.map.as_ref();
         CellRows {
-            cells: tables::cells_csv(self.study, &rows[0], self.states_bounds),
-            failures: tables::failures(&rows).rows_to_csv(),
+            cells: run_files::cells_csv(self.study, &rows[0], self.states_bounds),
+            failures: run_files::failures(&rows).rows_to_csv(),
             map: map.map_or_else(String::new, CellMap::rows),
             map_failed: map.and_then(|map| map.failed),
-            trials: finished.statistics.trials,
-            kinds: finished.statistics.failures.clone(),
-            warnings: finished.warnings.clone(),
+            trials: results.statistics.trials,
+            kinds: results.statistics.failures.clone(),
+            warnings: results.warnings.clone(),
         }
     }
 }
@@ -457,23 +449,23 @@ pub struct Ran {
     pub cells: Table,
     /// Table `failures.csv`: one row per cell and kind of failure.
     pub failures: Table,
-    /// Table `map.csv`, of the first trial of every cell; `None` where the config asks for none.
+    /// Table `map.csv`, of the first trial of every cell; `None` if the config does not request it.
     pub map: Option<Map>,
-    /// Table of all trials as CSV text, one row per observation or failure; `None` unless it was
-    /// [asked for](Simulation::with_trials).
+    /// Table of all trials as CSV text, one row per observation or failure; `None` without
+    /// [per-trial output](Simulation::with_trials).
     pub trials: Option<String>,
 }
 
-/// Study that cannot be run.
+/// Reason why a study cannot be run.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// Lack of threads.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// Field of a cell's config that makes no scene.
+    /// Invalid field of a cell's config.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Trials that cannot be run.
+    /// Failure of the trials.
     #[error(transparent)]
     Sweep(#[from] SweepError<ConfigError>),
 }

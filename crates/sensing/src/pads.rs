@@ -101,7 +101,7 @@ impl Pads {
             fits,
             "pitch",
             pitch,
-            &format!("> 0 and at most the probe's radius, {}", Number(radius)),
+            format!("> 0 and at most the probe's radius, {}", Number(radius)),
         )?;
         let resolved = pitch / radius >= FINEST;
         let expected = "at least 1e-15 of the probe's radius";

@@ -132,9 +132,9 @@ mod tests {
     fn family_of(text: &str) -> Result<String, String> {
         let study = parse("a-scene.toml", text).map_err(|error| error.to_string())?;
         let config = study.cell(0).map_err(|error| error.to_string())?.config;
-        match palpate::tested(&config.scene, config.length_unit) {
-            palpate::Tested::On(family) => Ok(family.name.clone()),
-            palpate::Tested::Beyond(_, why) | palpate::Tested::Not(why) => Err(why),
+        match palpate::coverage(&config.scene, config.length_unit) {
+            palpate::Coverage::Measured(family) => Ok(family.name.clone()),
+            palpate::Coverage::Outside(_, why) | palpate::Coverage::NotMeasured(why) => Err(why),
         }
     }
 
@@ -142,7 +142,7 @@ mod tests {
     fn the_table_of_the_program_is_that_of_the_committed_results() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let made = text(&coverage_table(&root.join("results")).unwrap()).unwrap();
-        let committed = root.join("crates/palpate/src/tested/table.csv");
+        let committed = root.join("crates/palpate/src/coverage/families.csv");
         assert_eq!(made, std::fs::read_to_string(committed).unwrap());
     }
 

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Departure, DiscDepths, Discs, Layout, Lens, MarkerArray,
-    MarkerMotion, OddTerms, Optics, OpticsError, SeenMarker,
+    Blemishes, Camera, Colours, Departure, Discs, Layout, Lens, MarkerArray, MarkerMotion,
+    OddTerms, Optics, OpticsError, SeenMarker,
 };
 
 use crate::optics::{DISCS, depths};
@@ -135,13 +135,9 @@ fn derivatives_of_pictures_are_differences() {
         magenta: 0.02,
         yellow: 0.02,
     };
-    let depths = DiscDepths {
-        magenta: 1.0,
-        yellow: 1.0,
-    };
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
-        let array = MarkerArray::new(20.0, &places, DISCS, depths(3.0, 1.0)).unwrap();
+        let array = MarkerArray::new(20.0, &places, discs, depths(1.0, 1.0)).unwrap();
         let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
         let seen = at_rest(&optics);
         let first = seen[0].unwrap().size_px2 / area(&camera, places[0]);

@@ -1,31 +1,33 @@
-//! Trials of a study's cells at the values of a field.
+//! Trials of the cells of a study at the values of the searched field.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use palpate_scene::{Scene, Scenes, quantities_of};
+use palpate_scene::Scenes;
 use palpate_study::config::{ConfigError, Study};
 use palpate_sweep::{Batches, CERTAIN, Curves, Growth, Runner, ScoreRequest, Scores};
 
-use super::field::Field;
-use super::measure::{Measure, NoValue};
-use super::question::{DesignError, MOST_CELLS, Question};
+use super::feasible_region::Sample;
+use super::field::{Field, single_values};
+use super::question::{DesignError, MAX_CELLS, Question};
+use super::target_score::{NoValue, SceneTarget};
 use crate::trial::SceneTrial;
 
-/// Number of the first trial that a search does not see.
-const FRESH: u64 = 1 << 40;
-/// Scenes that are kept for more trials; those of a camera are large.
-const KEPT: usize = 64;
+/// Number of the first trial that verifies an answer. The search uses the trials before.
+const FIRST_FRESH_TRIAL: u64 = 1 << 40;
+/// Largest number of scenes that are stored for further trials. Scenes with a camera are large.
+const MAX_CACHED_SCENES: usize = 64;
 
-/// Trials of the cells of a study at values of a field, as far as they have been asked for.
-pub(crate) struct CellCurves<'a> {
+/// Trials of the cells of a study at values of the searched field, as far as the search has run them.
+pub(super) struct CellCurves<'a> {
     source: Source<'a>,
     runner: &'a Runner,
-    /// Told the number of values and of trials so far.
+    /// Receives the number of values and of trials so far.
     progress: &'a dyn Fn(usize, u64),
     cells: usize,
     /// Scenes by value and cell.
     scenes: BTreeMap<Place, Setup>,
-    pub(crate) samples: BTreeMap<(Place, bool), Sampled>,
+    /// Trials by value and cell, those of the search (`false`) and fresh ones (`true`).
+    samples: BTreeMap<(Place, bool), CellTrials>,
 }
 
 /// Study with the field at a value.
@@ -37,28 +39,24 @@ struct Source<'a> {
 }
 
 /// Value, by its bits, and cell.
-pub(crate) type Place = (u64, usize);
+type Place = (u64, usize);
 
 /// Scene of a cell at a value.
 enum Setup {
-    /// A scene, with the target in it.
-    Ready(Box<SceneTrial>, Measure),
-    /// The readings can tell nothing.
+    /// A scene, and the target in it.
+    Scene(Box<SceneTrial>, SceneTarget),
+    /// Nothing can be estimated from the readings.
     NotEstimable,
 }
 
-/// Trials of a cell at a value, and what they tell.
-#[derive(Clone, Debug)]
-pub(crate) struct Sampled {
+/// Trials of a cell at a value, and their statistics.
+struct CellTrials {
     batches: Batches,
-    /// Statistic of the target with its standard error; `None` where it is undefined.
-    pub(crate) statistic: Option<(f64, f64)>,
-    pub(crate) failed: u64,
-    pub(crate) trials: u64,
+    sample: Sample,
 }
 
 impl<'a> CellCurves<'a> {
-    pub(crate) fn new(
+    pub(super) fn new(
         study: &'a Study,
         question: &'a Question,
         field: &'a Field,
@@ -77,30 +75,26 @@ impl<'a> CellCurves<'a> {
             scenes: BTreeMap::new(),
             samples: BTreeMap::new(),
         };
-        let first = match field.listed.is_empty() {
-            true => field.span.from,
-            false => 0.0,
-        };
-        curves.cells = curves.study_at(first)?.cell_count();
+        curves.cells = curves.source.study_at(field.first())?.cell_count();
         match curves.cells {
-            cells if cells > MOST_CELLS => Err(DesignError::TooManyCells(cells)),
+            cells if cells > MAX_CELLS => Err(DesignError::TooManyCells(cells)),
             _ => Ok(curves),
         }
     }
 
-    /// The study with the field at a value; its cells are those that are to meet the target together.
-    pub(crate) fn study_at(&self, value: f64) -> Result<Study, ConfigError> {
-        self.source.study_at(value)
+    /// Trials of each cell at a value: those of the search, or fresh ones.
+    pub(super) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
+        let bits = value.to_bits();
+        let at_value = self
+            .samples
+            .range(((bits, 0), false)..=((bits, usize::MAX), true));
+        let chosen = at_value.filter(|((_, fresh), _)| *fresh == is_fresh);
+        chosen.map(|(_, trials)| trials.sample).collect()
     }
 
-    /// Field that is varied.
-    pub(crate) fn field(&self) -> &Field {
-        self.source.field
-    }
-
-    /// Sets up the scenes of what is asked for.
+    /// Sets up the scenes of values and cells that have none yet.
     fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), DesignError> {
-        if self.scenes.len() > KEPT {
+        if self.scenes.len() > MAX_CACHED_SCENES {
             self.scenes.retain(|place, _| places.contains(place));
         }
         let missing = places
@@ -127,11 +121,11 @@ impl<'a> CellCurves<'a> {
 
 impl Source<'_> {
     fn study_at(&self, value: f64) -> Result<Study, ConfigError> {
-        let set = self.question.set.iter();
-        let mut fields: Vec<_> = set
-            .map(|(path, value)| (path.clone(), vec![value.clone()]))
-            .collect();
-        fields.push((self.field.path.clone(), vec![self.field.written(value)]));
+        let mut fields = single_values(&self.question.set);
+        fields.push((
+            self.field.path.clone(),
+            vec![self.field.config_value(value)],
+        ));
         self.study.varied(&fields)
     }
 
@@ -145,29 +139,16 @@ impl Source<'_> {
         if scene.estimable().is_err() {
             return Ok(Setup::NotEstimable);
         }
-        let measure = Measure::of(*target, *max_failures, scene.quantities());
-        let measure = measure.map_or_else(|| Err(no_quantity(study, cell, self.question)), Ok)?;
-        Ok(Setup::Ready(Box::new(SceneTrial::new(scene)), measure))
-    }
-}
-
-/// Error of a target whose quantity a cell does not have.
-fn no_quantity(study: &Study, cell: usize, question: &Question) -> DesignError {
-    let config = match study.cell(cell) {
-        Ok(cell) => cell.config,
-        Err(error) => return error.into(),
-    };
-    let known: Vec<&str> = quantities_of(&config.scene)
-        .iter()
-        .map(|one| one.name)
-        .collect();
-    DesignError::NoQuantity {
-        scene: config.scene.kind(),
-        name: question
-            .target
-            .quantity
-            .map_or("", |quantity| quantity.name),
-        known: known.join(", "),
+        let quantities = scene.quantities();
+        let Some(target) = SceneTarget::new(*target, *max_failures, quantities) else {
+            let known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
+            return Err(DesignError::NoQuantity {
+                scene: study.cell(cell)?.config.scene.kind(),
+                name: target.quantity.map_or("", |quantity| quantity.name),
+                known: known.join(", "),
+            });
+        };
+        Ok(Setup::Scene(Box::new(SceneTrial::new(scene)), target))
     }
 }
 
@@ -184,65 +165,68 @@ impl Curves for CellCurves<'_> {
         self.set_up(&places)?;
         let (scenes, samples) = (&self.scenes, &mut self.samples);
         for ask in asked {
-            let first = if ask.fresh { FRESH } else { 0 };
+            let first = if ask.fresh { FIRST_FRESH_TRIAL } else { 0 };
             let batches = match &scenes[&place(ask)] {
-                Setup::Ready(_, measure) => measure.batches(first),
+                Setup::Scene(_, target) => target.batches(first),
                 Setup::NotEstimable => Batches::from_trial(first),
             };
-            let sampled = Sampled {
-                batches,
-                statistic: None,
-                failed: 0,
+            let sample = Sample {
+                cell: ask.cell,
                 trials: 0,
+                failed: 0,
+                statistic: None,
             };
-            samples.entry((place(ask), ask.fresh)).or_insert(sampled);
+            let trials = CellTrials { batches, sample };
+            samples.entry((place(ask), ask.fresh)).or_insert(trials);
         }
         let wanted: BTreeMap<(Place, bool), u64> = asked
             .iter()
             .map(|ask| ((place(ask), ask.fresh), ask.trials))
             .collect();
         let mut growths: Vec<Growth<'_, SceneTrial>> = Vec::new();
-        for (key, sampled) in samples.iter_mut() {
-            if let (Some(&trials), Some(Setup::Ready(trial, _))) =
+        for (key, cell_trials) in samples.iter_mut() {
+            if let (Some(&trials), Some(Setup::Scene(trial, _))) =
                 (wanted.get(key), scenes.get(&key.0))
             {
                 growths.push(Growth {
                     trial,
-                    batches: &mut sampled.batches,
+                    batches: &mut cell_trials.batches,
                     trials,
                 });
             }
         }
         self.runner.grow(growths);
-        let judged = self.runner.map(asked.len(), |number| {
+        let scored = self.runner.map(asked.len(), |number| {
             let ask = &asked[number];
-            let Some(Setup::Ready(trial, measure)) = scenes.get(&place(ask)) else {
+            let Some(Setup::Scene(trial, target)) = scenes.get(&place(ask)) else {
                 return Ok(([-CERTAIN; 2], None));
             };
             let batches = &samples[&(place(ask), ask.fresh)].batches;
-            measure.judge(&trial.scene, batches)
+            target.scores(&trial.scene, batches)
         });
-        let mut told = Vec::with_capacity(asked.len());
-        for (ask, judged) in asked.iter().zip(judged) {
-            let (scores, estimate) = judged.map_err(|NoValue(why)| self.undefined(ask, why))?;
-            if let Some(sampled) = self.samples.get_mut(&(place(ask), ask.fresh)) {
-                let all = sampled.batches.statistics();
-                sampled.statistic = estimate.map(|one| (one.value, one.std_error()));
-                (sampled.trials, sampled.failed) = (all.trials, all.failed());
+        let mut all_scores = Vec::with_capacity(asked.len());
+        for (ask, scored) in asked.iter().zip(scored) {
+            let (scores, estimate) = scored.map_err(|NoValue(why)| self.undefined(ask, why))?;
+            if let Some(CellTrials { batches, sample }) =
+                self.samples.get_mut(&(place(ask), ask.fresh))
+            {
+                let all = batches.statistics();
+                sample.statistic = estimate.map(|one| (one.value, one.std_error()));
+                (sample.trials, sample.failed) = (all.trials, all.failed());
             }
-            told.push(scores);
+            all_scores.push(scores);
         }
         let values: BTreeSet<u64> = self.samples.keys().map(|((value, _), _)| *value).collect();
-        let trials = self.samples.values().map(|sampled| sampled.trials).sum();
+        let trials = self.samples.values().map(|cell| cell.sample.trials).sum();
         (self.progress)(values.len(), trials);
-        Ok(told)
+        Ok(all_scores)
     }
 }
 
 impl CellCurves<'_> {
-    /// Error of a statistic without a value.
+    /// Error for a statistic without a value.
     fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> DesignError {
-        let study = match self.study_at(ask.value) {
+        let study = match self.source.study_at(ask.value) {
             Ok(study) => study,
             Err(error) => return error.into(),
         };
@@ -252,14 +236,13 @@ impl CellCurves<'_> {
         let place: Vec<String> = pairs
             .map(|(path, text)| format!("{path} = {text}"))
             .collect();
-        let Question { target, .. } = self.source.question;
-        let quantity = study.scene(ask.cell).ok().and_then(|scene: Scene| {
-            let measure = Measure::of(*target, 1.0, scene.quantities())?;
-            Some(measure.quantity().name)
-        });
+        let quantity = match self.scenes.get(&(ask.value.to_bits(), ask.cell)) {
+            Some(Setup::Scene(_, target)) => target.quantity().name,
+            _ => "",
+        };
         DesignError::Undefined {
-            statistic: target.statistic.name(),
-            quantity: quantity.unwrap_or_default(),
+            statistic: self.source.question.target.statistic.name(),
+            quantity,
             place: place.join(", "),
             why,
         }

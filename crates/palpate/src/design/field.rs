@@ -1,4 +1,4 @@
-//! The field that is varied: its values as numbers, and as the config writes them.
+//! A varied field: its values as numbers, and as the config has them.
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
@@ -6,7 +6,7 @@ use palpate_sweep::{SearchRange, Span};
 
 use super::question::DesignError;
 
-/// Field that is varied.
+/// Varied field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Its path.
@@ -15,18 +15,18 @@ pub struct Field {
     pub column: String,
     /// Its words and its unit.
     pub label: Label,
-    /// Values that are listed; none where they are the numbers of `span`.
+    /// Listed values; empty for a range of numbers.
     pub listed: Vec<toml::Value>,
-    /// Numbers from one end to another; of listed values, their places.
+    /// Range of the numbers. For listed values, the range of their indices.
     pub span: Span,
 }
 
 impl Field {
-    /// Field of a study as it is to be varied.
+    /// Field of a study that is varied as `vary` says, beside fields that are set.
     ///
     /// # Errors
-    /// [`DesignError`] where there is no such field, or it takes no such values.
-    pub(crate) fn of(
+    /// [`DesignError`] if there is no such field, or if it does not accept such values.
+    pub(super) fn new(
         study: &Study,
         set: &[(String, toml::Value)],
         vary: &Vary,
@@ -36,13 +36,10 @@ impl Field {
             Varied::Range { from, .. } => toml::Value::Float(*from),
             Varied::Listed(values) => values.first().cloned().unwrap_or(false.into()),
         };
-        let set: Vec<_> = set
-            .iter()
-            .map(|(path, value)| (path.clone(), vec![value.clone()]))
-            .collect();
-        // The study without the field, in whose tables the field is looked up.
+        let set = single_values(set);
+        // Other set fields may decide which type of value this field accepts.
         let takes = study.varied(&set)?.takes(&path);
-        let refused = |why| {
+        let no_range = |why| {
             let path = path.clone();
             Err(DesignError::NoRange { path, why })
         };
@@ -52,7 +49,7 @@ impl Field {
                 (values.clone(), Span::new(0.0, last, true))
             }
             (Varied::Range { .. }, Some(Takes::Other)) => {
-                return refused("takes no numbers: list its values, as PATH=A,B,C");
+                return no_range("takes no numbers: list its values, as PATH=A,B,C");
             }
             (Varied::Range { from, to }, takes) => {
                 let is_whole = takes == Some(Takes::Whole);
@@ -61,12 +58,12 @@ impl Field {
                     false => [*from, *to],
                 };
                 if from > to {
-                    return refused("takes whole numbers, and the range has none");
+                    return no_range("takes whole numbers, and the range has none");
                 }
                 (Vec::new(), Span::new(from, to, is_whole))
             }
         };
-        // A path that names nothing, or a value that the field does not take, is told by the config.
+        // The config reports an unknown path, or a value that the field does not accept.
         let first = match (takes, span.is_whole && listed.is_empty()) {
             (_, true) => toml::Value::Integer(span.from as i64),
             _ => first,
@@ -82,16 +79,24 @@ impl Field {
         })
     }
 
-    /// Values among which is searched.
-    pub(crate) fn among(&self) -> SearchRange {
+    /// Values for the search.
+    pub(super) fn among(&self) -> SearchRange {
         match self.listed.len() {
             0 => SearchRange::Span(self.span),
             count => SearchRange::Listed(count),
         }
     }
 
+    /// First value; of listed values, its index.
+    pub(super) fn first(&self) -> f64 {
+        match self.is_listed() {
+            true => 0.0,
+            false => self.span.from,
+        }
+    }
+
     /// Value as the config has it.
-    pub(crate) fn written(&self, value: f64) -> toml::Value {
+    pub(super) fn config_value(&self, value: f64) -> toml::Value {
         match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
             None if self.span.is_whole => toml::Value::Integer(value as i64),
@@ -99,7 +104,7 @@ impl Field {
         }
     }
 
-    /// Value as a number; `None` of a listed one that is none.
+    /// Value as a number; `None` for a listed value that is not a number.
     pub fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -109,7 +114,7 @@ impl Field {
         }
     }
 
-    /// Whether values are listed rather than numbers of a range.
+    /// Whether the values are listed. Else they are the numbers of a range.
     pub fn is_listed(&self) -> bool {
         !self.listed.is_empty()
     }
@@ -120,7 +125,7 @@ impl Field {
     }
 
     /// Values from one to another with their unit.
-    pub(crate) fn between(&self, from: f64, to: f64) -> String {
+    pub(super) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),
             false => {
@@ -130,7 +135,7 @@ impl Field {
         }
     }
 
-    /// Value as results show it.
+    /// Value as the tables show it.
     pub fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {
             Some(toml::Value::String(text)) => text.clone(),
@@ -143,4 +148,12 @@ impl Field {
             None => number::shortest(value),
         }
     }
+}
+
+/// Set fields as varied fields with a single value each.
+pub(super) fn single_values(set: &[(String, toml::Value)]) -> Vec<(String, Vec<toml::Value>)> {
+    let fields = set.iter();
+    fields
+        .map(|(path, value)| (path.clone(), vec![value.clone()]))
+        .collect()
 }

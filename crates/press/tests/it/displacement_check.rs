@@ -14,7 +14,7 @@ const TOLD: Measured = Measured {
 fn doubts(body: &Body, pressed: &Body, change: impl Fn(&mut Readings)) -> Vec<Vec<Doubt>> {
     let markers = published();
     let contact = markers.skin().contact(pressed, 1.0 / 40.0, 1.0).unwrap();
-    let fit = fit_of(&body, STD);
+    let fit = fit_of(body, STD);
     let exact = Readings::of(&markers, &contact, at(6.0, 20.0));
     let told = (0..60).filter_map(|trial| {
         let mut readings = exact.noisy(STD, trial);

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use palpate::{Answer, DesignError, Extreme, Region, Sought, Survey};
+use palpate::{DesignError, Extreme, Region, Sought, Survey};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -24,47 +24,31 @@ record!(
     "Values of several fields that, taken together, meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints of several fields: `answer`, a sentence; `columns`, one per combination of\nthe grid, each with `at` (values by their paths: `column.at[\"scene.object.radius\"]`) and with `meets`, `misses` and\n`best` of the field that is searched, as a DesignAnswer has them; `best_that_meets`, values by their paths, or None;\n`grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought`. `lines` are its grounds, in words; `table`\nis a Table of all trials, `runs` one of the runs that meet or miss the target, `figure` a Figure of them."
 );
 
-/// Source that the answer of a design is made from.
-struct Found<T> {
-    found: T,
+/// Answer of a design, with its study.
+struct Found {
+    region: Region,
     study: palpate::Study,
 }
 
-impl Made for Found<Box<Answer>> {
+impl Made for Found {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.found.to_json(&self.study))
+        of_json(py, &self.region.to_json(&self.study))
     }
 
     fn others(&self) -> &'static [&'static str] {
-        &["lines", "table", "figure"]
-    }
-
-    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Self { found, study } = self;
-        match name {
-            "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
-            "table" => table(py, &found.table(), study),
-            _ => figure(py, found.figure("design", study.heading())),
+        match self.region.is_curve() {
+            true => &["lines", "table", "figure"],
+            false => &["lines", "table", "runs", "figure"],
         }
     }
-}
-
-impl Made for Found<Region> {
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.found.to_json(&self.study))
-    }
-
-    fn others(&self) -> &'static [&'static str] {
-        &["lines", "table", "runs", "figure"]
-    }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Self { found, study } = self;
+        let Self { region, study } = self;
         match name {
-            "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
-            "table" => table(py, &found.table(), study),
-            "runs" => table(py, &found.runs(), study),
-            _ => figure(py, found.figure("design", study.heading())),
+            "lines" => Ok(region.lines().into_pyobject(py)?.into_any()),
+            "table" => table(py, &region.table(), study),
+            "runs" => table(py, &region.runs(), study),
+            _ => figure(py, region.figure("design", study.heading())),
         }
     }
 }
@@ -203,7 +187,6 @@ pub(crate) fn design<'py>(
     survey.question.gap = gap;
     survey.question.most_trials = most_trials;
     survey.question.budget = budget.map(Duration::from_secs_f64);
-    let is_line = survey.grid.is_empty() && survey.sought.is_none();
     let study = study.get().with(None, seed)?;
     let runner = runner(threads)?;
     let found = watched_alone(py, progress.as_ref(), move |watch| {
@@ -212,24 +195,13 @@ pub(crate) fn design<'py>(
             || start.elapsed(),
             |_values: usize, trials: u64| watch.reach(trials),
         );
-        if is_line {
-            let found = palpate::design(&study, &survey.question, &runner, &clock, &tell)?;
-            let found = Box::new(found);
-            return Ok(Either::Line(Found { found, study }));
-        }
-        let found = palpate::region(&study, &survey, &runner, &clock, &tell)?;
-        Ok(Either::Region(Found { found, study }))
+        let region = palpate::design(&study, &survey, &runner, &clock, &tell)?;
+        Ok(Found { region, study })
     })?;
     match found.map_err(refused)? {
-        Either::Line(found) => DesignAnswer::of(py, found),
-        Either::Region(found) => DesignRegion::of(py, found),
+        found if found.region.is_curve() => DesignAnswer::of(py, found),
+        found => DesignRegion::of(py, found),
     }
-}
-
-/// Answer along one field, or region of several.
-enum Either {
-    Line(Found<Box<Answer>>),
-    Region(Found<Region>),
 }
 
 /// Error of a field that is asked for, and not varied.

@@ -19,7 +19,7 @@ record!(
 
 /// Source that an answer is made from.
 struct Told {
-    told: palpate::ToldApart,
+    told: palpate::Discrimination,
     study: palpate::Study,
 }
 

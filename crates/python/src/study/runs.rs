@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use palpate::config::Output;
 use palpate::{
-    Accuracy, Check, Cost, Family, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation,
-    Study, SweepError, Tested, Trace, TraceError, resolved, trace,
+    Accuracy, Check, Coverage, EvaluationTime, Family, Goal, PlanError, Ran, RunOptions, Rungs,
+    Runner, Simulation, Study, SweepError, Trace, TraceError, check_outputs, resolved, trace,
 };
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
@@ -74,7 +74,7 @@ pub(super) fn run(
             cells,
             tells_trials,
         } = asked;
-        palpate::refuse(&study).map_err(SweepError::SetUp)?;
+        check_outputs(&study).map_err(SweepError::SetUp)?;
         let cells = cells.unwrap_or_else(|| (0..study.cell_count()).collect());
         let first = cells.first().copied();
         let simulation = Simulation::new(&study, cells, &runner);
@@ -142,7 +142,7 @@ fn of_check(check: &Check) -> Json {
     })
 }
 
-fn of_tested((cells, tested): &(usize, Tested)) -> Json {
+fn of_tested((cells, tested): &(usize, Coverage)) -> Json {
     let measured = |family: &Family, beyond: Option<&str>| {
         json!({
             "cells": cells,
@@ -155,9 +155,9 @@ fn of_tested((cells, tested): &(usize, Tested)) -> Json {
         })
     };
     match tested {
-        Tested::On(family) => measured(family, None),
-        Tested::Beyond(family, beyond) => measured(family, Some(beyond)),
-        Tested::Not(why) => json!({ "cells": cells, "not_tested": why }),
+        Coverage::Measured(family) => measured(family, None),
+        Coverage::Outside(family, beyond) => measured(family, Some(beyond)),
+        Coverage::NotMeasured(why) => json!({ "cells": cells, "not_tested": why }),
     }
 }
 
@@ -168,9 +168,9 @@ fn of_rungs(rungs: &Rungs) -> Json {
         Rungs::Measured {
             cell,
             ladder,
-            costs,
+            times,
         } => {
-            let all = costs.iter().map(|(place, cost)| {
+            let all = times.iter().map(|(place, time)| {
                 let rung = &ladder.rungs[*place];
                 json!({
                     "name": rung.name,
@@ -180,8 +180,8 @@ fn of_rungs(rungs: &Rungs) -> Json {
                         Accuracy::Error(_) => None,
                         Accuracy::Impossible(reason) => Some(reason),
                     },
-                    "seconds": cost.map(|cost| cost.seconds()),
-                    "each_trial": cost.map(|cost| matches!(cost, Cost::EachTrial(_))),
+                    "seconds": time.map(|time| time.seconds()),
+                    "each_trial": time.map(|time| matches!(time, EvaluationTime::EachTrial(_))),
                 })
             });
             json!({

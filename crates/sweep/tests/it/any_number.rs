@@ -1,6 +1,6 @@
 //! Whatever the numbers: finite statistics, the same in any order of the blocks.
 
-use palpate_sweep::{BLOCK, Observation, Summary};
+use palpate_sweep::{BLOCK, Observation};
 use proptest::prelude::*;
 
 use crate::{observing, run_cell};
@@ -8,28 +8,6 @@ use crate::{observing, run_cell};
 /// Any double, those of everyday size as often as all the others.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![any::<u64>().prop_map(f64::from_bits), -2.0..2.0]
-}
-
-fn numbers(summary: &Summary) -> Vec<f64> {
-    let all = [
-        summary.truth,
-        summary.mean,
-        summary.std,
-        summary.bias,
-        summary.rms_error,
-        summary.rms_error_std,
-        summary.mean_abs_error,
-        summary.relative_rms_error,
-        summary.relative_mean_abs_error,
-        summary.q05,
-        summary.q50,
-        summary.q95,
-        summary.mean_reported_std,
-        summary.coverage50,
-        summary.coverage80,
-        summary.coverage95,
-    ];
-    all.into_iter().flatten().collect()
 }
 
 proptest! {
@@ -45,7 +23,8 @@ proptest! {
         });
         let found = run_cell(2 * BLOCK + 7, &trial);
         let summary = &found.quantities[0];
-        prop_assert!(numbers(summary).iter().all(|number| number.is_finite()), "{summary:?}");
+        let printed = format!("{summary:?}");
+        prop_assert!(!printed.contains("NaN") && !printed.contains("inf"), "{printed}");
         prop_assert_eq!(summary.observations + found.failed(), 2 * BLOCK + 7);
         for coverage in [summary.coverage50, summary.coverage80, summary.coverage95].into_iter().flatten() {
             prop_assert!((0.0..=1.0).contains(&coverage));

@@ -139,7 +139,7 @@ fn a_cancelled_run_begins_no_more_trials_and_returns_nothing() {
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
         // A single thread stops between trials, not blocks. A second thread stops when it reads the flag.
-        assert!(begun >= 100 && begun < 1000 * BLOCK, "{begun}");
+        assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }
     cancelled.store(false, Ordering::Relaxed);

@@ -129,21 +129,6 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
 }
 
 #[test]
-fn a_small_spread_about_a_large_mean_is_not_lost() {
-    // Estimates alternate between 1e9 and the next float but one, 2^−22 apart.
-    let step = 2f64.powi(-22);
-    for truth in [1e9, 0.0] {
-        let trial = observing(|trial| observation(1e9 + step * (trial % 2) as f64, truth, None));
-        let n = 10.0 * BLOCK as f64;
-        let summary = run_cell(10 * BLOCK, &trial).quantities[0];
-        let std = step / 2.0 * (n / (n - 1.0)).sqrt();
-        assert_relative_eq!(summary.std.unwrap(), std, max_relative = 1e-12);
-        assert_eq!(summary.mean, Some(1e9 + step / 2.0));
-        assert_eq!(summary.bias, Some(1e9 - truth + step / 2.0));
-    }
-}
-
-#[test]
 fn one_trial_is_its_own_mean_and_quantiles() {
     let summary = run_cell(1, &observing(|_| observation(0.3, 0.25, Some(0.0)))).quantities[0];
     assert_eq!(summary.mean, Some(0.3));
@@ -330,27 +315,5 @@ fn the_ends_of_the_floats_give_finite_numbers_or_none() {
                 );
             }
         }
-    }
-}
-
-#[test]
-fn errors_whose_squares_leave_the_floats_keep_their_digits() {
-    for scale in [1e-300, 1e300, f64::MIN_POSITIVE] {
-        let trial =
-            observing(|trial| observation(if trial % 2 == 0 { scale } else { -scale }, 0.0, None));
-        let summary = run_cell(2 * BLOCK, &trial).quantities[0];
-        assert_relative_eq!(
-            summary.rms_error.unwrap() / scale,
-            1.0,
-            max_relative = 1e-14
-        );
-        assert_relative_eq!(
-            summary.mean_abs_error.unwrap() / scale,
-            1.0,
-            max_relative = 1e-14
-        );
-        assert_relative_eq!(summary.std.unwrap() / scale, 1.0, max_relative = 1e-3);
-        assert_eq!(summary.q05, Some(-scale));
-        assert_eq!(summary.q95, Some(scale));
     }
 }

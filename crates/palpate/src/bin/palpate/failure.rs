@@ -14,7 +14,7 @@ pub(crate) enum Failure {
     Usage(Error),
     /// The work failed or the readings are bad: status 1.
     Work(Error),
-    /// A signal stopped the work, with the status that this has.
+    /// A signal stopped the work; with the exit status.
     Stopped(Error, u8),
 }
 
@@ -52,7 +52,7 @@ impl Failure {
             .downcast_ref::<ConfigError>()
             .map(ConfigError::path)
             .filter(|path| !path.is_empty());
-        told(kind, status, &self.to_string(), field)
+        error_json(kind, status, &self.to_string(), field)
     }
 
     pub(crate) fn exit_code(&self) -> ExitCode {
@@ -69,7 +69,7 @@ impl fmt::Display for Failure {
         let (Self::Usage(error) | Self::Work(error) | Self::Stopped(error, _)) = self;
         let mut text = error.to_string();
         for cause in error.chain().skip(1).map(ToString::to_string) {
-            // Some errors tell their cause themselves.
+            // Some messages contain their cause already.
             if !text.contains(&cause) {
                 text = format!("{text}: {cause}");
             }
@@ -91,8 +91,8 @@ pub(crate) fn flag(key: &str) -> String {
     }
 }
 
-/// An error as one line of JSON. A message that begins with a file and a line gives these too.
-pub(crate) fn told(kind: &str, status: u8, message: &str, field: Option<&str>) -> String {
+/// An error as one line of JSON. File and line are added if the message begins with them.
+pub(crate) fn error_json(kind: &str, status: u8, message: &str, field: Option<&str>) -> String {
     let place = message.split_once(": ").map(|(place, _)| place);
     let line = place.and_then(|place| {
         let mut parts = place.split(':');
@@ -100,23 +100,23 @@ pub(crate) fn told(kind: &str, status: u8, message: &str, field: Option<&str>) -
         let line: u64 = parts.next()?.parse().ok()?;
         Some((file, line))
     });
-    let mut error = serde_json::Map::new();
-    let mut add = |key: &str, value: serde_json::Value| drop(error.insert(key.to_owned(), value));
-    add("version", 1.into());
-    add("kind", kind.into());
-    add("status", status.into());
-    add("message", message.into());
+    let mut error = serde_json::json!({
+        "version": 1,
+        "kind": kind,
+        "status": status,
+        "message": message,
+    });
     if let Some((file, line)) = line {
-        add("file", file.into());
-        add("line", line.into());
+        error["file"] = file.into();
+        error["line"] = line.into();
     }
     if let Some(field) = field {
-        add("field", field.into());
+        error["field"] = field.into();
     }
     serde_json::json!({ "error": error }).to_string()
 }
 
-/// A text that a terminal shows and does not obey: control characters of a file that a message quotes are spelt out.
+/// Text with its control characters escaped, so that a terminal does not execute quoted ones.
 fn visible(text: &str) -> String {
     let mut visible = String::with_capacity(text.len());
     for character in text.chars() {

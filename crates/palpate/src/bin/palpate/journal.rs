@@ -1,7 +1,8 @@
-//! Journal of a run: what has been done, so that a run that is killed goes on where it was, and what a shard gives.
+//! Journal of a run: the results of finished cells. A killed run resumes after them, and shards are merged from their
+//! journals.
 //!
-//! A journal is [`MAGIC`] and frames: the length of a record, its CRC-32, and the record (postcard). A frame that is cut
-//! short, or whose checksum is wrong, ends it.
+//! A journal is [`MAGIC`] and frames: the length of a record, its CRC-32, and the record (postcard). It ends before the first
+//! frame that is incomplete or has a wrong checksum.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -19,39 +20,40 @@ use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last is the version of its format.
 const MAGIC: &[u8; 8] = b"palpate\x04";
-/// Rows that are kept in memory before they are written, bytes.
-const MOST_PENDING: usize = 1 << 18;
-/// Time after which they are written, and the journal is brought to the disk.
+/// Size of the rows from which they are written, bytes.
+const MAX_PENDING: usize = 1 << 18;
+/// Time after which rows are written, and the file is synchronised with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Largest record that is read, bytes.
-const MOST_RECORD: u32 = 1 << 30;
+const MAX_RECORD: u32 = 1 << 30;
 
-/// Run that a journal is of.
+/// Header of a journal: its run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Header {
     /// Version of palpate.
     pub(crate) version: String,
     /// Config of the run, as `run.toml` has it.
     pub(crate) config: String,
-    pub(crate) asked: Asked,
-    /// Warnings of its cells: lines with first cell, place among its lines, and number of cells.
+    pub(crate) request: RunRequest,
+    /// Warnings of the checked cells: lines with the first cell, the place among its lines, and the number of cells.
     warnings: Vec<(String, (u64, u64, u64))>,
-    /// Number of its tasks, and of those of all shards together.
+    /// Number of tasks of this run.
     pub(crate) tasks: u64,
+    /// Number of tasks of all shards together.
     pub(crate) all_tasks: u64,
 }
 
-/// Request of a user: what must be the same for a run to go on.
+/// Arguments of a run. A run resumes only with the same ones.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub(crate) struct Asked {
+pub(crate) struct RunRequest {
     /// Config with all defaults and overrides, before trials and model are chosen.
     pub(crate) config: String,
     /// Budget and target error.
     pub(crate) goal: String,
     pub(crate) every_nth_cell: u64,
-    /// Number of the shard, and of shards; `None` of a run that is not shared.
+    /// Number of the shard, and of shards; `None` for a run of the whole study.
     pub(crate) shard: Option<(u64, u64)>,
-    /// Whether rows of trials are kept.
+    /// Whether the journal has rows of trials.
     pub(crate) trials_out: bool,
 }
 
@@ -59,24 +61,24 @@ pub(crate) struct Asked {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 enum Record {
     Header(Box<Header>),
-    /// Cells that are done, and the time since the last such record, ms.
+    /// Finished cells, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
-    /// Trial rows of the cell that the journal records next.
+    /// Trial rows of the next cell.
     Trials(TrialRows),
     End,
 }
 
-/// Cell that is done: its rows.
+/// Finished cell with its rows.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Rows of `cells.csv`, `failures.csv`, `map.csv` and of trials, those that no record before it has.
+    /// Rows of `cells.csv`, `failures.csv`, `map.csv`, and the trial rows that no earlier record has.
     pub(crate) rows: [String; 4],
     pub(crate) map_failed: Option<String>,
     pub(crate) trials: u64,
     /// Failed trials by kind.
     pub(crate) kinds: Vec<(String, u64)>,
-    /// Warnings that the header does not have.
+    /// Warnings that are not in the header.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -87,13 +89,13 @@ pub(crate) struct TrialRows {
     pub(crate) rows: String,
 }
 
-/// One thing that a journal tells.
-pub(crate) enum Item {
+/// Entry of a journal.
+pub(crate) enum JournalItem {
     Trials(TrialRows),
     Cell(CellRecord),
 }
 
-/// Counts of cells, trials and failures so far.
+/// Numbers of cells, trials and failures so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) cells: u64,
@@ -101,28 +103,28 @@ pub(crate) struct Totals {
     /// Failed trials by kind.
     pub(crate) kinds: BTreeMap<String, u64>,
     /// Whether some trial succeeded.
-    pub(crate) is_alive: bool,
+    pub(crate) has_success: bool,
 }
 
-/// State of a journal that has been read.
-pub(crate) struct Found {
+/// Contents of a journal, without its rows.
+pub(crate) struct JournalState {
     pub(crate) header: Header,
-    /// Number of tasks that are done.
+    /// Number of finished tasks.
     pub(crate) tasks: u64,
     pub(crate) is_ended: bool,
     pub(crate) totals: Totals,
-    /// Warnings of the cells that are done, and those of the header.
+    /// Warnings of the finished cells and of the header.
     pub(crate) warnings: Warnings,
-    /// Time that it took.
+    /// Computing time so far.
     pub(crate) time: Duration,
-    /// Number of bytes that are sound.
-    good: u64,
-    /// Whether something that is not sound follows.
+    /// Number of valid bytes.
+    valid_bytes: u64,
+    /// Whether invalid bytes follow.
     pub(crate) is_torn: bool,
 }
 
-impl Found {
-    /// Whether something is done, or was before the journal was damaged.
+impl JournalState {
+    /// Whether a task is finished, or was before the journal was damaged.
     pub(crate) fn has_work(&self) -> bool {
         self.tasks > 0 || self.is_torn
     }
@@ -131,7 +133,7 @@ impl Found {
 impl Header {
     pub(crate) fn new(
         config: String,
-        asked: Asked,
+        request: RunRequest,
         warnings: &Warnings,
         [tasks, all_tasks]: [u64; 2],
     ) -> Self {
@@ -142,14 +144,14 @@ impl Header {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             config,
-            asked,
+            request,
             warnings: entries.map(entry).collect(),
             tasks,
             all_tasks,
         }
     }
 
-    /// Adds its warnings to those of others.
+    /// Adds its warnings to `all`.
     fn add_warnings_to(&self, all: &mut Warnings) {
         for (line, (cell, place, count)) in &self.warnings {
             let entry = (*cell as usize, *place as usize, *count as usize);
@@ -167,10 +169,10 @@ impl Totals {
             *self.kinds.entry(kind.clone()).or_default() += count;
             failed += count;
         }
-        self.is_alive |= failed < record.trials || record.trials == 0;
+        self.has_success |= failed < record.trials || record.trials == 0;
     }
 
-    /// Words for the kinds of failures.
+    /// Kinds of failures with their numbers, as text.
     pub(crate) fn failures(&self) -> String {
         let kinds = self.kinds.iter();
         let kinds: Vec<String> = kinds
@@ -194,35 +196,32 @@ impl CellRecord {
             rows: [rows.cells, rows.failures, rows.map, String::new()],
         }
     }
-
-    fn bytes(&self) -> usize {
-        self.rows.iter().map(String::len).sum()
-    }
 }
 
-/// Journal that is being written.
+/// Writer of a journal.
 pub(crate) struct Journal {
     file: File,
     path: PathBuf,
     pending: Vec<CellRecord>,
     pending_bytes: usize,
-    /// Memory of the last frame, used again for the next.
+    /// Memory of the last frame, reused for the next.
     frame: Vec<u8>,
-    /// When the last record was written, and when the file was last on its way to the disk.
+    /// Time of the last record.
     written: Instant,
+    /// Start of the last synchronisation with the disk.
     synced: Instant,
-    /// Thread that brings it there, for which no trial waits.
+    /// Thread that synchronises the file with the disk, so that no trial waits.
     syncing: Option<JoinHandle<io::Result<()>>>,
 }
 
 impl Journal {
-    /// Journal that begins in a directory.
+    /// Starts a journal in a directory.
     pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
-        let mut journal = Self::of(File::create(&path)?, path);
+        let mut journal = Self::with_file(File::create(&path)?, path);
         let header = framed(&Record::Header(Box::new(header.clone())), MAGIC.to_vec())?;
         let written = journal.file.write_all(&header);
-        // Half a header, as on a full disk, would be taken for a damaged one.
+        // An incomplete header, as after a full disk, would be reported as damage.
         if let Err(error) = written.and_then(|()| journal.file.sync_data()) {
             let _ = fs::remove_file(&journal.path);
             return Err(error);
@@ -230,16 +229,16 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Journal that goes on where the sound part of it ends.
-    pub(crate) fn resumed(dir: &Path, found: &Found) -> io::Result<Self> {
+    /// Resumes a journal after its valid part.
+    pub(crate) fn resumed(dir: &Path, found: &JournalState) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut file = OpenOptions::new().write(true).open(&path)?;
-        file.set_len(found.good)?;
+        file.set_len(found.valid_bytes)?;
         file.seek(SeekFrom::End(0))?;
-        Ok(Self::of(file, path))
+        Ok(Self::with_file(file, path))
     }
 
-    fn of(file: File, path: PathBuf) -> Self {
+    fn with_file(file: File, path: PathBuf) -> Self {
         let now = Instant::now();
         Self {
             file,
@@ -257,11 +256,11 @@ impl Journal {
         &self.path
     }
 
-    /// Adds a cell; it is written with some others.
+    /// Adds a cell. Several cells are written together.
     pub(crate) fn cell(&mut self, record: CellRecord) -> io::Result<()> {
-        self.pending_bytes += record.bytes();
+        self.pending_bytes += record.rows.iter().map(String::len).sum::<usize>();
         self.pending.push(record);
-        match self.pending_bytes >= MOST_PENDING || self.written.elapsed() >= INTERVAL {
+        match self.pending_bytes >= MAX_PENDING || self.written.elapsed() >= INTERVAL {
             true => self.flush(),
             false => Ok(()),
         }
@@ -273,33 +272,28 @@ impl Journal {
         self.frame(&Record::Trials(trials))
     }
 
-    /// Writes what is pending.
+    /// Writes the pending cells.
     pub(crate) fn flush(&mut self) -> io::Result<()> {
         if self.pending.is_empty() {
             return Ok(());
         }
-        let time = self.time_ms();
+        let time = self.written.elapsed().as_millis() as u64;
+        self.written = Instant::now();
         let pending = std::mem::take(&mut self.pending);
         self.pending_bytes = 0;
         self.frame(&Record::Cells(pending, time))?;
         self.sync()
     }
 
-    /// Ends the journal.
+    /// Marks the journal as complete.
     pub(crate) fn end(&mut self) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::End)?;
-        joined(self.syncing.take())?;
+        wait_for_sync(self.syncing.take())?;
         self.file.sync_data()
     }
 
-    fn time_ms(&mut self) -> u64 {
-        let time = self.written.elapsed().as_millis() as u64;
-        self.written = Instant::now();
-        time
-    }
-
-    /// Begins to bring to the disk what is written, where that is due; tells how it went the last time.
+    /// Starts to synchronise the file with the disk if the interval has passed. Returns the result of the last time.
     fn sync(&mut self) -> io::Result<()> {
         if self.synced.elapsed() < INTERVAL {
             return Ok(());
@@ -309,7 +303,7 @@ impl Journal {
                 self.syncing = Some(syncing);
                 return Ok(());
             }
-            syncing => joined(syncing)?,
+            syncing => wait_for_sync(syncing)?,
         }
         let file = self.file.try_clone()?;
         self.syncing = Some(std::thread::Builder::new().spawn(move || file.sync_data())?);
@@ -324,8 +318,8 @@ impl Journal {
     }
 }
 
-/// Waits for a thread that brings a file to the disk.
-fn joined(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
+/// Waits for a synchronisation with the disk.
+fn wait_for_sync(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
     let ended = syncing.map(JoinHandle::join);
     let lost = |_| {
         Err(io::Error::other(
@@ -335,7 +329,7 @@ fn joined(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
     ended.map_or(Ok(()), |ended| ended.unwrap_or_else(lost))
 }
 
-/// Bytes with the frame of a record behind them.
+/// Appends the frame of a record to bytes.
 fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     let start = bytes.len();
     bytes.extend([0; 8]);
@@ -347,17 +341,17 @@ fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Journal that is read, record by record.
+/// Reader of a journal, record by record.
 pub(crate) struct Reader {
     file: BufReader<File>,
-    /// Bytes read, all of them sound.
-    good: u64,
+    /// Number of valid bytes so far.
+    valid_bytes: u64,
     length: u64,
     waiting: std::vec::IntoIter<CellRecord>,
 }
 
 impl Reader {
-    /// Opens a journal of a directory; `None` where it has none.
+    /// Opens the journal of a directory; `None` if there is none.
     pub(crate) fn open(dir: &Path) -> Result<Option<(Self, Header)>, Failure> {
         let path = dir.join(JOURNAL);
         let cannot = || format!("cannot read {}", path.display());
@@ -367,7 +361,7 @@ impl Reader {
             {
                 return Ok(None);
             }
-            // To read a pipe would wait for its writer; a link leads to what is somebody's.
+            // Reading a pipe would wait for its writer.
             Ok(found) if !found.is_file() => return Err(no_journal(&path)),
             found => found.with_context(cannot).map_err(Failure::work)?,
         };
@@ -377,14 +371,14 @@ impl Reader {
         let length = file.metadata().map_or(0, |found| found.len());
         let mut reader = Self {
             file: BufReader::with_capacity(1 << 18, file),
-            good: 0,
+            valid_bytes: 0,
             length,
             waiting: Vec::new().into_iter(),
         };
         let mut magic = [0; MAGIC.len()];
         if reader.file.read_exact(&mut magic).is_err() {
-            // A run that was killed in its first moment.
-            return match MAGIC.starts_with(&bytes_of(&path)) {
+            // The run may have been killed at its start.
+            return match MAGIC.starts_with(&fs::read(&path).unwrap_or_default()) {
                 true => Ok(None),
                 false => Err(no_journal(&path)),
             };
@@ -401,7 +395,7 @@ impl Reader {
             }
             (false, false) => return Err(no_journal(&path)),
         }
-        reader.good = MAGIC.len() as u64;
+        reader.valid_bytes = MAGIC.len() as u64;
         match reader.record() {
             Some(Record::Header(header)) => Ok(Some((reader, *header))),
             _ => Err(Failure::work(anyhow!(
@@ -411,7 +405,7 @@ impl Reader {
         }
     }
 
-    /// The next record that is sound.
+    /// The next valid record.
     fn record(&mut self) -> Option<Record> {
         let mut number = [0; 4];
         let mut next = || -> io::Result<u32> {
@@ -419,7 +413,7 @@ impl Reader {
             Ok(u32::from_le_bytes(number))
         };
         let (length, checksum) = (next().ok()?, next().ok()?);
-        if length > MOST_RECORD || self.good + 8 + u64::from(length) > self.length {
+        if length > MAX_RECORD || self.valid_bytes + 8 + u64::from(length) > self.length {
             return None;
         }
         let mut bytes = vec![0; length as usize];
@@ -428,26 +422,26 @@ impl Reader {
             return None;
         }
         let record = postcard::from_bytes(&bytes).ok()?;
-        self.good += 8 + u64::from(length);
+        self.valid_bytes += 8 + u64::from(length);
         Some(record)
     }
 
     /// Reads the next cell, or the next trial rows of a cell.
-    pub(crate) fn item(&mut self) -> Option<Item> {
+    pub(crate) fn item(&mut self) -> Option<JournalItem> {
         loop {
             if let Some(cell) = self.waiting.next() {
-                return Some(Item::Cell(cell));
+                return Some(JournalItem::Cell(cell));
             }
             match self.record()? {
                 Record::Cells(cells, _) => self.waiting = cells.into_iter(),
-                Record::Trials(trials) => return Some(Item::Trials(trials)),
+                Record::Trials(trials) => return Some(JournalItem::Trials(trials)),
                 Record::Header(_) | Record::End => return None,
             }
         }
     }
 }
 
-/// Refuses to begin a journal where something else has its name.
+/// Rejects a directory in which another file has the name of the journal.
 pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
     let path = dir.join(JOURNAL);
     let Ok(found) = fs::symlink_metadata(&path) else {
@@ -462,10 +456,6 @@ pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
     is_journal.then_some(()).ok_or_else(|| no_journal(&path))
 }
 
-fn bytes_of(path: &Path) -> Vec<u8> {
-    fs::read(path).unwrap_or_default()
-}
-
 fn no_journal(path: &Path) -> Failure {
     Failure::usage(anyhow!(
         "{} is no journal of palpate: move it away, or give another directory",
@@ -473,21 +463,21 @@ fn no_journal(path: &Path) -> Failure {
     ))
 }
 
-/// Reads the journal of a directory to its end; `None` where it has none.
-pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
+/// Reads the journal of a directory to its end; `None` if there is none.
+pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
     let Some((mut reader, header)) = Reader::open(dir)? else {
         return Ok(None);
     };
     let mut warnings = Warnings::default();
     header.add_warnings_to(&mut warnings);
-    let mut found = Found {
+    let mut found = JournalState {
         header,
         warnings,
         tasks: 0,
         is_ended: false,
         totals: Totals::default(),
         time: Duration::ZERO,
-        good: reader.good,
+        valid_bytes: reader.valid_bytes,
         is_torn: false,
     };
     while let Some(record) = reader.record() {
@@ -507,8 +497,8 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }
-        found.good = reader.good;
+        found.valid_bytes = reader.valid_bytes;
     }
-    found.is_torn = reader.good < reader.length;
+    found.is_torn = reader.valid_bytes < reader.length;
     Ok(Some(found))
 }

@@ -5,12 +5,10 @@
     reason = "results go to stdout, errors to stderr"
 )]
 
-mod answers;
+mod answer_commands;
 mod budget;
-mod check;
+mod check_command;
 mod cli;
-mod design;
-mod distinguish;
 mod duration;
 mod estimate;
 mod explain;
@@ -23,9 +21,7 @@ mod results;
 mod run;
 mod sensor;
 mod status;
-mod stopped;
 mod submit;
-mod trace;
 
 use std::process::ExitCode;
 
@@ -43,7 +39,7 @@ fn main() -> ExitCode {
         Err(error) if error.use_stderr() && asks_for_json() => {
             let text = error.to_string();
             let message = text.trim().trim_start_matches("error: ");
-            eprintln!("{}", failure::told("usage", 2, message, None));
+            eprintln!("{}", failure::error_json("usage", 2, message, None));
             return ExitCode::from(2);
         }
         Err(error) => error.exit(),
@@ -74,14 +70,14 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Merge(args) => merge::merge(&args),
         Command::Status(args) => status::status(&args),
         Command::Submit(Scheduler::Slurm(args)) => submit::slurm(&args),
-        Command::Trace(args) => trace::trace(&args),
+        Command::Trace(args) => results::trace(&args),
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
         Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
         Command::Sensor(command) => sensor::sensor(&command),
-        Command::Design(args) => design::design(&args),
-        Command::Distinguish(args) => distinguish::distinguish(&args),
-        Command::Check(args) => check::check(&args),
+        Command::Design(args) => answer_commands::design(&args),
+        Command::Distinguish(args) => answer_commands::distinguish(&args),
+        Command::Check(args) => check_command::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),
         Command::Schema(args) => schema(args.quantities),

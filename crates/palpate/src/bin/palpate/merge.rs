@@ -5,18 +5,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use palpate::{RunOptions, Runner, Shard, Simulation, Warnings, parse};
+use palpate::{RunOptions, Runner, Shard, Simulation, Warnings, parse, resolved};
 
 use crate::cli::MergeArgs;
 use crate::failure::Failure;
-use crate::journal::{self, Found, Header, Reader, Totals};
+use crate::journal::{self, Header, JournalState, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Folder, Guard, StudyId, refuse_no_directory};
-use crate::run::{Drafts, TrialsOut, difference, end, numbers_of, summary, tables_of, traced};
-use crate::trace;
+use crate::output::{Contents, Guard, LockedDir, StudyId, refuse_no_directory};
+use crate::run::{
+    Drafts, TrialsOut, difference, numbers_of, output_names, requested_trace, summary,
+    write_results,
+};
 
-/// Shards that are listed in a message.
-const MOST_LISTED: usize = 20;
+/// Largest number of shards in a message.
+const MAX_LISTED: usize = 20;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     args.format.supported()?;
@@ -33,13 +35,13 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         )));
     };
     for (dir, found) in shards.values() {
-        if let Some(why) = foreign(found, first_dir, first) {
+        if let Some(why) = mismatch(found, first_dir, first) {
             return Err(Failure::work(anyhow!("{} {why}", dir.display())));
         }
         refuse_damaged(dir, found)?;
     }
     let header = &first.header;
-    let of = header.asked.shard.map_or(1, |(_, of)| of);
+    let of = header.request.shard.map_or(1, |(_, of)| of);
     let missing: Vec<u64> = (1..=of)
         .filter(|number| !shards.contains_key(number))
         .collect();
@@ -60,7 +62,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
             _ => PathBuf::from("out").join(&study.config.name),
         });
     let runner = Runner::new(&RunOptions::default()).map_err(Failure::work)?;
-    let numbers = numbers_of(&study, header.asked.every_nth_cell as usize);
+    let numbers = numbers_of(&study, header.request.every_nth_cell as usize);
     let (cells, first_cell) = (numbers.len(), numbers[0]);
     let simulation = Simulation::of_shard(&study, numbers, Shard::default(), &runner);
     let simulation = simulation.map_err(Failure::usage)?;
@@ -68,7 +70,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         true => simulation.with_trials(),
         false => simulation,
     };
-    if args.trials_out.is_some() && !header.asked.trials_out {
+    if args.trials_out.is_some() && !header.request.trials_out {
         return Err(Failure::usage(anyhow!(
             "the shards have no rows of trials: they were run without --trials-out"
         )));
@@ -79,13 +81,13 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let trials_out = trials_out.transpose()?;
     let trials_out = trials_out.as_ref();
 
-    let mut folder = Folder::open(&out, Guard::new([], args.force))?;
-    let config = trace::resolved(&study);
-    let owned = folder.owned();
-    owned.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
-    let mut tables = tables_of(&study, args.format).into_iter();
-    tables.try_for_each(|name| owned.refuse(name, None))?;
-    let traced = traced(&study, first_cell)?;
+    let mut folder = LockedDir::open(&out, Guard::new([], args.force))?;
+    let config = resolved(&study);
+    let dir = folder.output();
+    dir.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
+    let mut tables = output_names(&study, args.format).into_iter();
+    tables.try_for_each(|name| dir.refuse(name, None))?;
+    let trace = requested_trace(&study, first_cell)?;
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
     let mut warnings = Warnings::default();
@@ -108,26 +110,26 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
             totals.cells
         )));
     }
-    end(&mut folder, files, traced, &config, &warnings, &of_study)?;
+    write_results(&mut folder, files, trace, &config, &warnings, &of_study)?;
     let summary = summary(&study.config.name, "", &totals, &out);
-    match totals.is_alive {
+    match totals.has_success {
         true => TrialsOut::print(trials_out, &summary),
         false => Err(Failure::work(anyhow!("every trial failed: {summary}"))),
     }
 }
 
-/// Shards that were found in directories, or one or two levels below them.
+/// Shards in directories, or one or two levels below them.
 #[derive(Default)]
 pub(crate) struct Shards {
     /// Shards by their numbers, with their directories.
-    pub(crate) by_number: BTreeMap<u64, (PathBuf, Found)>,
-    /// Reasons why journals are not among them.
+    pub(crate) by_number: BTreeMap<u64, (PathBuf, JournalState)>,
+    /// Errors of other journals.
     pub(crate) faults: Vec<Failure>,
 }
 
 impl Shards {
-    /// The shards by their numbers; the first fault where there is one.
-    pub(crate) fn sound(self) -> Result<BTreeMap<u64, (PathBuf, Found)>, Failure> {
+    /// The shards by their numbers, or the first error.
+    pub(crate) fn sound(self) -> Result<BTreeMap<u64, (PathBuf, JournalState)>, Failure> {
         match self.faults.into_iter().next() {
             Some(fault) => Err(fault),
             None => Ok(self.by_number),
@@ -138,8 +140,8 @@ impl Shards {
         let Some(found) = journal::read(&place)? else {
             return Ok(());
         };
-        // The journal of a whole run that has not ended stands beside its shards.
-        let Some((number, of)) = found.header.asked.shard else {
+        // An unfinished run of the whole study may be beside the shards.
+        let Some((number, of)) = found.header.request.shard else {
             return Ok(());
         };
         match self.by_number.get(&number) {
@@ -197,11 +199,11 @@ fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
     below.collect()
 }
 
-/// Reason why a shard is not of the run that another is of, if it is not.
-pub(crate) fn foreign(found: &Found, first: &Path, of: &Found) -> Option<String> {
+/// Reason why two shards are not of the same run; `None` if they are.
+pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) -> Option<String> {
     let (one, other) = (&found.header, &of.header);
     let own = env!("CARGO_PKG_VERSION");
-    let number = |header: &Header| header.asked.shard.map_or(1, |(_, of)| of);
+    let number = |header: &Header| header.request.shard.map_or(1, |(_, of)| of);
     Some(if one.version != own {
         format!("is of palpate {}, and this is {own}", one.version)
     } else if number(one) != number(other) {
@@ -210,18 +212,18 @@ pub(crate) fn foreign(found: &Found, first: &Path, of: &Found) -> Option<String>
     } else if one.config != other.config {
         let lines = difference(&other.config, &one.config);
         format!("is of another config than {}:{lines}", first.display())
-    } else if one.asked.trials_out != other.asked.trials_out {
+    } else if one.request.trials_out != other.request.trials_out {
         format!("and {} are not both with --trials-out", first.display())
-    } else if one.asked.every_nth_cell != other.asked.every_nth_cell {
+    } else if one.request.every_nth_cell != other.request.every_nth_cell {
         format!("has another --every-nth-cell than {}", first.display())
     } else {
         return None;
     })
 }
 
-/// Refuses a shard that has not ended, or is damaged.
-fn refuse_damaged(dir: &Path, found: &Found) -> Result<(), Failure> {
-    let (number, of) = found.header.asked.shard.unwrap_or((1, 1));
+/// Rejects a shard that is unfinished or damaged.
+fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
+    let (number, of) = found.header.request.shard.unwrap_or((1, 1));
     let all = found.header.tasks;
     let shard = format!("shard {number} of {of} in {}", dir.display());
     let done = format!("{} of {all} cells", found.tasks);
@@ -236,22 +238,18 @@ fn refuse_damaged(dir: &Path, found: &Found) -> Result<(), Failure> {
     }
 }
 
-/// Numbers in words, the first of many.
+/// List of numbers, shortened if there are many.
 pub(crate) fn listed(numbers: &[u64]) -> String {
-    let few = numbers.iter().take(MOST_LISTED).map(u64::to_string);
+    let few = numbers.iter().take(MAX_LISTED).map(u64::to_string);
     let few: Vec<String> = few.collect();
-    match numbers.len() > MOST_LISTED {
-        true => format!(
-            "{} and {} more",
-            few.join(", "),
-            numbers.len() - MOST_LISTED
-        ),
+    match numbers.len() > MAX_LISTED {
+        true => format!("{} and {} more", few.join(", "), numbers.len() - MAX_LISTED),
         false => few.join(", "),
     }
 }
 
 /// Cells, trials and failures of all shards together.
-pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f Found>) -> Totals {
+pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f JournalState>) -> Totals {
     let mut totals = Totals::default();
     for found in all {
         totals.cells += found.totals.cells;

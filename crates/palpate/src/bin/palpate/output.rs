@@ -1,18 +1,14 @@
-//! Files and standard output, written whole or not at all.
+//! Output of commands: standard output, and files that are written completely or not at all.
 
-#[cfg(feature = "parquet")]
-mod arrow;
-mod folder;
-mod format;
-mod lock;
+mod locked_dir;
 mod manifest;
 pub(crate) mod names;
-mod owned;
+mod output_dir;
+mod output_file;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod single;
 mod stage;
-pub(crate) mod table;
+pub(crate) mod table_writer;
 
 use std::io::{ErrorKind, Write};
 
@@ -21,21 +17,20 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-pub(crate) use folder::{Folder, make_directory, refuse_no_directory};
-pub(crate) use format::Format;
-pub(crate) use lock::Lock;
+pub(crate) use locked_dir::{Lock, LockedDir, make_directory, refuse_no_directory};
 pub(crate) use manifest::StudyId;
-pub(crate) use owned::{Guard, Owned};
-pub(crate) use single::{Single, Written};
+pub(crate) use names::Format;
+pub(crate) use output_dir::{Guard, OutputDir};
+pub(crate) use output_file::{OutputFile, OutputWriter};
 pub(crate) use stage::{Contents, Draft, folder_of};
 
-/// Prints a text and a newline; a closed pipe is no error.
+/// Prints a text and a newline. A closed pipe is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    put(format!("{text}\n").as_bytes())
+    write_stdout(format!("{text}\n").as_bytes())
 }
 
-/// Writes to standard output; a closed pipe is no error.
-fn put(bytes: &[u8]) -> Result<(), Failure> {
+/// Writes to standard output. A closed pipe is no error.
+fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::work(
@@ -45,7 +40,7 @@ fn put(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// An estimate as JSON, one value per line; zero has no sign.
+/// A value as JSON, one number per line; zero has no sign.
 pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(estimate).map_err(Failure::work)?;
     let lines = text.lines().map(|line| {

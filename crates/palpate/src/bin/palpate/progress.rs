@@ -1,4 +1,4 @@
-//! Progress of long work on standard error: a bar on a terminal, a line a minute elsewhere.
+//! Progress of long work on standard error: a bar on a terminal, else a line per minute.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -11,17 +11,18 @@ use crate::duration::roughly;
 use crate::journal::Totals;
 
 /// Time between two lines.
-const LINE: Duration = Duration::from_secs(60);
+const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
 /// Progress of a run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Trials of all tasks, and those that had been done when the run began.
+    /// Number of trials of all tasks.
     all: u64,
+    /// Number of trials that were done before this run.
     before: u64,
     done: AtomicU64,
     start: Instant,
-    /// Number of lines that have been due.
+    /// Number of lines so far.
     lines: AtomicU64,
     /// Words for the failures so far.
     failing: Mutex<String>,
@@ -29,7 +30,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Progress over so many trials, of which some are done.
+    /// Progress over `all` trials, of which `before` are done.
     pub(crate) fn new(all: u64, before: u64) -> Self {
         let bar = bar_of("trials");
         bar.set_length(all);
@@ -47,21 +48,21 @@ impl Progress {
         }
     }
 
-    /// Adds trials; any thread may.
+    /// Adds trials, from any thread.
     pub(crate) fn add(&self, trials: u64) {
         let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
         if self.is_terminal {
             return self.bar.inc(trials);
         }
         let elapsed = self.start.elapsed();
-        let due = elapsed.as_secs() / LINE.as_secs();
+        let due = elapsed.as_secs() / LINE_INTERVAL.as_secs();
         if self.lines.fetch_max(due, Ordering::Relaxed) < due {
             eprintln!("{}", self.line(done, elapsed.as_secs_f64()));
         }
     }
 
-    /// Tells what has failed so far.
-    pub(crate) fn tell(&self, totals: &Totals) {
+    /// Shows the failures so far.
+    pub(crate) fn show_failures(&self, totals: &Totals) {
         if totals.kinds.is_empty() {
             return;
         }
@@ -93,8 +94,8 @@ impl Progress {
     }
 }
 
-/// A bar over a number of `things` that is still to be set, with rate and time left, on standard error if that is a
-/// terminal; it is not drawn before it moves.
+/// Bar on standard error, if that is a terminal, with rate and remaining time. The number of `things` is set later; the bar
+/// appears with the first progress.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!(
         "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"

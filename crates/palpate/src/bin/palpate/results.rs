@@ -1,24 +1,25 @@
-//! `palpate plot` and `palpate report`.
+//! `palpate plot`, `palpate report` and `palpate trace`.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
+use palpate::{Trace, TraceError, load, resolved};
 use palpate_report::{
     Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_lines,
 };
 
-use crate::cli::{PlotArgs, ReportArgs};
+use crate::cli::{PlotArgs, ReportArgs, TraceArgs};
 use crate::failure::Failure;
-use crate::output::names::{CLAIMS, CONFIG, MARKERS, text_of};
-use crate::output::{self, Folder, Format, Guard, Single, StudyId, refuse_no_directory};
+use crate::output::names::{CLAIMS, CONFIG, FRAMES, Format, MARKERS, READINGS, TRACE, text_of};
+use crate::output::{self, Guard, LockedDir, OutputFile, StudyId, refuse_no_directory};
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     refuse_no_directory(&args.dir)?;
-    // No other process writes there from here on.
-    let mut folder = Folder::open(&args.dir, Guard::new([], args.force))?;
-    let study = loaded(&args.dir)?;
+    // From here on, no other process can write there.
+    let mut folder = LockedDir::open(&args.dir, Guard::new([], args.force))?;
+    let study = load_results(&args.dir)?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
-    // What a camera saw of the pass that was traced.
+    // Figures of a traced press that a camera recorded.
     if args.dir.join(MARKERS).is_file() {
         drawn.extend(press_figures(&Files::in_folder(&args.dir)).map_err(Failure::work)?);
     }
@@ -38,8 +39,8 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     names.try_for_each(|path| output::print(&path.display().to_string()))
 }
 
-/// Study of a directory.
-fn loaded(dir: &Path) -> Result<Study, Failure> {
+/// Results in a directory.
+fn load_results(dir: &Path) -> Result<Study, Failure> {
     refuse_no_directory(dir)?;
     if Format::found_in(dir) == Some(Format::Parquet) {
         return Err(Failure::work(anyhow!(
@@ -52,7 +53,7 @@ fn loaded(dir: &Path) -> Result<Study, Failure> {
     Study::load(dir).map_err(Failure::work)
 }
 
-/// The study as manifests name it, with its table.
+/// Identity of a study in manifests, with its table.
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
     let path = study.dir().join(CONFIG);
     let config = text_of(&path)
@@ -74,17 +75,17 @@ pub(crate) fn drawings(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Fai
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
-    let inputs: Vec<PathBuf> = args.dirs.iter().flat_map(|dir| files_of(dir)).collect();
+    let inputs: Vec<PathBuf> = args.dirs.iter().flat_map(|dir| input_files(dir)).collect();
     let guard = || Guard::new(&inputs, args.force);
-    let out = Single::new("--out", &args.out, guard())?;
+    let out = OutputFile::new("--out", &args.out, guard())?;
     let studies = args
         .dirs
         .iter()
-        .map(|dir| loaded(dir))
+        .map(|dir| load_results(dir))
         .collect::<Result<Vec<_>, _>>()?;
     for study in &studies {
         let claims = claims_csv(&score(std::slice::from_ref(study)));
-        let mut folder = Folder::open(study.dir(), Guard::new([], args.force))?;
+        let mut folder = LockedDir::open(study.dir(), Guard::new([], args.force))?;
         folder.write(&[(CLAIMS, claims)], Some(&id_of(study)?))?;
     }
     let page = page(&studies).map_err(Failure::work)?;
@@ -94,12 +95,67 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     out.print(&format!("page -> {}", args.out.display()))
 }
 
-/// Files of a study, which its page is made from.
-fn files_of(dir: &Path) -> Vec<PathBuf> {
+/// Files of a study that the report reads.
+fn input_files(dir: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     let is_page = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "html");
     entries
         .map(|entry| entry.path())
         .filter(|path| !is_page(path))
         .collect()
+}
+
+pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
+    let study = load(&args.config).map_err(Failure::usage)?;
+    if args.cell >= study.cell_count() {
+        return Err(Failure::no_cell(args.cell, &study));
+    }
+    let trace = palpate::trace(&study, args.cell, args.trial).map_err(trace_failure)?;
+    let of_study = StudyId::new(&study.config.name, &resolved(&study));
+    let mut folder = LockedDir::open(&args.out, Guard::new([&args.config], args.force))?;
+    let mut drawn = Vec::new();
+    if trace.camera.is_some() {
+        let tables = [
+            (TRACE, trace.contacts.to_csv()),
+            (READINGS, trace.readings.to_csv()),
+        ];
+        let figures = press_figures(&Files::in_memory(tables)).map_err(Failure::work)?;
+        drawn = drawings(&figures)?;
+    }
+    let mut files = trace_files(&trace)?;
+    files.extend(
+        drawn
+            .iter()
+            .map(|(name, bytes)| (name.as_str(), bytes.clone())),
+    );
+    folder.write(&files, Some(&of_study))?;
+    output::print(&format!(
+        "{}: {} -> {}",
+        study.config.name,
+        trace.what,
+        args.out.display()
+    ))
+}
+
+/// Names and contents of the files of a traced pass.
+pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+    let mut files = vec![
+        (TRACE, trace.contacts.to_csv().into_bytes()),
+        (READINGS, trace.readings.to_csv().into_bytes()),
+    ];
+    if let Some(seen) = &trace.camera {
+        files.push((MARKERS, seen.markers.to_csv().into_bytes()));
+        for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
+            files.push((name, output::png(frame)?));
+        }
+    }
+    Ok(files)
+}
+
+/// Failure of a trace: bad usage for a config without such a pass, but not for a pass that ends early.
+pub(crate) fn trace_failure(error: TraceError) -> Failure {
+    match error {
+        TraceError::Config(error) => Failure::usage(error),
+        error => Failure::work(error),
+    }
 }

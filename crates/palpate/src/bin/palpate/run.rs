@@ -1,32 +1,32 @@
 //! `palpate run`.
 
-mod ongoing;
-mod resume;
-mod tables;
+mod journal_run;
+mod run_tables;
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
-use palpate::{RunOptions, Runner, Simulation, Study, Warnings, load, parse, refuse};
+use palpate::{
+    RunOptions, Runner, Simulation, Study, Warnings, check_outputs, load, parse, resolved,
+};
 
-use crate::answers::tell_swept;
+use crate::answer_commands::note_ignored_fields;
+use crate::budget;
 use crate::cli::RunArgs;
 use crate::failure::Failure;
-use crate::journal::{self, Asked, Header, Reader, Totals};
+use crate::journal::{self, Header, Reader, RunRequest, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Folder, Format, Guard, Owned, StudyId};
-use crate::{budget, trace};
+use crate::output::{Contents, Format, Guard, LockedDir, OutputDir, StudyId};
 
-use ongoing::Ongoing;
-use resume::resumable;
+use journal_run::{JournalRun, journal_to_resume};
 
-pub(crate) use resume::difference;
-pub(crate) use tables::{Drafts, TrialsOut, end, tables_of, traced};
+pub(crate) use journal_run::difference;
+pub(crate) use run_tables::{Drafts, TrialsOut, output_names, requested_trace, write_results};
 
-/// More threads than this only cost their setting up.
-const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
+/// Largest number of threads; more only take time to start.
+const MAX_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
@@ -38,13 +38,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             shard.of
         )));
     }
-    let study = asked_study(args)?;
+    let study = study_of(args)?;
     let warn = |line: &str| {
         if !args.quiet {
             eprintln!("{line}");
         }
     };
-    tell_swept(&study, std::iter::empty());
+    note_ignored_fields(&study, std::iter::empty());
     let shard = args.shard.unwrap_or_default();
     let is_whole = args.shard.is_none();
     let out = args.out.clone().unwrap_or_else(|| {
@@ -56,18 +56,18 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     });
     let guard = Guard::new([&args.config], args.force);
     let tables = if is_whole {
-        tables_of(&study, args.format)
+        output_names(&study, args.format)
     } else {
         Vec::new()
     };
-    // Before the planning, and once more when no other process writes there.
-    let refuse = |owned: &Owned, config: &str| {
-        owned.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
-        tables.iter().try_for_each(|name| owned.refuse(name, None))
+    // Checked before the planning, and again after the directory is locked.
+    let check_files = |dir: &OutputDir, config: &str| {
+        dir.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
+        tables.iter().try_for_each(|name| dir.refuse(name, None))
     };
-    refuse(&Owned::read(&out, guard.clone())?, &trace::resolved(&study))?;
-    let asked = Asked {
-        config: trace::resolved(&study),
+    check_files(&OutputDir::read(&out, guard.clone())?, &resolved(&study))?;
+    let request = RunRequest {
+        config: resolved(&study),
         goal: goal_of(args),
         every_nth_cell: args.every_nth_cell.get() as u64,
         shard: args.shard.map(|shard| (shard.number, shard.of)),
@@ -83,17 +83,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             journal::refuse_other(&out)?;
             None
         }
-        false => resumable(&out, &asked)?,
+        false => journal_to_resume(&out, &request)?,
     };
     let numbers = numbers_of(&study, args.every_nth_cell.get());
-    let mut said = None;
+    let mut choice = None;
     let study = match &found {
         Some(found) => parse("run.toml", &found.header.config).map_err(Failure::usage)?,
         None => {
             let allowed = budget::choose(&study, &numbers, args, start)?;
             match allowed {
                 Some(allowed) => {
-                    said = Some((allowed.lines, allowed.warnings));
+                    choice = Some((allowed.lines, allowed.warnings));
                     allowed.study
                 }
                 None => study,
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         }
     };
     let runner = Runner::new(&RunOptions {
-        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
+        threads: args.threads.map(|threads| threads.min(MAX_THREADS)),
         ..RunOptions::default()
     })
     .map_err(Failure::work)?;
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let first = numbers[0];
     let simulation = Simulation::of_shard(&study, numbers, shard, &runner);
     let simulation = match found {
-        // What the journal has of it was checked, and what it lacks, before it was begun.
+        // All cells were checked before the journal was started.
         Some(_) => simulation,
         None => simulation.and_then(Simulation::checked),
     }
@@ -122,37 +122,37 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         trials_out.refuse_other(&simulation)?;
     }
 
-    let mut folder = Folder::open(&out, guard)?;
-    let config = trace::resolved(&study);
-    refuse(folder.owned(), &config)?;
-    // Before the work, which would be lost where there is no pass to follow.
-    let traced = match is_whole {
-        true => traced(&study, first)?,
+    let mut folder = LockedDir::open(&out, guard)?;
+    let config = resolved(&study);
+    check_files(folder.output(), &config)?;
+    // A trace that is impossible fails before the work.
+    let trace = match is_whole {
+        true => requested_trace(&study, first)?,
         false => Vec::new(),
     };
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
-    let told = match &found {
+    let warnings = match &found {
         Some(found) => found.warnings.clone(),
-        None => simulation.told().clone(),
+        None => simulation.check_warnings().clone(),
     };
-    told.lines(cells).iter().for_each(|line| warn(line));
-    if let Some((lines, warnings)) = said {
+    let known = warnings.lines(cells);
+    known.iter().for_each(|line| warn(line));
+    if let Some((lines, warnings)) = choice {
         for warning in warnings {
             eprintln!("warning: {warning}");
         }
         print(&lines.join("\n"))?;
     }
-    // Cells that tell their warnings when they are run are not counted twice.
+    // Cells that report their warnings when they run are not counted twice.
     let of_header = match simulation.is_sampled() {
         true => Warnings::default(),
-        false => told.clone(),
+        false => warnings,
     };
     let tasks = [simulation.tasks(), simulation.all_tasks()];
-    let header = Header::new(config.clone(), asked, &of_header, tasks);
-    let ongoing = Ongoing::begin(&simulation, &out, header, of_header, found, args.restart)?;
-    let (totals, warnings) = ongoing.run()?;
-    let known = told.lines(cells);
+    let header = Header::new(config.clone(), request, &of_header, tasks);
+    let run = JournalRun::begin(&simulation, &out, header, of_header, found, args.restart)?;
+    let (totals, warnings) = run.run()?;
     let lines = warnings.lines(cells);
     let is_new = |line: &&String| simulation.is_sampled() && !known.contains(line);
     lines.iter().filter(is_new).for_each(|line| warn(line));
@@ -166,11 +166,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         let trials_out = trials_out.as_ref();
         let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
         let (files, _) = drafts.fill(readers)?;
-        end(&mut folder, files, traced, &config, &lines, &of_study)?;
-        remove_journal(&out)?;
+        write_results(&mut folder, files, trace, &config, &lines, &of_study)?;
+        let path = out.join(JOURNAL);
+        std::fs::remove_file(&path)
+            .with_context(|| format!("cannot remove {}", path.display()))
+            .map_err(Failure::work)?;
     }
     let summary = summary(&study.config.name, &of_shard, &totals, &out);
-    if is_whole && !totals.is_alive {
+    if is_whole && !totals.has_success {
         let most = totals.kinds.iter().max_by_key(|(_, count)| **count);
         let more = most.map_or(String::new(), |(kind, _)| {
             format!("; see `palpate explain {kind}`")
@@ -182,30 +185,22 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     print(&summary)
 }
 
-/// The study with what arguments change of it.
-fn asked_study(args: &RunArgs) -> Result<Study, Failure> {
-    let chooses = [
-        ("--budget", args.budget.is_some()),
-        ("--target-error", args.target_error.is_some()),
-    ];
-    let chosen = chooses.iter().find(|(_, is_given)| *is_given);
-    let study = overridden(
-        &args.config,
-        args.seed,
-        args.trials,
-        chosen.map(|(name, _)| *name),
-    )?;
+/// Study of the config with the changes of the arguments.
+fn study_of(args: &RunArgs) -> Result<Study, Failure> {
+    let by_target = args.target_error.map(|_| "--target-error");
+    let chosen_by = args.budget.map(|_| "--budget").or(by_target);
+    let study = overridden(&args.config, args.seed, args.trials, chosen_by)?;
     if args.budget.is_some() && args.shard.is_some() {
         return Err(Failure::usage(anyhow!(
             "--budget hangs on the machine, and shards must have the same trials: run --budget once for a run.toml, \
              and its shards from that"
         )));
     }
-    refuse(&study).map_err(Failure::usage)?;
+    check_outputs(&study).map_err(Failure::usage)?;
     Ok(study)
 }
 
-/// Study of a config with another seed and number of trials. `chosen_by` names another argument that chooses trials.
+/// Study of a config with another seed and number of trials. `chosen_by` is another argument that chooses trials.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,
@@ -231,7 +226,7 @@ pub(crate) fn overridden(
     Ok(study)
 }
 
-/// Arguments that choose trials and model, as they are compared.
+/// Text of the arguments that choose trials and model, for comparison.
 fn goal_of(args: &RunArgs) -> String {
     let budget = args.budget.map(|budget| format!("--budget {budget:?}"));
     let target = args
@@ -241,17 +236,9 @@ fn goal_of(args: &RunArgs) -> String {
     both.join(" ")
 }
 
-/// Numbers of the cells that all shards run together.
+/// Numbers of the cells that all shards together run.
 pub(crate) fn numbers_of(study: &Study, every_nth_cell: usize) -> Vec<usize> {
     (0..study.cell_count()).step_by(every_nth_cell).collect()
-}
-
-fn remove_journal(out: &Path) -> Result<(), Failure> {
-    let path = out.join(JOURNAL);
-    let removed = std::fs::remove_file(&path);
-    removed
-        .with_context(|| format!("cannot remove {}", path.display()))
-        .map_err(Failure::work)
 }
 
 pub(crate) fn summary(name: &str, of_shard: &str, totals: &Totals, out: &Path) -> String {

@@ -10,10 +10,10 @@ use palpate::parse;
 use crate::cli::StatusArgs;
 use crate::duration::{exact, roughly};
 use crate::failure::Failure;
-use crate::journal::{self, Found, Totals};
-use crate::merge::{Shards, foreign, listed, shards_of, totals_of};
+use crate::journal::{self, JournalState, Totals};
+use crate::merge::{Shards, listed, mismatch, shards_of, totals_of};
 use crate::output::names::{CONFIG, text_of};
-use crate::output::{self, Format, Lock, refuse_no_directory, table};
+use crate::output::{self, Format, Lock, refuse_no_directory, table_writer};
 
 pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
     let dir = &args.dir;
@@ -29,19 +29,14 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
     let mut text = String::new();
     let first = shards.values().next();
     let of = first
-        .and_then(|(_, found)| found.header.asked.shard)
+        .and_then(|(_, found)| found.header.request.shard)
         .map(|(_, of)| of);
     if let Some(of) = of {
-        let mut states: [(&str, Vec<u64>); 5] = [
-            ("done", vec![]),
-            ("running", vec![]),
-            ("failed", vec![]),
-            ("missing", vec![]),
-            ("foreign", vec![]),
-        ];
-        let others = |found: &Found| {
+        let names = ["done", "running", "failed", "missing", "foreign"];
+        let mut states = names.map(|name| (name, Vec::<u64>::new()));
+        let others = |found: &JournalState| {
             let (dir, first) = first?;
-            foreign(found, dir, first)
+            mismatch(found, dir, first)
         };
         let mut strangers = String::new();
         for number in 1..=of {
@@ -59,8 +54,12 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
             };
             states[state].1.push(number);
         }
-        let founds: Vec<&Found> = shards.values().map(|(_, found)| found).collect();
-        let _ = writeln!(text, "study    {}, {of} shards", name_of(founds[0]));
+        let founds: Vec<&JournalState> = shards.values().map(|(_, found)| found).collect();
+        let _ = writeln!(
+            text,
+            "study    {}, {of} shards",
+            study_name(&founds[0].header.config)
+        );
         for (state, numbers) in &states {
             if !numbers.is_empty() {
                 let _ = writeln!(
@@ -75,7 +74,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         for fault in &faults {
             let _ = writeln!(text, "{fault}");
         }
-        let founds: Vec<&Found> = founds
+        let founds: Vec<&JournalState> = founds
             .into_iter()
             .filter(|found| others(found).is_none())
             .collect();
@@ -95,19 +94,20 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
             (false, true) => "running",
             (false, false) => "stopped: the same command goes on with it",
         };
-        let shard = found.header.asked.shard;
+        let shard = found.header.request.shard;
         let shard = shard.map_or_else(String::new, |(number, of)| {
             format!(", shard {number} of {of}")
         });
-        let _ = writeln!(text, "study    {}{shard}", name_of(found));
+        let _ = writeln!(text, "study    {}{shard}", study_name(&found.header.config));
         let _ = writeln!(text, "state    {state}");
         text += &counts(&[found], found.header.tasks, 1.0, is_held);
     } else if let Some(format) = Format::found_in(dir) {
-        let _ = writeln!(text, "study    {}", finished_name(dir));
+        let config = text_of(&dir.join(CONFIG)).unwrap_or_default();
+        let _ = writeln!(text, "study    {}", study_name(&config));
         let _ = writeln!(text, "state    done");
         text += &match format.supported() {
             Ok(()) => {
-                let totals = tabulated(dir, format)?;
+                let totals = totals_in_tables(dir, format)?;
                 let cells = HumanCount(totals.cells);
                 format!("cells    {cells}\n{}", trials(&totals))
             }
@@ -125,7 +125,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
 }
 
 /// Lines on cells, trials and time.
-fn counts(founds: &[&Found], all: u64, threads: f64, is_running: bool) -> String {
+fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) -> String {
     let tasks: u64 = founds.iter().map(|found| found.tasks).sum();
     let totals = totals_of(founds.iter().copied());
     let mut text = format!("cells    {} of {}\n", HumanCount(tasks), HumanCount(all));
@@ -157,13 +157,13 @@ fn trials(totals: &Totals) -> String {
     format!("trials   {all}, {failed} failed{kinds}\n")
 }
 
-/// Counts that the tables of a run tell.
-fn tabulated(dir: &Path, format: Format) -> Result<Totals, Failure> {
+/// Numbers of cells, trials and failures in the tables of a run.
+fn totals_in_tables(dir: &Path, format: Format) -> Result<Totals, Failure> {
     let mut totals = Totals::default();
     let [cells, failures, _] = format.tables();
     let mut last = String::new();
     let columns = ["cell", "trials"];
-    table::read(&dir.join(cells), format, columns, &mut |[cell, trials]| {
+    table_writer::read(&dir.join(cells), format, columns, &mut |[cell, trials]| {
         if totals.cells == 0 || cell != last {
             totals.cells += 1;
             totals.trials += count(trials)?;
@@ -172,7 +172,7 @@ fn tabulated(dir: &Path, format: Format) -> Result<Totals, Failure> {
         Ok(())
     })?;
     let columns = ["kind", "count"];
-    table::read(&dir.join(failures), format, columns, &mut |[
+    table_writer::read(&dir.join(failures), format, columns, &mut |[
         kind,
         failed,
     ]| {
@@ -187,13 +187,8 @@ fn count(field: &str) -> Result<u64, anyhow::Error> {
     number.with_context(|| format!("`{field}` is no number of trials"))
 }
 
-fn name_of(found: &Found) -> String {
-    let study = parse("run.toml", &found.header.config);
-    study.map_or_else(|_| "?".to_owned(), |study| study.config.name)
-}
-
-fn finished_name(dir: &Path) -> String {
-    let text = text_of(&dir.join(CONFIG)).unwrap_or_default();
-    let study = parse("run.toml", &text);
+/// Name of the study in a config.
+fn study_name(config: &str) -> String {
+    let study = parse("run.toml", config);
     study.map_or_else(|_| "?".to_owned(), |study| study.config.name)
 }

@@ -6,15 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, anyhow};
-use palpate::refuse;
+use palpate::{check_outputs, resolved};
 
 use crate::cli::SlurmArgs;
 use crate::failure::Failure;
 use crate::merge::shards_of;
 use crate::output::names::{CONFIG, text_of};
-use crate::output::{Contents, Folder, Format, Guard, StudyId};
+use crate::output::{self, Contents, Format, Guard, LockedDir, StudyId};
 use crate::run::{difference, overridden};
-use crate::{output, trace};
 
 /// Names of the scripts, of the file with the numbers of their jobs, and of the folders of shards and of what they print.
 const SHARDS_SCRIPT: &str = "shards.sbatch";
@@ -29,7 +28,7 @@ const SHORT_MIN: u64 = 3;
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     args.format.supported()?;
     let study = overridden(&args.config, args.seed, args.trials, None)?;
-    refuse(&study).map_err(Failure::usage)?;
+    check_outputs(&study).map_err(Failure::usage)?;
     let name = &study.config.name;
     let out = args
         .out
@@ -46,7 +45,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
             out.display()
         )));
     }
-    let config = trace::resolved(&study);
+    let config = resolved(&study);
     let left = left(&out, args.shards.get(), &config)?;
     if left.is_empty() {
         return output::print(&format!(
@@ -67,10 +66,10 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     }
     refuse_long_array(args.shards.get())?;
     refuse_queued(&out)?;
-    let mut folder = Folder::open(&out, Guard::new([&args.config], args.force))?;
+    let mut folder = LockedDir::open(&out, Guard::new([&args.config], args.force))?;
     let of_study = StudyId::new(name, &config);
     folder
-        .owned()
+        .output()
         .refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
     let files = [
         (CONFIG, config.as_str()),
@@ -104,13 +103,13 @@ fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     };
     for (dir, found) in known.values() {
         let header = &found.header;
-        let known = header.asked.shard.map_or(1, |(_, of)| of);
+        let known = header.request.shard.map_or(1, |(_, of)| of);
         let why = if known != of {
             format!("is one of {known} shards, not {of}")
-        } else if header.asked.config != config {
+        } else if header.request.config != config {
             format!(
                 "is of another config:{}",
-                difference(&header.asked.config, config)
+                difference(&header.request.config, config)
             )
         } else {
             continue;

@@ -10,7 +10,7 @@ use super::table::{form, table};
 use super::warned::warn;
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
-use crate::output::{self, Guard, Single};
+use crate::output::{self, Guard, OutputFile};
 
 pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let map_file = place_of_map(args)?;
@@ -48,12 +48,12 @@ fn options(
 }
 
 /// Place of the map, whose directory must be there.
-fn place_of_map(args: &EstimateGlideArgs) -> Result<Option<Single>, Failure> {
+fn place_of_map(args: &EstimateGlideArgs) -> Result<Option<OutputFile>, Failure> {
     let Some(file) = &args.map else {
         return Ok(None);
     };
     let inputs = [&args.readings].into_iter().chain(&args.like.like);
-    let place = Single::new("--map", file, Guard::new(inputs, args.force))?;
+    let place = OutputFile::new("--map", file, Guard::new(inputs, args.force))?;
     match file.parent() {
         Some(dir) if dir != Path::new("") && !dir.is_dir() => {
             let (file, dir) = (file.display(), dir.display());

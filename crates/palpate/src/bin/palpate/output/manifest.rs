@@ -10,7 +10,7 @@ use palpate_study::read_limited;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::names::{CELLS, MOST_MIB};
+use super::names::{CELLS, MAX_MIB};
 use crate::failure::Failure;
 
 /// Name of the manifest.
@@ -100,7 +100,7 @@ impl Manifest {
         if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             return Err(fault("is no manifest of palpate".to_owned()));
         }
-        let text = match read_limited(&path, MOST_MIB) {
+        let text = match read_limited(&path, MAX_MIB) {
             Ok(bytes) => String::from_utf8(bytes).unwrap_or_default(),
             Err(error)
                 if matches!(

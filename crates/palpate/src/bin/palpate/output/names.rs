@@ -1,21 +1,26 @@
-//! Names of the files that palpate writes into a directory.
+//! Names and formats of the files that palpate writes into a directory.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
+use anyhow::anyhow;
+use clap::ValueEnum;
 use palpate_study::config::{self, Output};
 use palpate_study::read_limited;
 use toml_parser::Source;
 use toml_parser::lexer::{Token, TokenKind};
 
+use crate::failure::Failure;
+
 /// Largest config or manifest that is read, MiB.
-pub(crate) const MOST_MIB: u64 = 16;
+pub(crate) const MAX_MIB: u64 = 16;
 /// Config of a run, beside its tables.
 pub(crate) const CONFIG: &str = "run.toml";
-/// Config of a run while tables of another config stand there.
+/// Config of a run while the directory still has the tables of another config.
 pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
-/// Journal of a run that has not ended, or of a shard.
+/// Journal of an unfinished run or of a shard.
 pub(crate) const JOURNAL: &str = "journal.palpate";
-/// Table without which there are no results.
+/// Main table of a run.
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
@@ -23,30 +28,30 @@ pub(crate) const MAP: &str = "map.csv";
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
-/// Warnings of a run, a line each; there is none where there is nothing to warn of.
+/// Warnings of a run, one per line; missing if there are none.
 pub(crate) const WARNINGS: &str = "warnings.txt";
-/// Answer of a design: its table, its words and the config that it is of; and the name of its figure.
+/// Answer of a design: its tables, its text, its config, and the name of its figure.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
-/// How surely objects are told apart: the table, its words, and the name of its figure.
-pub(crate) const TOLD: &str = "distinguish.csv";
-pub(crate) const TOLD_WORDS: &str = "distinguish.txt";
-pub(crate) const TOLD_FIGURE: &str = "distinguish";
+/// Answer of `distinguish`: its table, its text, and the name of its figure.
+pub(crate) const DISTINGUISH: &str = "distinguish.csv";
+pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
+pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
 /// Scores of the claims of a study.
 pub(crate) const CLAIMS: &str = "claims.csv";
-/// Files of a pass.
+/// Files of a traced pass.
 pub(crate) const TRACE: &str = "trace.csv";
 pub(crate) const READINGS: &str = "readings.csv";
 pub(crate) const MARKERS: &str = "markers.csv";
 pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
-/// Figures of the pass of a press.
-const FIGURES: [&str; 2] = ["quiver", "trace-profile"];
+/// Figures of a traced press.
+const TRACE_FIGURES: [&str; 2] = ["quiver", "trace-profile"];
 
-/// Whether a run wrote this config: it states the version of palpate and has no comment, which a run never writes.
-pub(crate) fn is_of_a_run(path: &Path) -> bool {
+/// Whether a run wrote this config: it has the version of palpate and no comment.
+pub(crate) fn is_run_config(path: &Path) -> bool {
     text_of(path).is_some_and(|text| {
         let is_comment = |token: Token| token.kind() == TokenKind::Comment;
         let has_version = text
@@ -58,20 +63,20 @@ pub(crate) fn is_of_a_run(path: &Path) -> bool {
 
 /// Text of a config, if it can be read.
 pub(crate) fn text_of(path: &Path) -> Option<String> {
-    // To read a pipe would wait for its writer.
+    // Reading a pipe would wait for its writer.
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-    let bytes = is_file.then(|| read_limited(path, MOST_MIB).ok())??;
+    let bytes = is_file.then(|| read_limited(path, MAX_MIB).ok())??;
     String::from_utf8(bytes).ok()
 }
 
-/// Name of the study of a run's config, and names of the files that commands may have written beside it.
-pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
+/// Name of the study in the config of a run, and names of the files that commands may have written beside it.
+pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
     let study = config::parse(&config.display().to_string(), text).ok();
     let writes = |output| {
         let mut studies = study.iter();
         studies.any(|study| study.config.outputs.contains(&output))
     };
-    // Without a plot in the config there is a usual one.
+    // A config without a plot has the default plot.
     let count = |study: &config::Study| study.config.plot.len().max(1);
     let named = |at: usize| {
         let plot = study.as_ref().and_then(|study| study.config.plot.get(at));
@@ -81,7 +86,7 @@ pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
     let figures = (0..study.as_ref().map_or(0, count))
         .map(named)
         .chain(
-            FIGURES
+            TRACE_FIGURES
                 .into_iter()
                 .filter(|_| writes(Output::Trace))
                 .map(str::to_owned),
@@ -101,4 +106,52 @@ pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
         .as_ref()
         .map_or("", |study| study.config.name.as_str());
     (name.to_owned(), known.collect())
+}
+
+/// Format of tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// Text, which every program reads.
+    Csv,
+    /// Columns with types and units, for programs that read large tables.
+    Parquet,
+}
+
+impl Format {
+    /// All formats.
+    pub(crate) const ALL: [Self; 2] = [Self::Csv, Self::Parquet];
+
+    /// Names of the tables of cells, failures and maps.
+    pub(crate) const fn tables(self) -> [&'static str; 3] {
+        match self {
+            Self::Csv => [CELLS, FAILURES, MAP],
+            Self::Parquet => [CELLS_PARQUET, FAILURES_PARQUET, MAP_PARQUET],
+        }
+    }
+
+    /// Format by the extension of a file's name; `default` for other extensions.
+    pub(crate) fn of_path(path: &Path, default: Self) -> Self {
+        match path.extension().and_then(OsStr::to_str) {
+            Some("csv") => Self::Csv,
+            Some("parquet") => Self::Parquet,
+            _ => default,
+        }
+    }
+
+    /// Format of the tables in a directory, if there are any.
+    pub(crate) fn found_in(dir: &Path) -> Option<Self> {
+        let is_there = |format: &Self| dir.join(format.tables()[0]).is_file();
+        Self::ALL.into_iter().find(is_there)
+    }
+
+    /// Rejects a format that this program was built without.
+    pub(crate) fn supported(self) -> Result<(), Failure> {
+        if self == Self::Csv || cfg!(feature = "parquet") {
+            return Ok(());
+        }
+        Err(Failure::usage(anyhow!(
+            "this palpate was built without Parquet; `cargo install --path crates/palpate --features parquet` in its source \
+             installs one with it"
+        )))
+    }
 }

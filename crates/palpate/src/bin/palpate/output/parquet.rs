@@ -1,4 +1,4 @@
-//! Tables as Parquet: columns with types, units in their metadata.
+//! Tables as Parquet, with the types of columns, and their units in the metadata.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,6 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Error};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use palpate::{ColumnType, ValueKind};
 use palpate_study::Rows;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -17,13 +19,12 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
+use polars_arrow_format::ipc::{self, planus};
 
-use super::arrow;
-
-/// Rows that are kept in memory before they are written.
+/// Number of rows that are collected before they are written.
 const GROUP: usize = 1 << 16;
 /// Key of the version of palpate that wrote a file.
-pub(super) const VERSION: &str = "palpate_version";
+const VERSION_KEY: &str = "palpate_version";
 
 /// Table that is being written.
 pub(super) struct Writer<W: Write + Send> {
@@ -32,7 +33,7 @@ pub(super) struct Writer<W: Write + Send> {
     rows: usize,
 }
 
-/// Values of a column that wait to be written, without those that are missing.
+/// Values of a column that are not written yet; missing values have no entry.
 struct Values {
     /// 1 for each row that has a value, 0 for one that has none.
     levels: Vec<i16>,
@@ -47,16 +48,16 @@ enum Present {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Table of these columns, without rows; `about` is told of it in its metadata.
+    /// Table with these columns, without rows. `about` are entries of its metadata.
     pub(super) fn new(
         sink: W,
         columns: Vec<ColumnType>,
         about: &[(&str, String)],
     ) -> io::Result<Self> {
-        let version = (VERSION, env!("CARGO_PKG_VERSION").to_owned());
+        let version = (VERSION_KEY, env!("CARGO_PKG_VERSION").to_owned());
         let mut entries: Vec<(&str, String)> = vec![version];
         entries.extend(about.iter().cloned());
-        entries.push(arrow::schema(&columns, &entries));
+        entries.push(arrow_schema(&columns, &entries));
         let entries = entries.into_iter();
         let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
         let properties = WriterProperties::builder()
@@ -67,7 +68,7 @@ impl<W: Write + Send> Writer<W> {
         let file = SerializedFileWriter::new(sink, schema, Arc::new(properties.build()));
         Ok(Self {
             file: file.map_err(plain)?,
-            columns: columns.into_iter().map(with_values).collect(),
+            columns: columns.into_iter().map(empty_column).collect(),
             rows: 0,
         })
     }
@@ -90,14 +91,14 @@ impl<W: Write + Send> Writer<W> {
             }
             self.rows += 1;
             if self.rows == GROUP {
-                self.put().map_err(plain)?;
+                self.write_group().map_err(plain)?;
             }
         }
         Ok(())
     }
 
-    /// Writes the rows that wait.
-    fn put(&mut self) -> Result<(), ParquetError> {
+    /// Writes the collected rows.
+    fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.file.next_row_group()?;
         let mut columns = self.columns.iter_mut();
         while let Some(mut writer) = group.next_column()? {
@@ -130,17 +131,17 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Ends the table, and gives back what it was written to.
+    /// Finishes the table, and returns its sink.
     pub(super) fn end(mut self) -> io::Result<W> {
         if self.rows > 0 {
-            self.put().map_err(plain)?;
+            self.write_group().map_err(plain)?;
         }
         self.file.into_inner().map_err(plain)
     }
 }
 
-/// A column without values.
-fn with_values(column: ColumnType) -> (ColumnType, Values) {
+/// Column without values.
+fn empty_column(column: ColumnType) -> (ColumnType, Values) {
     let present = match column.kind {
         ValueKind::Number => Present::Numbers(Vec::new()),
         ValueKind::Whole | ValueKind::Count => Present::Whole(Vec::new()),
@@ -151,7 +152,7 @@ fn with_values(column: ColumnType) -> (ColumnType, Values) {
 }
 
 impl Values {
-    /// Adds the value of a field, which is missing where the field is empty; tells whether it is one of this kind.
+    /// Adds the value of a field. An empty field is a missing value. Returns false if the field is not of this kind.
     fn push(&mut self, kind: ValueKind, field: &str) -> bool {
         self.levels.push(i16::from(!field.is_empty()));
         if field.is_empty() {
@@ -183,13 +184,13 @@ fn added<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
     is_value
 }
 
-/// Whole number, which may be written as 1e7.
+/// Reads a whole number, also one like 1e7.
 fn whole(field: &str) -> Option<i64> {
-    /// Above it, numbers of 64 bits have no last digit.
-    const MOST: f64 = 9_007_199_254_740_992.0;
+    /// Larger floating-point numbers are not exact.
+    const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
     let of_float = || {
         let number: f64 = field.parse().ok()?;
-        (number.fract() == 0.0 && number.abs() <= MOST).then_some(number as i64)
+        (number.fract() == 0.0 && number.abs() <= MAX_EXACT).then_some(number as i64)
     };
     field.parse().ok().or_else(of_float)
 }
@@ -213,7 +214,70 @@ fn schema(columns: &[ColumnType]) -> Result<TypePtr, ParquetError> {
     schema.build().map(Arc::new)
 }
 
-/// Error with the words of its cause alone.
+/// Key of the unit of a column.
+const UNIT_KEY: &str = "unit";
+
+/// Metadata entry with the schema of the columns, from which Arrow programs read all metadata: the schema message of Arrow's
+/// stream format, as base64. It repeats the other entries.
+fn arrow_schema(columns: &[ColumnType], entries: &[(&str, String)]) -> (&'static str, String) {
+    let entries = entries.iter().map(|(key, value)| key_value(key, value));
+    let schema = ipc::Schema {
+        fields: Some(columns.iter().map(arrow_field).collect()),
+        custom_metadata: Some(entries.collect()),
+        ..ipc::Schema::default()
+    };
+    let message = ipc::Message {
+        version: ipc::MetadataVersion::V5,
+        header: Some(ipc::MessageHeader::Schema(Box::new(schema))),
+        ..ipc::Message::default()
+    };
+    let mut builder = planus::Builder::new();
+    let message = builder.finish(&message, None);
+    let padding = message.len().next_multiple_of(8) - message.len();
+    let length = (message.len() + padding) as u32;
+    let mut bytes = vec![0xff; 4];
+    bytes.extend_from_slice(&length.to_le_bytes());
+    bytes.extend_from_slice(message);
+    bytes.extend(std::iter::repeat_n(0, padding));
+    ("ARROW:schema", STANDARD.encode(bytes))
+}
+
+fn arrow_field(column: &ColumnType) -> ipc::Field {
+    let whole = |is_signed| {
+        let bit_width = 64;
+        ipc::Type::Int(Box::new(ipc::Int {
+            bit_width,
+            is_signed,
+        }))
+    };
+    let unit = column.unit.as_ref();
+    let unit = unit.map(|unit| vec![key_value(UNIT_KEY, unit)]);
+    ipc::Field {
+        name: Some(column.name.clone()),
+        nullable: true,
+        type_: Some(match column.kind {
+            ValueKind::Number => ipc::Type::FloatingPoint(Box::new(ipc::FloatingPoint {
+                precision: ipc::Precision::Double,
+            })),
+            ValueKind::Whole => whole(true),
+            ValueKind::Count => whole(false),
+            ValueKind::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
+        }),
+        // Readers reject a field without a list of children.
+        children: Some(Vec::new()),
+        custom_metadata: unit,
+        ..ipc::Field::default()
+    }
+}
+
+fn key_value(key: &str, value: &str) -> ipc::KeyValue {
+    ipc::KeyValue {
+        key: Some(key.to_owned()),
+        value: Some(value.to_owned()),
+    }
+}
+
+/// Error with the message of its cause.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(cause) => match cause.downcast::<io::Error>() {
@@ -224,7 +288,7 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Whether palpate wrote the file, with these columns.
+/// Whether palpate wrote the file with these columns.
 pub(super) fn is_table(path: &Path, columns: &[ColumnType]) -> bool {
     let reader = File::open(path).map(SerializedFileReader::new);
     let Ok(Ok(reader)) = reader else {
@@ -233,11 +297,11 @@ pub(super) fn is_table(path: &Path, columns: &[ColumnType]) -> bool {
     let about = reader.metadata().file_metadata();
     let mut keys = about.key_value_metadata().into_iter().flatten();
     let fields = about.schema().get_fields().iter().map(|field| field.name());
-    keys.any(|entry| entry.key == VERSION)
+    keys.any(|entry| entry.key == VERSION_KEY)
         && fields.eq(columns.iter().map(|column| column.name.as_str()))
 }
 
-/// Hands over columns of the rows of a table, one row after the other.
+/// Passes the fields of these columns to `take`, row by row.
 pub(super) fn read<const N: usize>(
     path: &Path,
     columns: [&str; N],

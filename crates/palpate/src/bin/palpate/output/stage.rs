@@ -1,4 +1,4 @@
-//! Contents under temporary names, locked by the process that writes them.
+//! Files under temporary names, locked by the process that writes them, until they are complete.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -11,21 +11,21 @@ use tempfile::NamedTempFile;
 
 use super::manifest::{digest, digest_of, hexadecimal};
 
-/// Begin of temporary names, after which six letters or digits follow.
+/// Prefix of temporary names; six letters or digits follow.
 const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
-/// Symbolic links that are followed one after another.
-const MOST_LINKS: usize = 40;
+/// Largest number of symbolic links in a chain.
+const MAX_LINKS: usize = 40;
 
-/// Contents of a file that is to be written.
+/// Contents of a file to be written.
 pub(crate) enum Contents<'a> {
     /// Bytes in memory.
     Bytes(&'a [u8]),
-    /// Bytes that are on disk already.
+    /// Bytes on disk.
     Draft(Draft),
 }
 
-/// Contents that are written beside the file that they are for, piece by piece.
+/// Temporary file beside its target, written piece by piece.
 pub(crate) struct Draft {
     file: BufWriter<NamedTempFile>,
     sha256: Sha256,
@@ -34,13 +34,13 @@ pub(crate) struct Draft {
     head: Vec<u8>,
 }
 
-/// Bytes by which the kind of a file is known.
-const HEAD: usize = 1 << 16;
+/// Number of first bytes that identify the kind of a file.
+const HEAD_BYTES: usize = 1 << 16;
 
 impl Draft {
-    /// Draft beside the file at `path`, or beside that to which links lead from there.
+    /// Draft beside the file at `path`, or beside the target of a symbolic link.
     pub(crate) fn new(path: &Path) -> Result<Self, Error> {
-        let file = followed(path).and_then(|target| locked(folder_of(&target)));
+        let file = link_target(path).and_then(|target| locked_file(folder_of(&target)));
         let file = file.with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Self {
             file: BufWriter::with_capacity(1 << 18, file),
@@ -56,7 +56,7 @@ impl Write for Draft {
         self.file.write_all(bytes)?;
         self.sha256.update(bytes);
         self.length += bytes.len() as u64;
-        let missing = HEAD.saturating_sub(self.head.len()).min(bytes.len());
+        let missing = HEAD_BYTES.saturating_sub(self.head.len()).min(bytes.len());
         self.head.extend_from_slice(&bytes[..missing]);
         Ok(bytes.len())
     }
@@ -67,7 +67,7 @@ impl Write for Draft {
 }
 
 impl Contents<'_> {
-    /// First bytes, by which the kind of the file is known.
+    /// First bytes, which identify the kind of the file.
     pub(crate) fn head(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -83,7 +83,7 @@ impl Contents<'_> {
         }
     }
 
-    /// Whether a file holds exactly these contents, or nothing that could be lost.
+    /// Whether a file has exactly these contents, or is empty or missing.
     pub(crate) fn are_in(&self, path: &Path) -> bool {
         match self {
             Self::Bytes(bytes) => holds(path, bytes),
@@ -96,29 +96,29 @@ impl Contents<'_> {
     }
 }
 
-/// Whether a file holds exactly these contents, or nothing that could be lost.
+/// Whether a file has exactly these contents, or is empty or missing.
 pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
     let length = fs::metadata(path).map_or(0, |found| found.len());
     length == 0
         || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
-/// Contents that wait for their place.
-pub(crate) struct Staged<'a> {
-    /// Path as messages name it.
+/// Complete file that waits for its final name.
+pub(crate) struct StagedFile<'a> {
+    /// Path for messages.
     shown: PathBuf,
     place: Place<'a>,
 }
 
 enum Place<'a> {
-    /// Contents on disk, and the file itself, to which links lead.
+    /// Temporary file, and its target after all symbolic links.
     File(NamedTempFile, PathBuf),
-    /// Pipe, device or open file, and what is written into it.
+    /// Contents for a pipe, a device or an open file.
     Stream(Contents<'a>),
 }
 
-impl<'a> Staged<'a> {
-    /// Writes contents beside the file at `path`, or beside that to which links lead from there; a stream waits.
+impl<'a> StagedFile<'a> {
+    /// Writes the contents beside the file at `path`, or beside the target of a symbolic link. Streams are written later.
     pub(crate) fn new(path: &Path, contents: Contents<'a>) -> Result<Self, Error> {
         let shown = path.to_owned();
         if is_stream(path) {
@@ -126,10 +126,10 @@ impl<'a> Staged<'a> {
             return Ok(Self { shown, place });
         }
         let stage = move || -> io::Result<Place<'a>> {
-            let target = followed(path)?;
+            let target = link_target(path)?;
             let file = match contents {
                 Contents::Bytes(bytes) => {
-                    let mut file = locked(folder_of(&target))?;
+                    let mut file = locked_file(folder_of(&target))?;
                     file.as_file_mut().write_all(bytes)?;
                     file
                 }
@@ -144,7 +144,7 @@ impl<'a> Staged<'a> {
         Ok(Self { shown, place })
     }
 
-    /// Gives the contents their name, or writes them into the stream; a reader that closes a pipe early is no error.
+    /// Renames the file to its final name, or writes into the stream. It is no error if the reader of a pipe closes it early.
     pub(crate) fn persist(self) -> Result<(), Error> {
         let Self { shown, place } = self;
         let cannot = || format!("cannot write {}", shown.display());
@@ -157,7 +157,7 @@ impl<'a> Staged<'a> {
                 persisted.map(drop).with_context(cannot)
             }
             Place::Stream(contents) => {
-                // What an open file holds stays.
+                // The earlier contents of an open file stay.
                 let file = OpenOptions::new().append(true).open(&shown);
                 let write = |mut file: File| match contents {
                     Contents::Bytes(bytes) => file.write_all(bytes),
@@ -176,7 +176,7 @@ impl<'a> Staged<'a> {
     }
 }
 
-/// Whether a path leads to a pipe, a device or an open file, which is written into and keeps its name.
+/// Whether a path names a pipe, a device or an open file. These are written into, not replaced.
 pub(crate) fn is_stream(path: &Path) -> bool {
     let is_descriptor = |folder: &Path| {
         folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
@@ -185,7 +185,7 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| !found.is_dir() && (is_open || !found.is_file()))
 }
 
-/// Why nothing is written to a path, if it is one of a directory or of a disk.
+/// Reason why a path cannot be written: it is a directory or a disk.
 pub(crate) fn unwritable(path: &Path) -> Option<&'static str> {
     let found = fs::metadata(path).ok()?;
     if found.is_dir() {
@@ -205,7 +205,7 @@ fn is_disk(_: &fs::Metadata) -> bool {
     false
 }
 
-/// Folder in which a file lies.
+/// Directory of a file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -213,8 +213,8 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes temporary files that no process has locked any more.
-pub(crate) fn sweep(folder: &Path) {
+/// Removes temporary files of dead processes: no process has locked them.
+pub(crate) fn remove_abandoned(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
         let is_temporary = entry.file_name().to_str().is_some_and(|name| {
@@ -229,7 +229,7 @@ pub(crate) fn sweep(folder: &Path) {
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
         {
-            // Whether another process was quicker is no matter.
+            // Another process may have removed it already.
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -241,14 +241,14 @@ pub(crate) fn is_named(file: &File, path: &Path) -> bool {
     matches!((open, Handle::from_path(path)), (Ok(open), Ok(named)) if open == named)
 }
 
-/// Temporary file that no sweep removes while this process lives.
-fn locked(folder: &Path) -> io::Result<NamedTempFile> {
+/// Temporary file that other processes do not remove while this process lives.
+fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     loop {
         let file = tempfile::Builder::new()
             .prefix(PREFIX)
             .rand_bytes(RANDOM)
             .tempfile_in(folder)?;
-        // Where there are no locks, nothing is swept up.
+        // Without file locks, no process removes abandoned files.
         let is_locked = file.as_file().lock().is_ok();
         if !is_locked || is_named(file.as_file(), file.path()) {
             return Ok(file);
@@ -256,10 +256,10 @@ fn locked(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// File to which symbolic links lead from a path; it need not be there.
-fn followed(path: &Path) -> io::Result<PathBuf> {
+/// Target of the symbolic links at a path; it may be missing.
+fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         match fs::read_link(&path) {
             Ok(link) => path = folder_of(&path).join(link),
             Err(_) => return Ok(path),
@@ -268,7 +268,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Temporary files are private; results are not, unless they replace what is.
+/// Sets the permissions of a file: those of the replaced file, else readable by all. Temporary files are private.
 #[cfg(unix)]
 fn set_readable(file: &File, known: Option<Permissions>) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

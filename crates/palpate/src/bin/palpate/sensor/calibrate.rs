@@ -13,14 +13,14 @@ use palpate_study::config;
 use crate::cli::CalibrateArgs;
 use crate::estimate::table;
 use crate::failure::Failure;
-use crate::output::{Guard, Single};
+use crate::output::{Guard, OutputFile};
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if let (Some(rest), Some(layout)) = (&args.rest, &args.layout) {
         return camera(args, rest, layout);
     }
     let guard = Guard::new(&args.inputs, args.force);
-    let out = Single::new("--out", &args.out, guard)?;
+    let out = OutputFile::new("--out", &args.out, guard)?;
     let shows_frames = shows_frames(args)?;
     let (points, markers) = if shows_frames {
         points_of_frames(args)?
@@ -53,7 +53,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
 
 /// Finds the camera from a frame at rest.
 fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), Failure> {
-    let out = Single::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
+    let out = OutputFile::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
     let study = config::load(layout).map_err(Failure::usage)?;
     let Ok(cell) = study.cell(args.cell) else {
         return Err(Failure::no_cell(args.cell, &study));

@@ -5,8 +5,7 @@ use palpate_study::config;
 
 use crate::cli::PatternArgs;
 use crate::failure::Failure;
-use crate::output::{self, Folder, Guard, StudyId};
-use crate::trace::resolved;
+use crate::output::{self, Guard, LockedDir, StudyId};
 
 pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
     let study = config::load(&args.config).map_err(Failure::usage)?;
@@ -21,8 +20,8 @@ pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
         percent(pattern.fold_strain.rms()),
         args.out.display()
     );
-    let of_study = StudyId::new(&study.config.name, &resolved(&study));
-    let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
+    let of_study = StudyId::new(&study.config.name, &palpate::resolved(&study));
+    let mut folder = LockedDir::open(&args.out, Guard::new([&args.config], args.force))?;
     folder.write(
         &[
             ("pattern.svg", pattern.svg),

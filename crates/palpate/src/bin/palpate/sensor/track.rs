@@ -11,7 +11,7 @@ use palpate_recorded::{
 use crate::cli::TrackArgs;
 use crate::estimate::{Like, picture_options, press_options, warn};
 use crate::failure::Failure;
-use crate::output::{self, Folder, Guard};
+use crate::output::{self, Guard, LockedDir};
 
 /// Points along each side of the field's grid, unless others are asked for.
 const GRID: u32 = 30;
@@ -46,7 +46,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         .into_iter()
         .chain(&args.calibration)
         .chain(like);
-    let mut folder = Folder::open(&args.out, Guard::new(inputs, args.force))?;
+    let mut folder = LockedDir::open(&args.out, Guard::new(inputs, args.force))?;
     folder.write(&files, None)?;
     for warning in frames.warnings() {
         eprintln!("warning: {warning}");

@@ -1,0 +1,190 @@
+//! `palpate design` and `palpate distinguish`.
+
+use std::time::{Duration, Instant};
+
+use palpate::config::Study;
+use palpate::{DesignError, Extreme, Figure, ReportError, Sought, Survey, load};
+use serde_json::Value;
+
+use crate::budget::runner;
+use crate::cli::{AnswerArgs, DesignArgs, DistinguishArgs};
+use crate::failure::Failure;
+use crate::output::names::{
+    DESIGN, DESIGN_CONFIG, DESIGN_FIGURE, DESIGN_REGION, DESIGN_WORDS, DISTINGUISH,
+    DISTINGUISH_FIGURE, DISTINGUISH_WORDS,
+};
+use crate::output::{self, Contents, Guard, LockedDir, StudyId};
+use crate::progress;
+use crate::results::drawings;
+use crate::run::overridden;
+
+/// Time after which the progress is shown.
+const QUIET_TIME: Duration = Duration::from_secs(1);
+
+pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let mut study = load(&args.answer.config).map_err(Failure::usage)?;
+    if let Some(seed) = args.answer.seed {
+        study.override_seed(seed).map_err(Failure::usage)?;
+    }
+    let vary = args.vary.iter().map(|vary| vary.path.as_str());
+    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
+    note_ignored_fields(&study, vary.chain(set));
+    let mut folder = open_dir(&args.answer)?;
+    let bar = progress::bar_of("trials");
+    let show_progress = |values: usize, trials: u64| {
+        if start.elapsed() >= QUIET_TIME {
+            bar.set_message(format!("; {values} values"));
+            bar.set_position(trials);
+        }
+    };
+    let survey = survey(args).map_err(design_failure)?;
+    let (runner, clock) = (runner(args.answer.threads)?, || start.elapsed());
+    let found = palpate::design(&study, &survey, &runner, &clock, &show_progress);
+    bar.finish_and_clear();
+    let found = found.map_err(design_failure)?;
+    let lines: Vec<String> = [found.sentence()]
+        .into_iter()
+        .chain(found.lines())
+        .collect();
+    if let Some(folder) = &mut folder {
+        let mut texts = vec![
+            (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
+            (DESIGN_CONFIG, palpate::resolved(&study)),
+            (DESIGN, found.table().to_csv()),
+        ];
+        if !found.is_curve() {
+            texts.push((DESIGN_REGION, found.runs().to_csv()));
+        }
+        write(
+            folder,
+            &study,
+            texts,
+            found.figure(DESIGN_FIGURE, study.heading()),
+        )?;
+    }
+    print(&args.answer, lines, || found.to_json(&study))
+}
+
+/// Question of the arguments.
+fn survey(args: &DesignArgs) -> Result<Survey, DesignError> {
+    let sought = |path: &Option<String>, extreme: Extreme| {
+        let path = path.clone()?;
+        Some(Sought { path, extreme })
+    };
+    let sought = sought(&args.maximise, Extreme::Largest)
+        .or_else(|| sought(&args.minimise, Extreme::Smallest));
+    let mut survey = Survey::new(args.target, args.vary.clone(), sought)?;
+    let question = &mut survey.question;
+    question.max_failures = args.max_failures;
+    question.set.clone_from(&args.answer.set);
+    question.gap = args.gap;
+    question.most_trials = args.most_trials.get();
+    question.budget = Some(args.budget);
+    Ok(survey)
+}
+
+/// Failure for a question without an answer: bad usage.
+fn design_failure(error: DesignError) -> Failure {
+    Failure::usage(match error {
+        DesignError::Config(error) => anyhow::Error::new(error),
+        error => anyhow::Error::new(error),
+    })
+}
+
+pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
+    let study = overridden(&args.answer.config, args.answer.seed, args.trials, None)?;
+    let paths = args.vary.iter().map(|(path, _)| path.as_str());
+    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
+    note_ignored_fields(&study, paths.chain(set));
+    let vary = args.vary.iter().cloned();
+    let fields: Vec<_> = vary.chain(set_fields(&args.answer)).collect();
+    let study = match fields.is_empty() {
+        true => study,
+        false => study.varied(&fields).map_err(Failure::usage)?,
+    };
+    let mut folder = open_dir(&args.answer)?;
+    let bar = progress::bar_of("cells");
+    let show_progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let found = palpate::distinguish(
+        &study,
+        args.quantity.as_deref(),
+        args.confidence,
+        &runner(args.answer.threads)?,
+        &show_progress,
+    );
+    bar.finish_and_clear();
+    let found = found.map_err(Failure::usage)?;
+    if let Some(folder) = &mut folder {
+        let texts = vec![
+            (DISTINGUISH, found.table().to_csv()),
+            (
+                DISTINGUISH_WORDS,
+                format!("{}\n", found.sentences().join("\n")),
+            ),
+        ];
+        let figure = found.figure(DISTINGUISH_FIGURE, study.heading());
+        write(folder, &study, texts, figure)?;
+    }
+    print(&args.answer, found.sentences(), || found.to_json(&study))
+}
+
+/// Directory for the files of an answer, if `--out` names one. It is opened before the work, so that an unwritable directory
+/// fails early.
+fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
+    let guard = Guard::new([&args.config], args.force);
+    let out = args.out.as_ref();
+    out.map(|dir| LockedDir::open(dir, guard)).transpose()
+}
+
+/// Fields of `--set`, with one value each.
+fn set_fields(args: &AnswerArgs) -> impl Iterator<Item = (String, Vec<toml::Value>)> {
+    let set = args.set.iter();
+    set.map(|(path, value)| (path.clone(), vec![value.clone()]))
+}
+
+/// Prints a note for each field that the config sets although it sweeps it, except for `paths`, which arguments set.
+pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item = &'a str>) {
+    let set: Vec<&str> = paths.collect();
+    for (path, note) in study.swept_over() {
+        if !set.contains(&path.as_str()) {
+            eprintln!("note: {note}");
+        }
+    }
+}
+
+/// Replaces the files of an earlier answer by these texts and a figure.
+fn write(
+    folder: &mut LockedDir,
+    study: &Study,
+    texts: Vec<(&str, String)>,
+    figure: Result<Figure, ReportError>,
+) -> Result<(), Failure> {
+    let texts = texts.into_iter();
+    let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let mut files: Vec<(String, Vec<u8>)> = texts.collect();
+    files.extend(drawings(&[figure.map_err(Failure::work)?])?);
+    let contents = files.iter();
+    let contents = contents.map(|(name, bytes)| (name.as_str(), Contents::Bytes(bytes)));
+    let of_study = StudyId::new(&study.config.name, &palpate::resolved(study));
+    let left = folder.replace(contents.collect(), &of_study)?;
+    left.iter().for_each(|line| eprintln!("warning: {line}"));
+    Ok(())
+}
+
+/// Prints an answer as lines, with the directory of its files, or as JSON.
+fn print(
+    args: &AnswerArgs,
+    mut lines: Vec<String>,
+    value: impl FnOnce() -> Value,
+) -> Result<(), Failure> {
+    if args.json {
+        return output::print(&output::json(&value())?);
+    }
+    let files = args.out.iter();
+    lines.extend(files.map(|dir| format!("files    {}", dir.display())));
+    output::print(&lines.join("\n"))
+}

@@ -1,0 +1,198 @@
+//! `palpate check`.
+
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+use palpate::config::ModelConfig;
+use palpate::{Accuracy, Check, Coverage, EvaluationTime, Family, Ladder, Rungs, load};
+
+use crate::answer_commands::note_ignored_fields;
+use crate::budget::runner;
+use crate::cli::CheckArgs;
+use crate::duration::{roughly, short, two_digits};
+use crate::failure::Failure;
+use crate::{output, progress};
+
+/// Time after which the progress is shown.
+const QUIET_TIME: Duration = Duration::from_secs(2);
+/// Largest number of groups that are shown one by one.
+const MAX_GROUPS: usize = 50;
+
+pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let study = load(&args.config).map_err(Failure::usage)?;
+    note_ignored_fields(&study, std::iter::empty());
+    let bar = progress::bar_of("cells");
+    let show_progress = |done: usize, all: usize| {
+        if start.elapsed() >= QUIET_TIME {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        }
+    };
+    let check = palpate::check(&study, &runner(None)?, &|| start.elapsed(), &show_progress);
+    bar.finish_and_clear();
+    let check = check.map_err(Failure::of_sweep)?;
+    output::print(&text(&study.config.name, &check))
+}
+
+/// Text of a check. For a sample it states how the cells were chosen.
+fn text(name: &str, check: &Check) -> String {
+    let mut text = String::new();
+    let (mut not_set_up, mut at_most) = (String::new(), "");
+    if check.set_up < check.cells {
+        not_set_up = format!("; {} were set up, to be quick", check.set_up);
+        at_most = "at most ";
+    }
+    let _ = writeln!(text, "study   {name}");
+    let _ = writeln!(
+        text,
+        "cells   {}, of which {} run a single trial{not_set_up}",
+        check.cells, check.single
+    );
+    if check.checked < check.cells {
+        let _ = writeln!(
+            text,
+            "sample  every swept value against the limits of its field; the fields of {} cells together: values of each axis\n        \
+             with the first and with other values of the others, both ends of every two axes, and cells spread evenly;\n        \
+             {} of these were set up, as many as a second allows. The others are first checked by `run`, when it comes to them",
+            check.checked, check.set_up
+        );
+    }
+    let _ = writeln!(text, "trials  {at_most}{}", check.trials);
+    let _ = writeln!(text, "models");
+    let of = match check.set_up < check.cells {
+        true => format!("{} cells set up", check.set_up),
+        false => format!("{} cells", check.cells),
+    };
+    for group in check.groups.iter().take(MAX_GROUPS) {
+        let _ = writeln!(text, "  {} of {of}", group.cells);
+        let needless = (!group.needless.is_empty())
+            .then(|| format!("needs no {}", group.needless.join(", no ")));
+        let lines = group.needs.iter().chain(&needless);
+        for line in lines.cloned().chain(rungs(&group.rungs)) {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+    if check.groups.len() > MAX_GROUPS {
+        let more = &check.groups[MAX_GROUPS..];
+        let cells: usize = more.iter().map(|group| group.cells).sum();
+        let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
+    }
+    let _ = writeln!(text, "intervals of 95 %");
+    for (cells, coverage) in check.intervals.iter().take(MAX_GROUPS) {
+        let _ = writeln!(text, "  {cells} of {of}");
+        for line in intervals(coverage).into_iter().flatten() {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+    if check.intervals.len() > MAX_GROUPS {
+        let more = &check.intervals[MAX_GROUPS..];
+        let cells: usize = more.iter().map(|(cells, _)| cells).sum();
+        let _ = writeln!(
+            text,
+            "  {cells} others, of which {} more things are told",
+            more.len()
+        );
+    }
+    let _ = write!(
+        text,
+        "time    about {} on {} threads, planning included",
+        roughly(check.seconds),
+        check.threads
+    );
+    text
+}
+
+/// Measured coverage in words.
+fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
+    let measured = |family: &Family| {
+        let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
+        let is_short = family.coverage95 < Family::HOLDS[0];
+        let only = if is_short { "only " } else { "" };
+        format!(
+            "of {} random scenes they held the truth in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
+            family.scenes, family.name
+        )
+    };
+    match coverage {
+        Coverage::Measured(family) => [Some(format!("tested: {}", measured(family))), None],
+        Coverage::Outside(family, outside) => [
+            Some(format!("not tested: random scenes have no {outside}")),
+            Some(format!("nearest to them: {}", measured(family))),
+        ],
+        Coverage::NotMeasured(why) => [Some(format!("not tested: {why}")), None],
+    }
+}
+
+fn rungs(rungs: &Rungs) -> Vec<String> {
+    match rungs {
+        Rungs::None => Vec::new(),
+        Rungs::NotMeasured => vec!["rungs of the model: not measured, to be quick".to_owned()],
+        Rungs::AsIn(cell) => vec![format!("rungs of the model: as in cell {cell}")],
+        Rungs::Measured {
+            cell,
+            ladder,
+            times,
+        } => {
+            let errors = errors_of(ladder);
+            let first = format!("rungs of the model, in cell {cell}; errors: {errors}");
+            let chosen = match ladder.tolerance {
+                Some(tolerance) => format!("chosen for a tolerance of {tolerance:e}: "),
+                None => String::new(),
+            };
+            let reason = format!("  {chosen}{}", ladder.reason);
+            let rungs = rung_lines(ladder, times);
+            [first, reason].into_iter().chain(rungs).collect()
+        }
+    }
+}
+
+/// Words for the quantity whose errors are shown and the scale that they are relative to.
+fn errors_of(ladder: &Ladder) -> &'static str {
+    match ladder.taken().model {
+        ModelConfig::Roll(_) => {
+            "places of the contacts at the end, relative to the first contact's length scale"
+        }
+        ModelConfig::Glide(_) => "places of contacts, relative to the tip's radius",
+        ModelConfig::Press(_) => "displacements of markers, relative to the largest",
+    }
+}
+
+/// Line of each rung with its error and its computing time, and the ratio of this time to that of the chosen rung.
+fn rung_lines(
+    ladder: &Ladder,
+    times: &[(usize, Option<EvaluationTime>)],
+) -> impl Iterator<Item = String> {
+    let name = |place: usize| ladder.rungs[place].name.as_str();
+    let widths = times.iter().map(|(place, _)| name(*place).chars().count());
+    let width = widths.max().unwrap_or(0);
+    let taken = times.iter().find(|(place, _)| *place == ladder.taken);
+    let of_taken = taken.and_then(|(_, time)| *time);
+    times.iter().map(move |&(place, time)| {
+        let is_taken = place == ladder.taken;
+        let mark = if is_taken { '>' } else { ' ' };
+        let time = time.map_or_else(String::new, |time| {
+            time_in_words(time, of_taken.filter(|_| !is_taken))
+        });
+        let text = match &ladder.rungs[place].accuracy {
+            Accuracy::Impossible(why) => format!("cannot: {why}"),
+            Accuracy::Error(_) if ladder.reference == Some(place) => {
+                format!("what errors are held against{time}")
+            }
+            Accuracy::Error(error) => format!("error {error:.1e}{time}"),
+        };
+        format!("  {mark} {:width$}  {text}", name(place))
+    })
+}
+
+/// Computing time in words, with its ratio to another one.
+fn time_in_words(time: EvaluationTime, other: Option<EvaluationTime>) -> String {
+    let seconds = short(time.seconds());
+    let ratio = other.map_or_else(String::new, |other| {
+        format!(" ({} x)", two_digits(time.seconds() / other.seconds()))
+    });
+    match time {
+        EvaluationTime::EachTrial(_) => format!(", {seconds} per trial{ratio}"),
+        EvaluationTime::SettingUp(_) => format!(", {seconds} once for all trials{ratio}"),
+    }
+}

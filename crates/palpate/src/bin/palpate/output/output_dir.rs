@@ -1,0 +1,250 @@
+//! Output directory: which of its files palpate may replace.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use same_file::is_same_file;
+
+use super::manifest::{Entry, Manifest, StudyId, digest_of};
+use super::names;
+use super::stage::{Contents, holds, is_stream, unwritable};
+use crate::failure::Failure;
+
+/// Directory for the files of a command. It replaces only files that palpate wrote.
+pub(crate) struct OutputDir {
+    pub(crate) dir: PathBuf,
+    /// Manifest of the directory. Without a manifest but with the config of a run, a manifest of the files with known names.
+    pub(crate) manifest: Option<Manifest>,
+    guard: Guard,
+}
+
+/// Files that a command must not replace.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Guard {
+    inputs: Vec<PathBuf>,
+    /// Whether every file may be replaced.
+    force: bool,
+}
+
+impl Guard {
+    /// Guard for a command that reads `inputs`.
+    pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
+        let inputs = inputs.into_iter().cloned().collect();
+        Self { inputs, force }
+    }
+
+    /// Whether every file may be replaced.
+    pub(crate) fn is_forced(&self) -> bool {
+        self.force
+    }
+
+    /// Whether the command reads the file at `path`.
+    pub(crate) fn reads(&self, path: &Path) -> bool {
+        // Opening a pipe would wait for its writer.
+        let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
+        let is_same =
+            |input: &PathBuf| is_file(input) && is_same_file(input, path).unwrap_or(false);
+        is_file(path) && self.inputs.iter().any(is_same)
+    }
+
+    /// Rejects a regular file that the command reads, or that is write-protected.
+    pub(crate) fn refuse(&self, path: &Path) -> Result<(), Failure> {
+        if self.force {
+            return Ok(());
+        }
+        if self.reads(path) {
+            return Err(protected(path, "is read by this very command"));
+        }
+        if fs::metadata(path).is_ok_and(|found| found.permissions().readonly()) {
+            return Err(protected(path, "may not be written"));
+        }
+        Ok(())
+    }
+}
+
+/// Failure for a file that must not be replaced.
+pub(crate) fn protected(path: &Path, why: &str) -> Failure {
+    let path = path.display();
+    Failure::usage(anyhow!(
+        "{path} {why}, and would be replaced: write elsewhere, move it away, or give --force"
+    ))
+}
+
+impl OutputDir {
+    /// Reads the manifest of a directory, which may be missing.
+    pub(crate) fn read(dir: &Path, guard: Guard) -> Result<Self, Failure> {
+        let manifest = match Manifest::read(dir) {
+            Err(_) if guard.force => None,
+            manifest => manifest?,
+        };
+        Ok(Self {
+            dir: dir.to_owned(),
+            manifest: manifest.or_else(|| known_files(dir)),
+            guard,
+        })
+    }
+
+    /// Rejects a file that palpate did not write. Without the new contents, only the manifest decides.
+    pub(crate) fn refuse(
+        &self,
+        name: &str,
+        contents: Option<&Contents<'_>>,
+    ) -> Result<(), Failure> {
+        let path = self.dir.join(name);
+        if let Some(why) = unwritable(&path) {
+            let path = path.display();
+            return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
+        }
+        let is_harmless = match contents {
+            Some(contents) => contents.are_in(&path),
+            None => holds(&path, &[]),
+        };
+        let is_open = is_stream(&path) && !self.guard.reads(&path);
+        if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
+            return Ok(());
+        }
+        // A run may read the config of an earlier run, which it then replaces.
+        if name != names::CONFIG {
+            self.guard.refuse(&path)?;
+        }
+        // Recorded readings have the same header as simulated ones.
+        let is_lone = self.manifest.is_none() && name != names::READINGS;
+        match self.entry(name) {
+            Some(entry) if entry.is_of(&path) => Ok(()),
+            Some(_) => Err(protected(&path, "was changed since palpate wrote it")),
+            None if is_lone
+                && contents.is_some_and(|contents| begins_as(&path, contents.head())) =>
+            {
+                Ok(())
+            }
+            None => Err(protected(&path, "is not a file that palpate wrote")),
+        }
+    }
+
+    /// Entry of a file in the manifest.
+    fn entry(&self, name: &str) -> Option<&Entry> {
+        self.manifest.as_ref()?.files.get(name)
+    }
+
+    /// Reason why a file is not replaced or removed.
+    pub(crate) fn reason_to_keep(&self, name: &str) -> &'static str {
+        match self.entry(name) {
+            Some(_) => "was changed since palpate wrote it",
+            None => "is not of this study",
+        }
+    }
+
+    /// Whether the manifest lists the file, and the file is unchanged since.
+    pub(crate) fn lists(&self, name: &str) -> bool {
+        let entry = self.entry(name);
+        entry.is_some_and(|entry| entry.is_of(&self.dir.join(name)))
+    }
+
+    /// Names of the files in the directory that neither palpate wrote nor the command reads.
+    pub(crate) fn foreign(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()));
+        let mut names: Vec<String> = files
+            .filter(|entry| !self.guard.reads(&entry.path()))
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| !name.starts_with('.') && name != names::JOURNAL && !self.lists(name))
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+/// Whether an existing file begins like the new one: with the same header or first comment, or a page with the same title.
+/// Pictures have no such beginning.
+pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
+    let Some(head) = head_of(contents) else {
+        return false;
+    };
+    let mut known = Vec::new();
+    let read = fs::File::open(path).and_then(|file| {
+        let mut start = file.take(head.len() as u64);
+        start.read_to_end(&mut known)
+    });
+    read.is_ok() && known == head
+}
+
+/// Beginning of a file that identifies its kind, if it has one.
+fn head_of(contents: &[u8]) -> Option<&[u8]> {
+    const TITLE: &[u8] = b"</title>";
+    let is = |start: &[u8]| contents.starts_with(start);
+    if is(b"PAR1") {
+        return None;
+    }
+    if is(b"<!DOCTYPE html>") {
+        let mut places = contents.windows(TITLE.len());
+        return Some(&contents[..places.position(|place| place == TITLE)?]);
+    }
+    let end = contents.iter().position(|&byte| byte == b'\n')?;
+    let line = &contents[..=end];
+    (is(b"#") || line.contains(&b',')).then_some(line)
+}
+
+/// Manifest for a directory with the config of a run but without a manifest: of the files with known names.
+fn known_files(dir: &Path) -> Option<Manifest> {
+    let config = dir.join(names::CONFIG);
+    if !names::is_run_config(&config) {
+        return None;
+    }
+    let text = names::text_of(&config)?;
+    let (name, known) = names::run_files(&config, &text);
+    let study = StudyId::new(&name, &text);
+    let files: BTreeMap<String, Entry> = known
+        .into_iter()
+        .filter_map(|name| {
+            let path = dir.join(&name);
+            let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file())
+                && matches_extension(&path)
+                && (name != names::NEXT_CONFIG || names::is_run_config(&path));
+            let sha256 = vec![digest_of(&path).ok().filter(|_| is_file)?];
+            let study = Some(study.clone());
+            Some((name, Entry { sha256, study }))
+        })
+        .collect();
+    Some(Manifest::new(files))
+}
+
+/// Whether the beginning of a file matches its extension: a table has a header with several columns, a picture its magic
+/// bytes.
+fn matches_extension(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));
+    let header = start.split(|&byte| byte == b'\n').next();
+    read.is_ok()
+        && match path.extension().and_then(std::ffi::OsStr::to_str) {
+            Some("csv") => header.is_some_and(|header| header.contains(&b',')),
+            Some("parquet") => start.starts_with(b"PAR1"),
+            Some("png") => start.starts_with(b"\x89PNG"),
+            Some("svg") => start.starts_with(b"<svg"),
+            _ => true,
+        }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_are_first_lines_and_titles() {
+        assert_eq!(head_of(b"a,b\n1,2\n"), Some(&b"a,b\n"[..]));
+        assert_eq!(head_of(b"a,b"), None);
+        for other in [
+            &b"<svg>\n"[..],
+            b"  0\nSECTION\n",
+            b"name = \"a\"\n",
+            b"\x89PNG\n",
+            b"PAR1,\n",
+        ] {
+            assert_eq!(head_of(other), None);
+        }
+        let page = b"<!DOCTYPE html>\n<title>palpate</title>\n";
+        assert_eq!(head_of(page), Some(&page[..page.len() - 9]));
+    }
+}

@@ -1,0 +1,166 @@
+//! Output file of a command: a regular file, a pipe or device, or standard output.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+
+use super::locked_dir::make_directory;
+use super::output_dir::{Guard, begins_as, protected};
+use super::stage::{
+    Contents, Draft, StagedFile, folder_of, holds, is_stream, remove_abandoned, unwritable,
+};
+use crate::failure::Failure;
+
+/// File that a command writes.
+pub(crate) struct OutputFile {
+    /// `None`: standard output.
+    path: Option<PathBuf>,
+    guard: Guard,
+}
+
+impl OutputFile {
+    /// File that the argument of `option` names. Rejects a file that cannot be written or must not be replaced.
+    pub(crate) fn new(option: &str, path: &Path, guard: Guard) -> Result<Self, Failure> {
+        if path == Path::new("-") || path == Path::new("/dev/stdout") {
+            return Ok(Self { path: None, guard });
+        }
+        let named = path.file_name().and_then(std::ffi::OsStr::to_str);
+        let unnamed = || named.is_none().then_some("is not a file name");
+        if let Some(why) = unwritable(path).or_else(unnamed) {
+            let path = path.display();
+            return Err(Failure::usage(anyhow!("{option} {path}: {why}")));
+        }
+        if !is_stream(path) || guard.reads(path) {
+            guard.refuse(path)?;
+        }
+        let path = Some(path.to_owned());
+        Ok(Self { path, guard })
+    }
+
+    /// Prints a message: on standard error if the file goes to standard output.
+    pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
+        if self.path.is_some() {
+            return super::print(text);
+        }
+        eprintln!("{text}");
+        Ok(())
+    }
+
+    /// Rejects, before the work, a file that palpate did not write according to `is_ours`.
+    pub(crate) fn refuse_other(&self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+        let Some(path) = &self.path else {
+            return Ok(());
+        };
+        let is_free = || is_stream(path) || holds(path, &[]) || is_ours(path);
+        match fs::metadata(path).is_err() || self.guard.is_forced() || is_free() {
+            true => Ok(()),
+            false => Err(protected(path, "is not a file that palpate wrote")),
+        }
+    }
+
+    /// Starts to write the file in pieces. An existing file is replaced after the last piece.
+    pub(crate) fn begin(&self) -> Result<OutputWriter<'_>, Failure> {
+        let place = match &self.path {
+            None => Place::Standard(io::stdout()),
+            Some(path) if is_stream(path) => {
+                let file = OpenOptions::new().append(true).open(path);
+                Place::Stream(file.with_context(|| cannot(path)).map_err(Failure::work)?)
+            }
+            Some(path) => {
+                self.make_folder(path)?;
+                Place::Draft(Box::new(Draft::new(path).map_err(Failure::work)?))
+            }
+        };
+        Ok(OutputWriter { file: self, place })
+    }
+
+    /// Writes the file, whose directory is created if missing. An existing file is replaced if palpate wrote it.
+    pub(crate) fn write(&self, contents: &[u8]) -> Result<(), Failure> {
+        let Some(path) = &self.path else {
+            return super::write_stdout(contents);
+        };
+        if !is_stream(path) {
+            let is_ours = holds(path, contents) || begins_as(path, contents);
+            if fs::metadata(path).is_ok() && !self.guard.is_forced() && !is_ours {
+                return Err(protected(path, "is not a file that palpate wrote"));
+            }
+            self.make_folder(path)?;
+        }
+        let staged = StagedFile::new(path, Contents::Bytes(contents));
+        staged.and_then(StagedFile::persist).map_err(Failure::work)
+    }
+
+    /// Creates the directory of the file, and removes temporary files of dead processes there.
+    fn make_folder(&self, path: &Path) -> Result<(), Failure> {
+        let dir = folder_of(path);
+        make_directory(dir).map_err(|failure| {
+            let (Failure::Usage(error) | Failure::Work(error) | Failure::Stopped(error, _)) =
+                failure;
+            Failure::Work(error.context(cannot(path)))
+        })?;
+        remove_abandoned(dir);
+        Ok(())
+    }
+}
+
+fn cannot(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
+
+/// Writer of an output file, piece by piece.
+pub(crate) struct OutputWriter<'s> {
+    file: &'s OutputFile,
+    place: Place,
+}
+
+enum Place {
+    Standard(io::Stdout),
+    Stream(File),
+    Draft(Box<Draft>),
+}
+
+impl OutputWriter<'_> {
+    /// Writes into the file. It is no error if the reader of a pipe closes it early.
+    fn put(&mut self, put: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        let result = match &mut self.place {
+            Place::Standard(stdout) => put(stdout),
+            Place::Stream(file) => put(file),
+            Place::Draft(draft) => put(draft),
+        };
+        result.or_else(|error| match error.kind() {
+            ErrorKind::BrokenPipe => Ok(()),
+            _ => Err(error),
+        })
+    }
+}
+
+impl Write for OutputWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.put(|sink| sink.write_all(bytes))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.put(|sink| sink.flush())
+    }
+}
+
+impl OutputWriter<'_> {
+    /// Renames the draft to its final name. Rejects an existing file that palpate did not write according to `is_ours`.
+    pub(crate) fn end(mut self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+        let name = self.file.path.as_deref().unwrap_or(Path::new("-"));
+        self.flush()
+            .with_context(|| cannot(name))
+            .map_err(Failure::work)?;
+        let (Place::Draft(draft), Some(path)) = (self.place, &self.file.path) else {
+            return Ok(());
+        };
+        let contents = Contents::Draft(*draft);
+        let is_ours = |path: &Path| contents.are_in(path) || is_ours(path);
+        self.file.refuse_other(is_ours)?;
+        let staged = StagedFile::new(path, contents);
+        staged.and_then(StagedFile::persist).map_err(Failure::work)
+    }
+}

@@ -1,0 +1,332 @@
+//! Run with a journal: it records finished cells, resumes after them, and stops in order on a signal.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use anyhow::{Context, anyhow};
+use palpate::{CellResults, Simulation, SweepError, SweepOutput, Warnings};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::{SigId, flag, low_level};
+
+use crate::failure::Failure;
+use crate::journal::{
+    self, CellRecord, Header, Journal, JournalState, RunRequest, Totals, TrialRows,
+};
+use crate::output::Lock;
+use crate::output::names::JOURNAL;
+use crate::progress::Progress;
+
+/// Run with its journal.
+pub(super) struct JournalRun<'s, 'a> {
+    simulation: &'s Simulation<'a>,
+    journal: Journal,
+    totals: Totals,
+    warnings: Warnings,
+    /// Number of finished tasks.
+    tasks: u64,
+    /// Trial rows of the unfinished cell that are not yet in the journal.
+    rows: String,
+    is_shared: bool,
+}
+
+/// Size of the trial rows from which they are written, bytes.
+const MAX_PENDING_BYTES: usize = 1 << 20;
+
+impl<'s, 'a> JournalRun<'s, 'a> {
+    /// Starts a journal, or resumes the one that was found.
+    pub(super) fn begin(
+        simulation: &'s Simulation<'a>,
+        out: &Path,
+        header: Header,
+        warnings: Warnings,
+        found: Option<JournalState>,
+        restarts: bool,
+    ) -> Result<Self, Failure> {
+        let is_shared = header.request.shard.is_some();
+        // Another process may have finished the journal, or started one, since it was read.
+        let now = match restarts {
+            true => None,
+            false => journal::read(out)?.filter(JournalState::has_work),
+        };
+        let is_known = now.as_ref().is_none_or(|now| {
+            let found = found.as_ref();
+            found.is_some_and(|found| found.header == now.header)
+        });
+        let path = out.join(JOURNAL);
+        let cannot = || format!("cannot write {}", path.display());
+        if !is_known {
+            return Err(Failure::work(anyhow!(
+                "another process wrote {} meanwhile: give the same command again",
+                path.display()
+            )));
+        }
+        let Some(found) = now else {
+            let journal = Journal::new(out, &header).with_context(cannot);
+            return Ok(Self {
+                simulation,
+                journal: journal.map_err(Failure::work)?,
+                totals: Totals::default(),
+                warnings,
+                tasks: 0,
+                rows: String::new(),
+                is_shared,
+            });
+        };
+        if found.is_torn {
+            eprintln!(
+                "note: the end of {} is damaged, and is done again",
+                path.display()
+            );
+        }
+        let all = simulation.tasks();
+        eprintln!("note: goes on after {} of {all} cells", found.tasks);
+        let journal = Journal::resumed(out, &found).with_context(cannot);
+        Ok(Self {
+            simulation,
+            journal: journal.map_err(Failure::work)?,
+            totals: found.totals,
+            warnings: found.warnings,
+            tasks: found.tasks,
+            rows: String::new(),
+            is_shared,
+        })
+    }
+
+    /// Records a finished cell.
+    fn record_cell(&mut self, record: CellRecord) -> std::io::Result<()> {
+        self.totals.add(&record);
+        let warnings = record.warnings.clone();
+        self.warnings.add(record.cell as usize, warnings);
+        self.journal.cell(record)
+    }
+
+    /// Runs the remaining tasks.
+    pub(super) fn run(mut self) -> Result<(Totals, Warnings), Failure> {
+        let simulation = self.simulation;
+        let all = simulation.trials();
+        let done = simulation.trials_before(self.tasks);
+        let progress = Progress::new(all, done);
+        let signals = Signals::new()?;
+        let first = self.tasks;
+        let mut error = None;
+        let ran = simulation.stream(
+            first,
+            signals.stop(),
+            &|trials| progress.add(trials),
+            |results: CellResults| CellRecord::new(results.cell(), simulation.rows(&results)),
+            &mut |number, taken| match self.take(number, taken) {
+                Ok(()) => {
+                    progress.show_failures(&self.totals);
+                    ControlFlow::Continue(())
+                }
+                Err(cause) => {
+                    error = Some(cause);
+                    ControlFlow::Break(())
+                }
+            },
+        );
+        progress.end();
+        let path = self.journal.path().display().to_string();
+        let again = "the same command goes on from there";
+        if let Some(error) = error {
+            let error = error.context(format!(
+                "cannot write {path}; what is written stays, and {again}"
+            ));
+            return Err(Failure::work(error));
+        }
+        let flushed = self.journal.flush();
+        match ran {
+            Err(SweepError::Cancelled) => {
+                flushed
+                    .with_context(|| format!("cannot write {path}"))
+                    .map_err(Failure::work)?;
+                Err(Failure::Stopped(
+                    anyhow!(
+                        "stopped: {} of {} cells are in {path}; {again}",
+                        self.tasks,
+                        simulation.tasks(),
+                    ),
+                    signals.status(),
+                ))
+            }
+            Err(error) => Err(Failure::of_sweep(error)),
+            Ok(()) => {
+                let ended = match self.is_shared {
+                    true => self.journal.end(),
+                    false => flushed,
+                };
+                let cannot = || format!("cannot write {path}; {again}");
+                ended.with_context(cannot).map_err(Failure::work)?;
+                Ok((self.totals, self.warnings))
+            }
+        }
+    }
+
+    /// Records trial rows or the result of a task.
+    fn take(&mut self, number: u64, taken: SweepOutput<CellRecord>) -> Result<(), anyhow::Error> {
+        match taken {
+            SweepOutput::TrialRows(rows) => {
+                self.rows.push_str(&rows);
+                if self.rows.len() > MAX_PENDING_BYTES {
+                    let cell = self.simulation.cell_of(number) as u64;
+                    let rows = std::mem::take(&mut self.rows);
+                    self.journal.trials(TrialRows { cell, rows })?;
+                }
+                return Ok(());
+            }
+            SweepOutput::Result(mut record) => {
+                record.rows[3] = std::mem::take(&mut self.rows);
+                self.record_cell(record)?;
+            }
+        }
+        self.tasks += 1;
+        Ok(())
+    }
+}
+
+/// Journal that the run resumes, if there is one. Rejects the journal of another run.
+pub(super) fn journal_to_resume(
+    out: &Path,
+    request: &RunRequest,
+) -> Result<Option<JournalState>, Failure> {
+    // If another process holds the directory, opening it will fail with a message.
+    if Lock::is_held(out) {
+        return Ok(None);
+    }
+    let Some(found) = journal::read(out)? else {
+        return Ok(None);
+    };
+    let Header {
+        request: known,
+        version,
+        ..
+    } = &found.header;
+    let own = env!("CARGO_PKG_VERSION");
+    let why = if version != own {
+        format!("of palpate {version}, and this is {own}")
+    } else if known.shard != request.shard {
+        let words = |shard: Option<(u64, u64)>| match shard {
+            Some((number, of)) => format!("shard {number} of {of}"),
+            None => "the whole study".to_owned(),
+        };
+        format!("of {}, not {}", words(known.shard), words(request.shard))
+    } else if known.every_nth_cell != request.every_nth_cell {
+        let (known, own) = (known.every_nth_cell, request.every_nth_cell);
+        format!("of --every-nth-cell {known}, not {own}")
+    } else if known.trials_out != request.trials_out {
+        let with = |is: bool| if is { "with" } else { "without" };
+        let (known, own) = (with(known.trials_out), with(request.trials_out));
+        format!("{known} --trials-out, and this is {own}")
+    } else if known.goal != request.goal {
+        let or_none = |goal: &str| match goal {
+            "" => "without --budget and --target-error".to_owned(),
+            goal => format!("with {goal}"),
+        };
+        format!(
+            "{}, and this is {}",
+            or_none(&known.goal),
+            or_none(&request.goal)
+        )
+    } else if known.config != request.config {
+        format!(
+            "of another config:{}",
+            difference(&known.config, &request.config)
+        )
+    } else {
+        return Ok(Some(found));
+    };
+    if !found.has_work() {
+        // Nothing is lost by starting anew.
+        return Ok(None);
+    }
+    let state = match found.is_ended {
+        true => "a shard that is done",
+        false => "a run that has not ended",
+    };
+    Err(Failure::usage(anyhow!(
+        "{} is of {state}, {why}\nto drop it give --restart; to keep it, another --out",
+        out.join(JOURNAL).display()
+    )))
+}
+
+/// The first few lines in which two configs differ.
+pub(crate) fn difference(old: &str, new: &str) -> String {
+    const MAX_LINES: usize = 8;
+    let only = |sign: char, text: &str, other: &str| {
+        let mut rest: Vec<&str> = other.lines().collect();
+        let mut lines = Vec::new();
+        for line in text.lines() {
+            match rest.iter().position(|one| *one == line) {
+                Some(place) => drop(rest.swap_remove(place)),
+                None => lines.push(format!("\n  {sign} {line}")),
+            }
+        }
+        lines
+    };
+    let (removed, added) = (only('-', old, new), only('+', new, old));
+    let count = removed.len() + added.len();
+    let half = MAX_LINES / 2;
+    let few = removed
+        .into_iter()
+        .take(half)
+        .chain(added.into_iter().take(half));
+    let mut text: String = few.collect();
+    if count > MAX_LINES {
+        text += "\n  …";
+    }
+    text
+}
+
+/// Handlers of Ctrl-C and of the signal by which schedulers end a job. A second signal ends the process at once.
+struct Signals {
+    stop: Arc<AtomicBool>,
+    signal: Arc<AtomicUsize>,
+    handlers: Vec<SigId>,
+}
+
+impl Signals {
+    /// Installs the handlers.
+    fn new() -> Result<Self, Failure> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let signal = Arc::new(AtomicUsize::new(0));
+        let mut handlers = Vec::new();
+        for one in [SIGINT, SIGTERM] {
+            let mut listen = || {
+                let second =
+                    flag::register_conditional_shutdown(one, 128 + one, Arc::clone(&stop))?;
+                let which = flag::register_usize(one, Arc::clone(&signal), one as usize)?;
+                let first = flag::register(one, Arc::clone(&stop))?;
+                handlers.extend([second, which, first]);
+                Ok::<(), std::io::Error>(())
+            };
+            listen()
+                .context("cannot listen to signals")
+                .map_err(Failure::work)?;
+        }
+        Ok(Self {
+            stop,
+            signal,
+            handlers,
+        })
+    }
+
+    /// Set by the first signal.
+    fn stop(&self) -> &AtomicBool {
+        &self.stop
+    }
+
+    /// Exit status of a process that such a signal stopped.
+    fn status(&self) -> u8 {
+        128 + self.signal.load(Ordering::Relaxed) as u8
+    }
+}
+
+impl Drop for Signals {
+    fn drop(&mut self) {
+        for handler in self.handlers.drain(..) {
+            low_level::unregister(handler);
+        }
+    }
+}

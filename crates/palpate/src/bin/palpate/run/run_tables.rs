@@ -1,0 +1,275 @@
+//! Tables of a run, written from its journal or from the journals of its shards.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use palpate::config::Output;
+use palpate::{ColumnType, Simulation, Study};
+
+use crate::failure::Failure;
+use crate::journal::{JournalItem, Reader, Totals, TrialRows};
+use crate::output::names::{
+    CONFIG, FRAMES, JOURNAL, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
+};
+use crate::output::table_writer::{TableWriter, is_table};
+use crate::output::{
+    self, Contents, Draft, Format, Guard, LockedDir, OutputFile, OutputWriter, StudyId, folder_of,
+};
+use crate::results::{trace_failure, trace_files};
+
+/// Names of the files that a run of the study may write besides its config.
+pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
+    let [cells, failures, map] = format.tables();
+    let mut names = vec![NEXT_CONFIG, cells, failures, WARNINGS];
+    if study.config.outputs.contains(&Output::Trace) {
+        names.extend([TRACE, READINGS, MARKERS]);
+        names.extend(FRAMES);
+    }
+    if study.config.outputs.contains(&Output::Map) {
+        names.push(map);
+    }
+    names
+}
+
+/// File for the table of trials.
+pub(crate) struct TrialsOut {
+    file: OutputFile,
+    format: Format,
+}
+
+impl TrialsOut {
+    /// Table at the path of `--trials-out` of a run into `out`. Rejects the path of another file of the run, and one that
+    /// cannot be written.
+    pub(crate) fn new(
+        path: &Path,
+        default: Format,
+        guard: Guard,
+        out: &Path,
+        study: &Study,
+    ) -> Result<Self, Failure> {
+        let format = Format::of_path(path, default);
+        format.supported()?;
+        refuse_own(path, out, study)?;
+        let file = OutputFile::new("--trials-out", path, guard)?;
+        Ok(Self { file, format })
+    }
+
+    /// Rejects an existing file that is not a table of trials.
+    pub(crate) fn refuse_other(&self, simulation: &Simulation<'_>) -> Result<(), Failure> {
+        let [.., columns] = simulation.columns();
+        let columns = columns.unwrap_or_default();
+        let is_ours = |path: &Path| is_table(path, self.format, &columns);
+        self.file.refuse_other(is_ours)
+    }
+
+    /// Prints a message: on standard error if the table goes to standard output.
+    pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
+        match trials_out {
+            Some(trials) => trials.file.print(text),
+            None => output::print(text),
+        }
+    }
+
+    fn begin(&self, columns: Vec<ColumnType>, study: &StudyId) -> Result<TrialsTable<'_>, Failure> {
+        let (writer, about) = (self.file.begin()?, study.about());
+        let table = TableWriter::new("the trials", writer, self.format, columns.clone(), &about);
+        Ok(TrialsTable {
+            output: self,
+            table: table?,
+            columns,
+        })
+    }
+}
+
+/// Writer of the table of trials.
+struct TrialsTable<'s> {
+    output: &'s TrialsOut,
+    table: TableWriter<OutputWriter<'s>>,
+    columns: Vec<ColumnType>,
+}
+
+impl TrialsTable<'_> {
+    fn end(self) -> Result<(), Failure> {
+        let is_ours = |path: &Path| is_table(path, self.output.format, &self.columns);
+        self.table.end()?.end(is_ours)
+    }
+}
+
+/// Rejects a table of trials at the path of another file of the run.
+fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
+    let [own, dir] = [folder_of(path), out].map(|dir| {
+        // The directory may be missing.
+        let known = dir.canonicalize().or_else(|_| std::path::absolute(dir));
+        known.unwrap_or_else(|_| dir.to_owned())
+    });
+    let name = path.file_name().and_then(std::ffi::OsStr::to_str);
+    let is_own = name.is_some_and(|name| {
+        let own = |format: &Format| output_names(study, *format).contains(&name);
+        name.starts_with(".palpate")
+            || [CONFIG, JOURNAL].contains(&name)
+            || Format::ALL.iter().any(own)
+    });
+    match is_own && own == dir {
+        true => Err(Failure::usage(anyhow!(
+            "--trials-out {}: the run writes another file of that name there; give another name",
+            path.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Trace files of a cell, if the config requests them.
+pub(crate) fn requested_trace(
+    study: &Study,
+    cell: usize,
+) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+    if !study.config.outputs.contains(&Output::Trace) {
+        return Ok(Vec::new());
+    }
+    let trace = palpate::trace(study, cell, None).map_err(trace_failure)?;
+    trace_files(&trace)
+}
+
+/// Drafts of the tables of a run.
+pub(crate) struct Drafts<'s> {
+    /// Tables with their names, in the order of the rows in records.
+    tables: [(&'static str, Option<TableWriter<Draft>>); 3],
+    trials: Option<TrialsTable<'s>>,
+    lacks: &'static str,
+}
+
+/// Complete tables with their names.
+type Tables = Vec<(&'static str, Draft)>;
+
+impl<'s> Drafts<'s> {
+    /// Tables of a simulation, without rows. The table of trials is a file elsewhere.
+    pub(crate) fn new(
+        folder: &LockedDir,
+        simulation: &Simulation<'_>,
+        format: Format,
+        trials_out: Option<&'s TrialsOut>,
+        study: &StudyId,
+    ) -> Result<Self, Failure> {
+        let [of_cells, of_failures, of_maps, of_trials] = simulation.columns();
+        let table = |name: &'static str, columns: Option<Vec<ColumnType>>| {
+            let Some(columns) = columns else {
+                return Ok((name, None));
+            };
+            let draft = folder.draft(name)?;
+            let table = TableWriter::new(name, draft, format, columns, &study.about())?;
+            Ok::<_, Failure>((name, Some(table)))
+        };
+        let trials = trials_out.zip(of_trials);
+        let trials = trials.map(|(trials, columns)| trials.begin(columns, study));
+        let [cells, failures, map] = format.tables();
+        Ok(Self {
+            tables: [
+                table(cells, of_cells)?,
+                table(failures, of_failures)?,
+                table(map, of_maps)?,
+            ],
+            trials: trials.transpose()?,
+            lacks: simulation.lacks(),
+        })
+    }
+
+    /// Writes the rows of all journals, in the order of the cells.
+    pub(crate) fn fill(mut self, readers: Vec<Reader>) -> Result<(Tables, Totals), Failure> {
+        let mut failed: Vec<String> = Vec::new();
+        let mut totals = Totals::default();
+        merge_records(readers, &mut |item| {
+            let trials = self.trials.as_mut();
+            let record = match item {
+                JournalItem::Trials(TrialRows { rows, .. }) => {
+                    return trials.map_or(Ok(()), |trials| trials.table.write(&rows));
+                }
+                JournalItem::Cell(record) => record,
+            };
+            if let Some(trials) = trials {
+                trials.table.write(&record.rows[3])?;
+            }
+            totals.add(&record);
+            for ((_, table), rows) in self.tables.iter_mut().zip(&record.rows) {
+                if let Some(table) = table {
+                    table.write(rows)?;
+                }
+            }
+            if let Some(kind) = &record.map_failed {
+                failed.push(format!("{} ({kind})", record.cell));
+            }
+            Ok(())
+        })?;
+        if let ([.., (map, Some(_))], false) = (&self.tables, failed.is_empty()) {
+            let (lacks, cells) = (self.lacks, failed.join(", "));
+            eprintln!("warning: {map} lacks {lacks} whose trial 0 failed: {cells}");
+        }
+        if let Some(trials) = self.trials {
+            trials.end()?;
+        }
+        let mut files = Vec::new();
+        for (name, table) in self.tables {
+            if let Some(table) = table {
+                files.push((name, table.end()?));
+            }
+        }
+        Ok((files, totals))
+    }
+}
+
+/// Passes the records of all journals to `take`, in the order of the cells.
+fn merge_records(
+    readers: Vec<Reader>,
+    take: &mut dyn FnMut(JournalItem) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let head = |mut reader: Reader| {
+        let first = reader.item();
+        (reader, first)
+    };
+    let mut heads: Vec<(Reader, Option<JournalItem>)> = readers.into_iter().map(head).collect();
+    let cell = |item: &JournalItem| match item {
+        JournalItem::Trials(trials) => trials.cell,
+        JournalItem::Cell(record) => record.cell,
+    };
+    loop {
+        let present = heads.iter_mut().filter(|(_, item)| item.is_some());
+        let Some((reader, item)) = present.min_by_key(|(_, item)| item.as_ref().map(cell)) else {
+            return Ok(());
+        };
+        if let Some(item) = std::mem::replace(item, reader.item()) {
+            take(item)?;
+        }
+    }
+}
+
+/// Renames the tables of a run to their final names, and writes its other files.
+pub(crate) fn write_results(
+    folder: &mut LockedDir,
+    tables: Tables,
+    trace: Vec<(&'static str, Vec<u8>)>,
+    config: &str,
+    warnings: &[String],
+    study: &StudyId,
+) -> Result<(), Failure> {
+    let warning_lines = warnings.join("\n") + "\n";
+    let mut files: Vec<(&str, Contents<'_>)> = Vec::new();
+    files.extend(
+        tables
+            .into_iter()
+            .map(|(name, draft)| (name, Contents::Draft(draft))),
+    );
+    files.push((CONFIG, Contents::Bytes(config.as_bytes())));
+    files.extend(
+        trace
+            .iter()
+            .map(|(name, bytes)| (*name, Contents::Bytes(bytes))),
+    );
+    if !warnings.is_empty() {
+        files.push((WARNINGS, Contents::Bytes(warning_lines.as_bytes())));
+    }
+    let written = folder.replace(files, study);
+    let ended = folder.end();
+    for line in written? {
+        eprintln!("note: {line}");
+    }
+    ended
+}

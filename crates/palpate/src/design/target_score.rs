@@ -1,0 +1,210 @@
+//! Scores of the trials of a cell against a target: how certainly they meet it or miss it.
+
+use palpate_scene::Scene;
+use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
+use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Scores, Summary, share_at_most};
+
+use crate::inverse_quantities::drop_undefined_moments;
+
+/// Share of failures that a cell without any success must certainly exceed to miss the target.
+const NO_ESTIMATE_SHARE: f64 = 0.5;
+/// The histogram resolves a quantile to this part of its distance to the true value.
+const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
+
+/// Target in a scene: a limit on a statistic of one of its quantities.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SceneTarget {
+    target: Target,
+    max_failures: f64,
+    quantities: &'static [Quantity],
+    /// Place of the target's quantity among those of the scene.
+    place: usize,
+}
+
+/// Reason why a statistic has no value although trials succeed.
+pub(super) struct NoValue(pub(super) &'static str);
+
+impl SceneTarget {
+    /// Target in a scene with these quantities; `None` if the target's quantity is not among them.
+    pub(super) fn new(
+        target: Target,
+        max_failures: f64,
+        quantities: &'static [Quantity],
+    ) -> Option<Self> {
+        let place = match target.quantity {
+            None => 0,
+            Some(quantity) => quantities.iter().position(|one| *one == quantity)?,
+        };
+        quantities.get(place)?;
+        Some(Self {
+            target,
+            max_failures,
+            quantities,
+            place,
+        })
+    }
+
+    pub(super) fn quantity(&self) -> Quantity {
+        self.quantities[self.place]
+    }
+
+    /// Batches without trials yet. They will store only the quantities that the target needs.
+    pub(super) fn batches(&self, first: u64) -> Batches {
+        let of = self.quantity().inverse_of();
+        let of = of.and_then(|of| self.quantities.iter().position(|one| *one == of));
+        let stored = [self.place].into_iter().chain(of).collect();
+        let is_quantile = matches!(
+            self.target.statistic,
+            Statistic::Q05 | Statistic::Q50 | Statistic::Q95
+        );
+        Batches::from_trial(first).keeping(stored, is_quantile)
+    }
+
+    /// The statistic with its standard error; `None` if it is undefined.
+    fn estimate(&self, scene: &Scene, batches: &Batches) -> Option<Estimate> {
+        let estimate = batches.estimate(|all| self.statistic(scene, all))?;
+        let truth = batches.statistics().quantities[self.place].truth;
+        Some(match (self.target.statistic, truth) {
+            (Statistic::Q05 | Statistic::Q50 | Statistic::Q95, Some(truth)) => {
+                let distance = (estimate.value - truth).abs();
+                estimate.with_resolution(distance * QUANTILE_RESOLUTION)
+            }
+            _ => estimate,
+        })
+    }
+
+    fn statistic(&self, scene: &Scene, all: &CellStatistics) -> Option<f64> {
+        let mut summaries = all.quantities.clone();
+        if self.quantity().inverse_of().is_some() {
+            drop_undefined_moments(self.quantities, &mut summaries);
+        }
+        match self.target.statistic {
+            Statistic::StdBound => scene.std_bound(self.place),
+            statistic => of_summary(summaries.get(self.place)?, statistic),
+        }
+    }
+
+    /// Scores of the statistic and of the share of failures, and the statistic if it is defined.
+    pub(super) fn scores(
+        &self,
+        scene: &Scene,
+        batches: &Batches,
+    ) -> Result<(Scores, Option<Estimate>), NoValue> {
+        let all = batches.statistics();
+        let (trials, failed) = (all.trials, all.failed());
+        let of_failures = match scene.is_random() {
+            _ if self.max_failures >= 1.0 => CERTAIN,
+            true => share_at_most(failed, trials, self.max_failures),
+            false if failed > 0 => -CERTAIN,
+            false => CERTAIN,
+        };
+        if failed == trials {
+            let of_statistic = match scene.is_random() {
+                true => share_at_most(failed, trials, NO_ESTIMATE_SHARE),
+                false => -CERTAIN,
+            };
+            return Ok(([of_statistic, of_failures], None));
+        }
+        let estimate = self.estimate(scene, batches);
+        let of_statistic = match &estimate {
+            Some(estimate) => self.score(estimate, trials - failed),
+            None => match self.why_undefined(&all) {
+                Some(why) => return Err(NoValue(why)),
+                None => 0.0,
+            },
+        };
+        Ok(([of_statistic, of_failures], estimate))
+    }
+
+    /// Reason why the statistic has no value with any number of trials; `None` if more trials may give one.
+    fn why_undefined(&self, all: &CellStatistics) -> Option<&'static str> {
+        let summary = &all.quantities[self.place];
+        let is_relative = matches!(
+            self.target.statistic,
+            Statistic::RelativeRmsError | Statistic::RelativeMeanAbsError
+        );
+        match self.target.statistic {
+            _ if summary.observations == 0 => None,
+            _ if is_relative && summary.truth == Some(0.0) => {
+                Some("the true value is 0; take rms_error or mean_abs_error")
+            }
+            _ if is_relative && summary.truth.is_none() => {
+                Some("the true value differs from place to place; take rms_error or mean_abs_error")
+            }
+            Statistic::Q05 | Statistic::Q50 | Statistic::Q95 if summary.truth.is_none() => {
+                Some("the true value differs from place to place")
+            }
+            statistic if statistic == Statistic::MeanReportedStd || statistic.is_coverage() => {
+                Some("the estimator states no standard deviation")
+            }
+            Statistic::StdBound => Some("there is no bound; only presses with noise have one"),
+            _ if self.quantity().inverse_of().is_some() => {
+                Some("its sign is undecided; take a quantile, or the curvature")
+            }
+            _ => None,
+        }
+    }
+
+    /// Score of a statistic against the limit, after this number of successful trials.
+    fn score(&self, estimate: &Estimate, successes: u64) -> f64 {
+        let Target {
+            statistic,
+            bound,
+            limit,
+            ..
+        } = self.target;
+        let of = |estimate: &Estimate, limit: f64| match bound {
+            Bound::AtMost => estimate.at_most(limit),
+            Bound::AtLeast => estimate.at_least(limit),
+        };
+        // The logarithm of an error size is closer to normal than the size itself.
+        let logs = match statistic.is_size() && limit > 0.0 {
+            true => estimate.map(libm::log),
+            false => None,
+        };
+        let score = match logs {
+            Some(logs) => of(&logs, libm::log(limit)),
+            None => of(estimate, limit),
+        };
+        let is_share = statistic.is_coverage()
+            || statistic == Statistic::Mean && self.quantity().kind == QuantityKind::Share;
+        if !(is_share && limit > 0.0 && limit < 1.0) {
+            return score;
+        }
+        // If all batches have the same share, its standard error is 0, although the true share may differ.
+        let (share, limit) = match bound {
+            Bound::AtMost => (estimate.value, limit),
+            Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),
+        };
+        let count = (share * successes as f64).round() as u64;
+        let as_share = share_at_most(count, successes, limit);
+        match score * as_share > 0.0 {
+            true if score.abs() < as_share.abs() => score,
+            true => as_share,
+            false => 0.0,
+        }
+    }
+}
+
+/// Value of a statistic of a quantity's trials.
+fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
+    match statistic {
+        Statistic::Mean => summary.mean,
+        Statistic::Std => summary.std,
+        Statistic::Bias => summary.bias,
+        Statistic::RmsError => summary.rms_error,
+        Statistic::RmsErrorStd => summary.rms_error_std,
+        Statistic::MeanAbsError => summary.mean_abs_error,
+        Statistic::RelativeRmsError => summary.relative_rms_error,
+        Statistic::RelativeMeanAbsError => summary.relative_mean_abs_error,
+        Statistic::Q05 => summary.q05,
+        Statistic::Q50 => summary.q50,
+        Statistic::Q95 => summary.q95,
+        Statistic::MeanReportedStd => summary.mean_reported_std,
+        Statistic::Coverage50 => summary.coverage50,
+        Statistic::Coverage80 => summary.coverage80,
+        Statistic::Coverage95 => summary.coverage95,
+        // These are the same for all trials, or no statistics of estimates.
+        Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,
+    }
+}

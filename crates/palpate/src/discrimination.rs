@@ -1,0 +1,327 @@
+//! Result of `distinguish`: how certainly objects are distinguished; as sentences, table, JSON and figure.
+
+use palpate_report::{Figure, Heat, HeatPanel, ReportError, heat_figure};
+use palpate_study::config::Study;
+use palpate_study::{Label, Quantity, Table, label, number};
+use palpate_sweep::{Order, Repeats, TrialMeans};
+use serde_json::{Value, json};
+
+use crate::design::settings_in_words;
+
+/// Digits of a share in percent.
+const DIGITS: usize = 3;
+
+/// How certainly the objects of a study are distinguished, by one trial of each and by the mean of several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discrimination {
+    /// Quantity that distinguishes them.
+    pub quantity: Quantity,
+    /// Its unit, as in `cells.csv`.
+    pub unit: &'static str,
+    /// Required probability that the means of repeated trials distinguish two objects.
+    pub confidence: f64,
+    /// Name of the repeated experiment: presses, glides, or trials of several rolls.
+    pub trials: String,
+    /// Columns of the swept fields that define the objects.
+    pub object_columns: Vec<String>,
+    /// Columns of the other swept fields.
+    pub columns: Vec<String>,
+    /// For each combination of the other swept fields, the objects with these settings.
+    pub groups: Vec<Group>,
+}
+
+/// Objects with the same other settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Values of the other swept fields, as the tables show them.
+    pub settings: Vec<String>,
+    /// The objects, by increasing true value; for classes, in the order of the config.
+    pub objects: Vec<Object>,
+    /// All pairs of objects.
+    pub pairs: Vec<Pair>,
+}
+
+/// Object of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Number of its cell.
+    pub cell: usize,
+    /// Swept values that define it, as the tables show them.
+    pub label: Vec<String>,
+    /// True value of the quantity, its mean over a patch; `None` if every trial failed.
+    pub truth: Option<f64>,
+    /// True class of most places of a patch, if the quantity is the class.
+    pub class: Option<String>,
+    /// Number of trials.
+    pub trials: u64,
+    /// Number of failed trials.
+    pub failed: u64,
+    /// Mean of the estimates; `None` if every trial failed.
+    pub mean: Option<f64>,
+}
+
+/// Two objects of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Index of one object in the group.
+    pub first: usize,
+    /// Index of the other object, which is larger.
+    pub second: usize,
+    /// Probability that one trial of each distinguishes them; `None` if the quantity is the same for both.
+    pub order: Option<Order>,
+    /// Number of trials of each whose mean distinguishes them with the required confidence; `None` if the quantity is the
+    /// same for both.
+    pub repeats: Option<Repeats>,
+}
+
+impl Object {
+    /// Object of a cell with its trials.
+    pub(crate) fn new(
+        cell: usize,
+        label: Vec<String>,
+        told: &[TrialMeans],
+        class: Option<String>,
+    ) -> Self {
+        let count = told.iter().flatten().count();
+        let mean = |of: fn(&(f64, f64)) -> f64| {
+            let shares = told.iter().flatten().map(|told| of(told) / count as f64);
+            (count > 0)
+                .then(|| shares.sum::<f64>())
+                .filter(|mean| mean.is_finite())
+        };
+        // The true value is the same in all trials, except for rounding. The indentation of a press may differ.
+        let first = told.iter().flatten().next().map(|(_, truth)| *truth);
+        let is_same = told
+            .iter()
+            .flatten()
+            .all(|(_, truth)| Some(*truth) == first);
+        Self {
+            cell,
+            label,
+            truth: if is_same {
+                first
+            } else {
+                mean(|(_, truth)| *truth)
+            },
+            class,
+            trials: told.len() as u64,
+            failed: (told.len() - count) as u64,
+            mean: mean(|(estimate, _)| *estimate),
+        }
+    }
+}
+
+impl Discrimination {
+    /// Table with one row per pair of objects: both objects, the probability that one trial of each distinguishes them with
+    /// its 95 % interval, and the number of trials whose mean does so with the required confidence.
+    pub fn table(&self) -> Table {
+        let names = |of: &str| -> Vec<String> {
+            self.object_columns
+                .iter()
+                .map(|column| format!("{of}.{column}"))
+                .collect()
+        };
+        let (first, second) = (names("first"), names("second"));
+        let statistics = [
+            "quantity",
+            "unit",
+            "first_truth",
+            "second_truth",
+            "first_trials",
+            "second_trials",
+            "first_failures",
+            "second_failures",
+            "told_apart",
+            "low95",
+            "high95",
+            "repeats",
+            "repeats_are",
+        ];
+        let fields = self.columns.iter().cloned().chain(first).chain(second);
+        let mut table = Table::new(fields.chain(statistics.map(str::to_owned)));
+        let text = |number: Option<f64>| number.map_or(String::new(), number::shortest);
+        for group in &self.groups {
+            for pair in &group.pairs {
+                let [one, other] = [pair.first, pair.second].map(|place| &group.objects[place]);
+                let truth = |object: &Object| match &object.class {
+                    Some(class) => class.clone(),
+                    None => text(object.truth),
+                };
+                let (repeats, known) = match pair.repeats {
+                    Some(Repeats::Found(count)) => (count.to_string(), "found"),
+                    Some(Repeats::About(count)) => (count.to_string(), "estimated"),
+                    Some(Repeats::Never) => (String::new(), "never-enough"),
+                    Some(Repeats::Unknown) => (String::new(), "unknown"),
+                    None => (String::new(), "alike"),
+                };
+                let order = pair.order;
+                let statistics = [
+                    self.quantity.name.to_owned(),
+                    self.unit.to_owned(),
+                    truth(one),
+                    truth(other),
+                    one.trials.to_string(),
+                    other.trials.to_string(),
+                    one.failed.to_string(),
+                    other.failed.to_string(),
+                    text(order.map(|order| order.probability)),
+                    text(order.map(|order| order.low)),
+                    text(order.map(|order| order.high)),
+                    repeats,
+                    known.to_owned(),
+                ];
+                let labels = group.settings.iter().chain(&one.label).chain(&other.label);
+                table.rows.push(labels.cloned().chain(statistics).collect());
+            }
+        }
+        table
+    }
+
+    /// A sentence for each two neighbouring objects of a group, after the settings of the group.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        for group in &self.groups {
+            let settings = self.settings_in_words(group);
+            let before = match settings.as_str() {
+                "" => String::new(),
+                settings => format!("{settings}: "),
+            };
+            let neighbours = group
+                .pairs
+                .iter()
+                .filter(|pair| pair.first + 1 == pair.second);
+            sentences.extend(neighbours.map(|pair| format!("{before}{}.", self.pair(group, pair))));
+        }
+        sentences
+    }
+
+    /// Settings of a group in words; empty if no other field is swept.
+    pub fn settings_in_words(&self, group: &Group) -> String {
+        settings_in_words(&self.columns, &group.settings)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// Object in words: its swept values with their units.
+    pub fn object_in_words(&self, object: &Object) -> String {
+        let pairs = self.object_columns.iter().zip(&object.label);
+        let said = pairs.map(|(column, text)| Label::of_field(column).value(text));
+        said.collect::<Vec<_>>().join(", ")
+    }
+
+    fn pair(&self, group: &Group, pair: &Pair) -> String {
+        let [one, other] =
+            [pair.first, pair.second].map(|place| self.object_in_words(&group.objects[place]));
+        let trials = &self.trials;
+        let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
+            return format!("{one} and {other} are alike in {}", self.quantity.words);
+        };
+        let share = |share: f64| number::significant(100.0 * share, DIGITS);
+        let sure = share(self.confidence);
+        let repeats = match repeats {
+            Repeats::Found(1) => format!("one is enough for {sure} %"),
+            Repeats::Found(count) => format!("{} {trials} for {sure} %", number::grouped(count)),
+            Repeats::About(count) => {
+                format!("about {} {trials} for {sure} %", number::grouped(count))
+            }
+            Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
+            Repeats::Unknown => format!("more {trials} than these can tell for {sure} %"),
+        };
+        format!(
+            "{one} and {other}: {} % of single {trials} tell them apart ({} to {}); {repeats}",
+            share(order.probability),
+            share(order.low),
+            share(order.high)
+        )
+    }
+
+    /// The result as JSON: the sentences, and for each pair of a group the probability, its 95 % interval and the required
+    /// number of trials.
+    pub fn to_json(&self, study: &Study) -> Value {
+        let groups = self.groups.iter().map(|group| {
+            let pairs = group.pairs.iter().map(|pair| {
+                let [first, second] = [pair.first, pair.second]
+                    .map(|place| self.object_in_words(&group.objects[place]));
+                let repeats = match pair.repeats {
+                    Some(Repeats::Found(count) | Repeats::About(count)) => json!(count),
+                    _ => Value::Null,
+                };
+                json!({
+                    "first": first,
+                    "second": second,
+                    "told_apart": pair.order.map(|order| order.probability),
+                    "low95": pair.order.map(|order| order.low),
+                    "high95": pair.order.map(|order| order.high),
+                    "repeats": repeats,
+                })
+            });
+            json!({
+                "settings": self.settings_in_words(group),
+                "pairs": pairs.collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "format_version": 1,
+            "study": study.config.name,
+            "quantity": self.quantity.name,
+            "confidence": self.confidence,
+            "groups": groups.collect::<Vec<_>>(),
+            "answer": self.sentences(),
+        })
+    }
+
+    /// Heat map of the probability that one trial of each of two objects distinguishes them, a panel per group. `name` is
+    /// the name of its files.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be drawn.
+    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+        let panel = |group: &Group| {
+            let count = group.objects.len();
+            let mut shares = vec![vec![None; count]; count];
+            for pair in &group.pairs {
+                let share = pair.order.map(|order| order.probability);
+                shares[pair.first][pair.second] = share;
+                shares[pair.second][pair.first] = share;
+            }
+            HeatPanel {
+                title: self.settings_in_words(group),
+                names: group
+                    .objects
+                    .iter()
+                    .map(|object| self.object_in_words(object))
+                    .collect(),
+                shares,
+            }
+        };
+        let by = label::quantity(self.quantity.name);
+        let told = match self.quantity == Quantity::CLASS {
+            true => "classes of most places of both right".to_owned(),
+            false => format!("estimates of {by} in the right order"),
+        };
+        let trials: Vec<u64> = self
+            .groups
+            .iter()
+            .flat_map(|group| group.objects.iter().map(|object| object.trials))
+            .collect();
+        let most = trials.iter().max().copied().unwrap_or(0);
+        let objects: Vec<String> = self
+            .object_columns
+            .iter()
+            .map(|column| Label::of_field(column).words)
+            .collect();
+        heat_figure(&Heat {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            subtitle: format!(
+                "Share of pairs of single trials with {told}; {} trials of each object.",
+                number::grouped(most)
+            ),
+            axis: objects.join(", "),
+            panels: self.groups.iter().map(panel).collect(),
+            notes: vec![
+                "A trial that fails, and estimates that are alike, do not tell.".to_owned(),
+            ],
+        })
+    }
+}

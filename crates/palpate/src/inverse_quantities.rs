@@ -1,0 +1,85 @@
+//! Moments of inverse quantities, such as radii, which are defined only if the inverted quantity is not near 0.
+
+use palpate_study::Quantity;
+use palpate_sweep::Summary;
+
+/// Distance of the inverted quantity from 0, in standard deviations, from which the moments of the inverse are reported. Of
+/// Gaussian estimates, one in 30,000 has the wrong sign there.
+const MIN_DEVIATIONS: f64 = 4.0;
+
+/// Removes means and standard deviations of inverses, such as radii, whose sign the trials leave undecided. The inverse of a
+/// Gaussian number has no moments: its mean would depend on the few trials nearest to 0. Quantiles stay.
+pub(crate) fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
+    for (place, quantity) in quantities.iter().enumerate() {
+        let Some(of) = quantity.inverse_of() else {
+            continue;
+        };
+        let inverted = quantities.iter().position(|one| *one == of);
+        let is_far = inverted.is_some_and(|inverted| {
+            let Summary { mean, std, .. } = summaries[inverted];
+            let std = std.unwrap_or(0.0);
+            mean.is_some_and(|mean| mean.abs() >= MIN_DEVIATIONS * std)
+        });
+        if is_far {
+            continue;
+        }
+        summaries[place] = Summary {
+            mean: None,
+            std: None,
+            bias: None,
+            rms_error: None,
+            rms_error_std: None,
+            mean_abs_error: None,
+            relative_rms_error: None,
+            relative_mean_abs_error: None,
+            mean_reported_std: None,
+            ..summaries[place]
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn radius_of(mean: f64, std: Option<f64>) -> Summary {
+        let all = |mean: f64, std: Option<f64>| Summary {
+            observations: 9,
+            mean: Some(mean),
+            std,
+            rms_error: Some(1.0),
+            q50: Some(20.0),
+            ..Summary::default()
+        };
+        let quantities = [Quantity::OBJECT_CURVATURE, Quantity::OBJECT_RADIUS];
+        let mut summaries = [all(mean, std), all(2e4, Some(1e6))];
+        let curvature = summaries[0];
+        drop_undefined_moments(&quantities, &mut summaries);
+        assert_eq!(summaries[0], curvature);
+        summaries[1]
+    }
+
+    #[test]
+    fn a_radius_near_flat_has_quantiles_and_no_mean() {
+        for mean in [0.039, -0.039, 0.0] {
+            let radius = radius_of(mean, Some(0.01));
+            assert_eq!(
+                (radius.mean, radius.std, radius.rms_error),
+                (None, None, None)
+            );
+            assert_eq!((radius.q50, radius.observations), (Some(20.0), 9));
+        }
+    }
+
+    #[test]
+    fn a_radius_of_a_known_sign_keeps_its_mean() {
+        for (mean, std) in [
+            (0.041, Some(0.01)),
+            (-0.041, Some(0.01)),
+            (0.05, Some(0.0)),
+            (0.05, None),
+        ] {
+            assert_eq!(radius_of(mean, std).mean, Some(2e4));
+        }
+    }
+}

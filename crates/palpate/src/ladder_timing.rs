@@ -1,0 +1,154 @@
+//! Measured computing time of the models of a scene's ladder.
+
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
+use palpate_study::config::SceneConfig;
+use palpate_sweep::Clock;
+
+/// Time for which the measurement of a rung is repeated.
+const TIMING: Duration = Duration::from_millis(12);
+/// Largest number of measurements of a rung.
+const MAX_MEASUREMENTS: usize = 100_000;
+/// Largest number of trials of a roll between two readings of the clock, whose own cost is then negligible.
+const MAX_TRIALS_PER_READING: u64 = 64;
+
+/// Computing time of a rung, s: the least of several measurements, because other work of the machine only adds to them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EvaluationTime {
+    /// Seconds per trial, without the statistics: each trial of a roll follows its contacts anew.
+    EachTrial(f64),
+    /// Seconds to set up the scene: contacts of a glide and displacements of markers are computed once for all trials.
+    SettingUp(f64),
+}
+
+impl EvaluationTime {
+    /// Seconds, per trial or once.
+    pub fn seconds(&self) -> f64 {
+        let (Self::EachTrial(seconds) | Self::SettingUp(seconds)) = self;
+        *seconds
+    }
+}
+
+/// Rungs of a scene's ladder from the next usable one below the chosen rung to the next usable one above it, with their
+/// computing times if they are measured before `deadline`.
+pub(crate) fn neighbour_times(
+    (scene, seed): (&SceneConfig, u64),
+    ladder: &Ladder,
+    deadline: Duration,
+    clock: &Clock<'_>,
+) -> Vec<(usize, Option<EvaluationTime>)> {
+    let time = |place: usize| match clock() < deadline {
+        true => evaluation_time(scene, seed, &ladder.rungs[place], clock),
+        false => None,
+    };
+    // The chosen rung comes first, because the others are compared with it.
+    let taken = time(ladder.taken);
+    let place = |place| match place == ladder.taken {
+        true => (place, taken),
+        false => (place, time(place)),
+    };
+    neighbours(ladder).map(place).collect()
+}
+
+fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
+    let can = |place: &usize| ladder.rungs[*place].accuracy.error().is_some();
+    let last = ladder.rungs.len() - 1;
+    let down = (0..ladder.taken).rev().find(can).unwrap_or(0);
+    let up = (ladder.taken + 1..=last).find(can).unwrap_or(last);
+    down..=up
+}
+
+/// Measured time of the scene on a rung; `None` if the rung cannot compute the scene.
+fn evaluation_time(
+    scene: &SceneConfig,
+    seed: u64,
+    rung: &Rung,
+    clock: &Clock<'_>,
+) -> Option<EvaluationTime> {
+    rung.accuracy.error()?;
+    let config = scene.with_model(&rung.model)?;
+    let set_up = || Scene::new(&config, seed).ok();
+    // The first set-up fills caches and tables, and is not measured.
+    let scene = set_up()?;
+    let Scene::Roll(roll) = &scene else {
+        let timed = || {
+            let start = clock();
+            std::hint::black_box(set_up()?);
+            Some(clock().saturating_sub(start).as_secs_f64())
+        };
+        return least(timed, clock).map(EvaluationTime::SettingUp);
+    };
+    let mut trials = 1;
+    let timed = || {
+        let start = clock();
+        run(roll, trials);
+        let seconds = clock().saturating_sub(start).as_secs_f64() / trials as f64;
+        trials = (2 * trials).min(MAX_TRIALS_PER_READING);
+        Some(seconds)
+    };
+    least(timed, clock).map(EvaluationTime::EachTrial)
+}
+
+/// Runs trials 0 to `trials` as the runner does, side by side where the roll can.
+fn run(roll: &RollScene, trials: u64) {
+    let mut trial = 0;
+    while trial < trials {
+        trial += roll.side_by_side(Arch::new(), trial..trials, |observed| {
+            std::hint::black_box(observed)[0].estimates.len()
+        });
+        if trial < trials {
+            // A trial that fails takes its time, too.
+            let _ = std::hint::black_box(roll.outcomes(trial));
+            trial += 1;
+        }
+    }
+}
+
+/// Least of the values measured within about [`TIMING`]; at least one is taken.
+fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option<f64> {
+    let start = clock();
+    let mut least = measured()?;
+    for _ in 1..MAX_MEASUREMENTS {
+        if clock().saturating_sub(start) >= TIMING {
+            break;
+        }
+        least = least.min(measured()?);
+    }
+    Some(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    #[test]
+    fn the_least_of_several_counts() {
+        // A clock that goes on by 1 ms whenever it is read.
+        let now = Cell::new(Duration::ZERO);
+        let clock = || now.replace(now.get() + Duration::from_millis(1));
+        let mut samples = [3.0, 1.0, 2.0].into_iter().chain(std::iter::repeat(4.0));
+        assert_eq!(least(|| samples.next(), &clock), Some(1.0));
+        assert_eq!(least(|| None, &clock), None);
+    }
+
+    #[test]
+    fn a_slow_rung_is_measured_once() {
+        let now = Cell::new(Duration::ZERO);
+        let mut times = 0;
+        let slow = || {
+            now.set(now.get() + TIMING);
+            times += 1;
+            Some(1.0)
+        };
+        assert_eq!((least(slow, &|| now.get()), times), (Some(1.0), 1));
+    }
+
+    #[test]
+    fn a_clock_that_stands_still_ends_too() {
+        assert_eq!(least(|| Some(1.0), &|| Duration::ZERO), Some(1.0));
+    }
+}

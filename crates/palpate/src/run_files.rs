@@ -1,0 +1,362 @@
+//! Contents of the files that a run writes: `cells.csv`, `failures.csv`, `map.csv`, the table of trials, and `run.toml`.
+
+use std::fmt::{Display, Write};
+
+use palpate_scene::Scene;
+use palpate_study::config::{
+    LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study, StudyConfig, to_toml,
+};
+use palpate_study::number::Shortest;
+use palpate_study::{MapTable, Quantity, Table, push_row};
+use palpate_sweep::{CellStatistics, Summary, TrialObservations};
+
+use crate::columns::ColumnType;
+use crate::simulation::CellTruth;
+
+/// Names of the columns of `failures.csv`.
+pub(crate) const FAILURES: [&str; 4] = ["cell", "kind", "count", "first_trial"];
+
+/// Results of a cell: its number in the study, its true values and its statistics.
+pub(crate) struct Row<'a> {
+    pub(crate) cell: usize,
+    pub(crate) truth: &'a CellTruth,
+    pub(crate) statistics: &'a CellStatistics,
+}
+
+/// Whether `cells.csv` has a column for the bound on the standard deviation: if some cell is a press.
+pub(crate) fn states_bounds(study: &Study) -> bool {
+    let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
+    // No other field changes the kind.
+    let sets_kind = |path: &String| path == "scene" || path == "scene.kind";
+    let mut sample = study.sample().iter();
+    is_press(&study.config.scene)
+        || study.paths.iter().any(sets_kind)
+            && sample.any(|&number| {
+                let cell = study.cell(number);
+                cell.is_ok_and(|cell| is_press(&cell.config.scene))
+            })
+}
+
+/// Swept fields with a column of their own. A swept number of trials is in the column of the statistic `trials`.
+fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
+    (0..study.paths.len()).filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
+}
+
+/// Columns of `cells.csv`.
+pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<ColumnType> {
+    let behind = ["quantity", "unit"].into_iter().chain(STATISTICS);
+    let behind = behind.chain(states_bounds.then_some(STD_BOUND));
+    [ColumnType::beside_unit("cell")]
+        .into_iter()
+        .chain(swept(study).map(|place| ColumnType::of_swept(study, place)))
+        .chain(behind.map(ColumnType::beside_unit))
+        .collect()
+}
+
+/// Table with one row per cell and quantity. With presses, the bound on the standard deviation follows the statistics.
+pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
+    let columns = columns(study, states_bounds).into_iter();
+    let mut table = Table::new(columns.map(|column| column.name));
+    let mut add = |fields: &[String]| table.rows.push(fields.to_vec());
+    for row in ran {
+        cell_rows(study, row, states_bounds, &mut add);
+    }
+    table
+}
+
+/// Rows of one cell in [`cells`], as CSV text.
+pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> String {
+    let mut text = String::new();
+    cell_rows(study, ran, states_bounds, &mut |fields| {
+        push_row(&mut text, fields)
+    });
+    text
+}
+
+/// Fields of a row. Their memory is reused for the next row.
+#[derive(Default)]
+struct Fields {
+    fields: Vec<String>,
+    used: usize,
+}
+
+impl Fields {
+    fn text(&mut self, text: impl Display) {
+        if self.used == self.fields.len() {
+            self.fields.push(String::new());
+        }
+        let field = &mut self.fields[self.used];
+        field.clear();
+        // Writing to a string does not fail.
+        let _ = write!(field, "{text}");
+        self.used += 1;
+    }
+
+    /// Adds the text of a number, or an empty field.
+    fn number(&mut self, value: Option<f64>) {
+        match value {
+            Some(value) => self.text(Shortest(value)),
+            None => self.text(""),
+        }
+    }
+}
+
+/// Passes the rows of a cell to `take`, one per quantity.
+fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn FnMut(&[String])) {
+    let Row {
+        cell,
+        truth: cell_truth,
+        statistics,
+    } = ran;
+    let mut row = Fields::default();
+    let quantities = cell_truth.quantities.iter().zip(&statistics.quantities);
+    for (place, (quantity, summary)) in quantities.enumerate() {
+        row.used = 0;
+        row.text(cell);
+        swept(study).for_each(|place| row.text(&cell_truth.coordinates[place]));
+        row.text(quantity.name);
+        row.text(quantity.unit.of(study.config.length_unit));
+        // If every trial failed, the true value comes from the scene.
+        let truth = summary.truth.or(cell_truth.truths[place]);
+        push_statistics(&mut row, statistics, &Summary { truth, ..*summary });
+        if states_bounds {
+            row.number(cell_truth.std_bounds[place]);
+        }
+        take(&row.fields[..row.used]);
+    }
+}
+
+/// The statistics of a quantity, in the order of [`STATISTICS`].
+fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
+    row.number(summary.truth);
+    row.text(cell.trials);
+    row.text(cell.failed());
+    // If both are equal, they are the single estimate, with all its digits.
+    let quantile = |value| match summary.q05 == summary.q95 {
+        true => value,
+        false => with_digits(value, summary.truth),
+    };
+    for value in [
+        summary.mean,
+        summary.std,
+        summary.bias,
+        summary.rms_error,
+        summary.rms_error_std,
+        summary.mean_abs_error,
+        summary.relative_rms_error,
+        summary.relative_mean_abs_error,
+        quantile(summary.q05),
+        quantile(summary.q50),
+        quantile(summary.q95),
+        summary.mean_reported_std,
+        summary.coverage50,
+        summary.coverage80,
+        summary.coverage95,
+    ] {
+        row.number(value);
+    }
+}
+
+/// Quantile rounded to its resolution: its distance to the true value is exact to one part in 256, and the last digit is
+/// the first one of such a part.
+fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
+    let (value, error) = (quantile?, (quantile? - truth?).abs());
+    if value == 0.0 || error == 0.0 {
+        return quantile;
+    }
+    let digits = decimal_place(value)? - decimal_place(error / 256.0)?;
+    match usize::try_from(digits) {
+        Ok(digits) => format!("{value:.digits$e}").parse().ok(),
+        Err(_) => Some(0.0),
+    }
+}
+
+/// Names of the columns of a table of trials.
+pub(crate) const TRIALS: [&str; 8] = [
+    "cell", "trial", "quantity", "unit", "estimate", "truth", "std", "failure",
+];
+
+/// Adds the rows of a trial of a cell to a CSV text: one per observation, or one with the kind of its failure.
+pub(crate) fn push_trial(
+    text: &mut String,
+    (cell, trial): (usize, u64),
+    quantities: &[Quantity],
+    length_unit: LengthUnit,
+    observed: Result<&TrialObservations<'_>, &'static str>,
+) {
+    // Writing to a string does not fail. Names and units need no quotation marks.
+    let observed = match observed {
+        Ok(observed) => observed,
+        Err(kind) => {
+            let _ = writeln!(text, "{cell},{trial},,,,,,{kind}");
+            return;
+        }
+    };
+    for (place, quantity) in quantities.iter().enumerate() {
+        for observation in observed.of(place) {
+            let (name, unit) = (quantity.name, quantity.unit.of(length_unit));
+            let [estimate, truth] = [observation.estimate, observation.truth].map(Shortest);
+            let _ = write!(text, "{cell},{trial},{name},{unit},{estimate},{truth},");
+            if let Some(std) = observation.std {
+                let _ = write!(text, "{}", Shortest(std));
+            }
+            text.push_str(",\n");
+        }
+    }
+}
+
+/// Power of ten of the first digit of a number's shortest text; `None` of 0.
+fn decimal_place(number: f64) -> Option<i32> {
+    // Powers of ten, exact or nearly so. For numbers close to one of them, the text decides.
+    const POWERS: [f64; 19] = [
+        1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
+        1e7, 1e8, 1e9,
+    ];
+    const CLOSE: f64 = 1e-12;
+    let magnitude = number.abs();
+    let above = POWERS.partition_point(|&power| power <= magnitude);
+    if (1..POWERS.len()).contains(&above)
+        && magnitude < POWERS[above] * (1.0 - CLOSE)
+        && magnitude > POWERS[above - 1] * (1.0 + CLOSE)
+    {
+        return Some(above as i32 - 10);
+    }
+    let text = format!("{number:e}");
+    let (_, place) = text.split_once('e')?;
+    place.parse().ok().filter(|_| number != 0.0)
+}
+
+/// Table with one row per cell and kind of failure.
+pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
+    let mut table = Table::new(FAILURES.map(str::to_owned));
+    for Row {
+        cell, statistics, ..
+    } in ran
+    {
+        let rows = statistics.failures.iter().map(|failure| {
+            let [count, first] = [failure.count, failure.first_trial].map(|n| n.to_string());
+            vec![cell.to_string(), failure.kind.to_owned(), count, first]
+        });
+        table.rows.extend(rows);
+    }
+    table
+}
+
+/// Maps, or profiles, of the first trial of every cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// Rows of all cells.
+    pub table: Table,
+    /// What is missing for a failed cell: "cells" or "estimates of cells".
+    pub lacks: &'static str,
+    /// Numbers of the cells whose trial 0 failed, with the kind of the failure.
+    pub failed: Vec<(usize, &'static str)>,
+}
+
+/// Map of the first trial of one cell.
+#[derive(Clone, Debug)]
+pub(crate) struct CellMap {
+    cell: usize,
+    table: MapTable,
+    pub(crate) failed: Option<&'static str>,
+}
+
+impl CellMap {
+    /// Map of a scene. `table` is an empty table for scenes of its kind.
+    pub(crate) fn new(scene: &Scene, cell: usize, mut table: MapTable) -> Self {
+        let failed = scene.map(cell, 0, &mut table).err();
+        Self {
+            cell,
+            table,
+            failed,
+        }
+    }
+
+    /// Rows of the table as CSV text.
+    pub(crate) fn rows(&self) -> String {
+        self.table.table.rows_to_csv()
+    }
+}
+
+impl Map {
+    /// Joins the maps of cells of the same kind.
+    pub(crate) fn joined(cells: impl Iterator<Item = CellMap>) -> Self {
+        let mut map = Self::default();
+        for CellMap {
+            cell,
+            table: MapTable { table, lacks, .. },
+            failed,
+        } in cells
+        {
+            map.table.header = table.header;
+            map.table.rows.extend(table.rows);
+            map.lacks = lacks;
+            map.failed.extend(failed.map(|name| (cell, name)));
+        }
+        map
+    }
+}
+
+/// Contents of `run.toml`: the config of a study with every default and with this version of palpate. Running it gives the
+/// same bytes.
+///
+/// ```
+/// let text = r#"
+/// name = "a-ball"
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let resolved = palpate::resolved(&palpate::parse("a-ball.toml", text)?);
+/// assert!(resolved.contains("seed = 0") && resolved.contains("crate_version"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn resolved(study: &Study) -> String {
+    to_toml(&StudyConfig {
+        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
+        ..study.config.clone()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{decimal_place, with_digits};
+
+    #[test]
+    fn decimal_places_are_those_of_the_text() {
+        for exponent in -12..12 {
+            let power: f64 = format!("1e{exponent}").parse().unwrap();
+            for number in [
+                power.next_down(),
+                power,
+                power.next_up(),
+                3.7 * power,
+                -9.2 * power,
+            ] {
+                let text = format!("{number:e}");
+                let place = text.split_once('e').unwrap().1.parse().ok();
+                assert_eq!(decimal_place(number), place, "{number}");
+            }
+        }
+        assert_eq!(decimal_place(0.0), None);
+    }
+
+    #[test]
+    fn quantiles_have_the_digits_that_their_histogram_resolves() {
+        for (quantile, truth, shown) in [
+            // A part in 256 of 0.0023456 is 9e-6.
+            (0.0356789, 0.0333333, 0.035679),
+            (-755.306_709, -80.0, -755.0),
+            (1234.5678, 1234.5, 1234.5678),
+            (0.001, 80.0, 0.0),
+            (80.0, 80.0, 80.0),
+            (0.0, 80.0, 0.0),
+        ] {
+            assert_eq!(with_digits(Some(quantile), Some(truth)), Some(shown));
+        }
+        assert_eq!(with_digits(None, Some(1.0)), None);
+        assert_eq!(with_digits(Some(1.0), None), None);
+    }
+}

@@ -1,0 +1,72 @@
+//! Shards: the cells of a study that one of several runs computes.
+
+use palpate_study::config::Study;
+use palpate_sweep::Task;
+
+/// One of several runs that share a study. Each runs every `of`-th cell, so that all have about the same work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Its number, from 1 on.
+    pub number: u64,
+    /// Number of shards.
+    pub of: u64,
+}
+
+/// The whole study.
+impl Default for Shard {
+    fn default() -> Self {
+        Self { number: 1, of: 1 }
+    }
+}
+
+/// Tasks of one shard: one per cell.
+#[derive(Debug)]
+pub(crate) struct ShardTasks {
+    /// Numbers of the cells of all shards together.
+    pub(crate) cells: Vec<usize>,
+    shard: Shard,
+}
+
+impl ShardTasks {
+    pub(crate) fn new(cells: Vec<usize>, shard: Shard) -> Self {
+        Self { cells, shard }
+    }
+
+    /// Number of tasks of this shard.
+    pub(crate) fn tasks(&self) -> u64 {
+        let before = self.shard.number - 1;
+        let all = self.cells.len() as u64;
+        all.saturating_sub(before).div_ceil(self.shard.of)
+    }
+
+    /// Cell of the task with this number in this shard.
+    pub(crate) fn cell(&self, number: u64) -> usize {
+        let place = number * self.shard.of + self.shard.number - 1;
+        self.cells[place as usize]
+    }
+
+    pub(crate) fn task(&self, study: &Study, number: u64) -> Task {
+        let cell = self.cell(number);
+        Task {
+            cell,
+            trials: trials(study, cell),
+            may_stop: study.config.stop.is_some(),
+        }
+    }
+
+    /// Number of trials of the first `tasks` tasks of this shard, saturating.
+    pub(crate) fn trials_before(&self, study: &Study, tasks: u64) -> u64 {
+        if !study.paths.iter().any(|path| path == "trials") {
+            let of_each = self.cells.first().map_or(0, |&cell| trials(study, cell));
+            return tasks.saturating_mul(of_each);
+        }
+        let trials = (0..tasks).map(|number| trials(study, self.cell(number)));
+        trials.fold(0, u64::saturating_add)
+    }
+}
+
+/// Number of trials of a cell; with a stop rule, its maximum.
+fn trials(study: &Study, cell: usize) -> u64 {
+    let stop = study.config.stop.as_ref();
+    stop.map_or_else(|| study.trials_of(cell), |stop| stop.max_trials)
+}

@@ -1,0 +1,101 @@
+//! Cells that are set up: scene, true values, map and stop rule.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use palpate_scene::Scene;
+use palpate_study::Quantity;
+use palpate_study::config::{Cell, StopStatistic, Study};
+use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
+
+use crate::run_files::CellMap;
+use crate::trial::SceneTrial;
+
+/// Cell that is set up for its trials.
+#[derive(Debug)]
+pub(super) struct CellSetup {
+    pub(super) cell: usize,
+    pub(super) trial: SceneTrial,
+    pub(super) truth: Arc<CellTruth>,
+    pub(super) warnings: Vec<String>,
+    pub(super) map: Option<CellMap>,
+}
+
+impl CellSetup {
+    /// StoppingRule rule of the study for this cell; `None` if there is no rule, or if the cell does not have its quantity.
+    pub(super) fn stop(&self, study: &Study) -> Option<StoppingRule> {
+        let rule = study.config.stop.as_ref()?;
+        let quantity = match &rule.quantity {
+            None => 0,
+            Some(name) => self
+                .truth
+                .quantities
+                .iter()
+                .position(|one| one.name == name)?,
+        };
+        Some(StoppingRule {
+            quantity,
+            statistic: match rule.statistic {
+                StopStatistic::Mean => StoppingStatistic::Mean,
+                StopStatistic::RmsError => StoppingStatistic::RmsError,
+                StopStatistic::MeanAbsError => StoppingStatistic::MeanAbsError,
+            },
+            relative_standard_error: rule.relative_standard_error,
+            min_trials: rule.min_trials,
+        })
+    }
+}
+
+impl Trial for CellSetup {
+    fn quantities(&self) -> usize {
+        self.trial.quantities()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.trial.run(trial, record)
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        self.trial.run_together(trials, record)
+    }
+
+    fn is_random(&self) -> bool {
+        self.trial.is_random()
+    }
+}
+
+/// True values of a cell and bounds on its estimates. They are the same for all trials.
+#[derive(Clone, Debug)]
+pub(crate) struct CellTruth {
+    /// Swept values of the cell, one per column.
+    pub(crate) coordinates: Vec<String>,
+    pub(crate) quantities: &'static [Quantity],
+    /// True value of each quantity; `None` if it differs from place to place.
+    pub(crate) truths: Vec<Option<f64>>,
+    /// Lower bound on the standard deviation of an estimate of each quantity, if there is one.
+    pub(crate) std_bounds: Vec<Option<f64>>,
+}
+
+impl CellTruth {
+    /// A cell that is not set up: no true values, and no bounds.
+    pub(crate) fn unknown(cell: &Cell, quantities: &'static [Quantity]) -> Self {
+        let none = vec![None; quantities.len()];
+        Self {
+            coordinates: cell.coordinates.clone(),
+            quantities,
+            truths: none.clone(),
+            std_bounds: none,
+        }
+    }
+
+    pub(super) fn new(scene: &Scene, cell: Cell) -> Self {
+        let quantities = scene.quantities();
+        let places = 0..quantities.len();
+        Self {
+            coordinates: cell.coordinates,
+            quantities,
+            truths: places.clone().map(|place| scene.truth(place)).collect(),
+            std_bounds: places.map(|place| scene.std_bound(place)).collect(),
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Warnings about recorded readings, and settings that are rejected because they contradict the readings.
+
+use palpate::recorded::Form;
+use serde_json::Value;
+
+use super::desk::{Desk, with_flags};
+use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
+
+/// Options of a command, and words of its warning; `[]` if it gives no warning.
+const PRESSES: &str = "
+ | at the skin's surface
+--depth 0 | []
+--depth 2 | []
+--depth 2 --method gaussian --c 1 | a Gaussian is no elastic body
+--depth 2 --indentation 1.5 --indentation-std 0.02 | []
+--depth 2 --indentation 1.5 | without a standard deviation
+--depth 2 --indentation 1.5 --indentation-std 0 | without a standard deviation
+--depth 2 --indentation 1 --indentation-std 0.02 | the readings alone say 1.43 +- 0.0555 mm: they differ by 7.4
+--depth 2 --indentation 1.7 --indentation-std 0.02 | is not to be trusted
+--depth 2 --indentation 15 | the readings alone say
+--depth 2 --indentation 2 --indentation-std 1e-6 | one of the contact itself (row 1, line 2)
+--depth 2 --normal-std 0.01 | times the noise that is given
+--depth 2 --normal-std 0.5 --tangential-std 0.2 | intervals are too wide
+--depth 2 --normal-std 5 --tangential-std 5 | no marker moved by more than
+";
+const ROLLS: &str = "
+--pitch 0.5 | []
+--shift-std 1e-6 | the noise that is given explains
+--rotation-std-rad 0.01 | []
+--rotation-std-rad 0.5 | roll further, or measure the rotations more exactly
+";
+const GLIDES: &str = "
+--method two-pass --inter-finger-distance 1000 | the fingers of the readings are
+--method two-pass --inter-finger-distance 0.01 | is the unit right?
+--method quadric --position-std 0.5 --normal-std-deg 2 | []
+--method quadric --position-std 5 | stated as 5 mm, but the contacts show 0.4
+--method quadric --position-std 0.01 | stated as 0.01 mm
+--method quadric --position-fraction-of-ifd 0.03 | []
+--method quadric --position-fraction-of-ifd 0.5 | stated as 6.9 mm
+--method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | stated as 5 mm
+--method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | 100 mm, but the fingers of the readings are 13.8
+--method quadric --normal-std-deg 20 | stated as 20 degrees, but the contacts show 1.9
+";
+
+#[test]
+fn stated_quantities_that_the_readings_contradict() {
+    let desk = Desk::new();
+    for (command, readings, table) in [
+        ("press r.csv --sensor-radius 20", PRESS, PRESSES),
+        ("roll r.csv --probe-radius 10", ROLL, ROLLS),
+        ("glide r.csv", GLIDE, GLIDES),
+    ] {
+        desk.write("r.csv", readings);
+        for row in table.trim_matches('\n').lines() {
+            let (options, words) = row.split_once(" | ").unwrap();
+            let ended = desk.palpate(&format!("estimate {command} {options}"));
+            let told = if ended.status == Some(0) {
+                let json: Value = serde_json::from_str(&ended.stdout).unwrap();
+                assert_eq!(json["format_version"], 2);
+                // The warnings are also printed on stderr.
+                let lines = warnings(&json)
+                    .into_iter()
+                    .map(|told| format!("warning: {}\n", with_flags(told)));
+                assert_eq!(ended.stderr, lines.collect::<String>());
+                json["warnings"].to_string()
+            } else {
+                ended.said(1)
+            };
+            assert!(told.contains(words), "{row}: {told}");
+        }
+    }
+}
+
+#[test]
+fn warnings_have_codes() {
+    let desk = Desk::new();
+    desk.write("r.csv", PRESS);
+    for (options, code) in [
+        ("--indentation 1.5", None),
+        ("--indentation 1", Some("other-indentation")),
+        ("--indentation 3", Some("other-indentation")),
+        (
+            "--normal-std 0.0385 --tangential-std 0.0155",
+            Some("large-residuals"),
+        ),
+    ] {
+        let command = format!("estimate press r.csv --sensor-radius 20 --depth 2 {options}");
+        let json: Value = serde_json::from_str(&desk.palpate(&command).stdout).unwrap();
+        let warnings = json["warnings"].as_array().unwrap().iter();
+        let codes: Vec<&str> = warnings
+            .filter_map(|warning| warning["code"].as_str())
+            .collect();
+        assert_eq!(
+            codes.contains(&code.unwrap_or("other-indentation")),
+            code.is_some(),
+            "{options}: {codes:?}"
+        );
+    }
+}
+
+/// Warnings of an estimate, or its error.
+fn told(estimated: Result<Value, String>) -> String {
+    estimated.map_or_else(|error| error, |json| warnings(&json).join("; "))
+}
+
+fn of_roll(table: &str) -> String {
+    told(roll(table, Form::default()))
+}
+
+fn of_glide(table: &str) -> String {
+    told(glide(table, Form::default()))
+}
+
+fn of_press(table: &str) -> String {
+    told(press(table, Form::default()))
+}
+
+/// Rows: columns to multiply | factor | words of the warning or error.
+const PRESS_MISTAKES: &str = "
+3 | -1 | the sign of tangential_x reversed
+4 | -1 | the sign of tangential_y reversed
+3 4 | -1 | both signs reversed
+2 | -1 | is the sign wrong?
+2 3 4 | 50 | more than the sensor's radius
+0 1 2 3 4 | 1e-3 | the readings in m and the radius in mm?
+2 3 4 | 1e-3 | the displacements in m and the rest in mm?
+0 1 | 1e3 | half the circumference
+";
+const ROLL_MISTAKES: &str = "
+1 2 | 57.296 | the rotations in degrees
+1 2 | 1e-3 | in a smaller unit
+1 2 | 0 | no probe turned
+3 4 | 1e-3 | the shifts in m and
+3 4 | 1e3 | half way round
+";
+const GLIDE_MISTAKES: &str = "
+4 5 6 | 57.296 | lengths of about 57.3
+4 5 6 | -1 | point to -z
+";
+
+#[test]
+fn mistakes_of_sign_unit_and_order() {
+    let swapped = changed(PRESS, |fields| fields.swap(3, 4));
+    assert!(of_press(&swapped).contains("tangential_x and tangential_y swapped"));
+    for (of, csv, mistakes) in [
+        (of_press as fn(&str) -> String, PRESS, PRESS_MISTAKES),
+        (of_roll, ROLL, ROLL_MISTAKES),
+        (of_glide, GLIDE, GLIDE_MISTAKES),
+    ] {
+        assert_eq!(of(csv), "");
+        for row in mistakes.trim().lines() {
+            let (columns, rest) = row.split_once(" | ").unwrap();
+            let (factor, words) = rest.split_once(" | ").unwrap();
+            let columns = columns.split(' ').map(|column| column.parse().unwrap());
+            let columns: Vec<usize> = columns.collect();
+            let message = of(&scaled(csv, &columns, factor.parse().unwrap()));
+            assert!(message.contains(words), "{row}: {message}");
+        }
+    }
+}
+
+#[test]
+fn rows_that_do_not_belong() {
+    let again = changed(ROLL, |fields| fields[0].insert_str(0, "10"));
+    let twice = format!("{ROLL}{}", again.split_once('\n').unwrap().1);
+    assert!(
+        of_roll(&twice).contains("repeat rolls"),
+        "{}",
+        of_roll(&twice)
+    );
+    let line: String = (-6..6)
+        .map(|x| format!("0,{x},0,{}\n", -0.01 * f64::from(x * x)))
+        .collect();
+    let (first, rest) = GLIDE.split_once('\n').unwrap();
+    let (row, rest) = rest.split_once('\n').unwrap();
+    let inward = scaled(&format!("{first}\n{row}\n"), &[4, 5, 6], -1.0);
+    for (table, words) in [
+        (
+            format!("{GLIDE}0,300,0,0,0,0,1\n"),
+            "from the nearest other",
+        ),
+        (
+            format!("{first}\n0,0,0,0,0,0,1\n1,5,0,-0.3,0.1,0,1\n2,0,5,-0.3,0,0.1,1\n"),
+            "do not tell their noise",
+        ),
+        (format!("finger,x_mm,y_mm,z_mm\n{line}"), "along one curve"),
+        (format!("{inward}{rest}"), "does its normal point inward?"),
+    ] {
+        let said = of_glide(&table);
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
