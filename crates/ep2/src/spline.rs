@@ -9,7 +9,7 @@ pub(crate) type Lanes = wide::f64x2;
 /// Number of lanes.
 pub(crate) const LANES: usize = 2;
 
-/// Height, slopes and second derivatives of a graph, at one place or, with [`Lanes`], at several.
+/// Height, slopes and second derivatives of a graph, at one place or, with `Lanes`, at several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet<T = f64> {
     /// Height.

@@ -31,7 +31,7 @@ pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, Stud
     })
 }
 
-/// Options of `estimate_pictures`.
+/// Options of `estimate_images`.
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn pictures(study: &StudyConfig, unit: LengthUnit) -> Result<PictureOptions, StudyMismatch> {
     PictureOptions::from_study(study, unit)

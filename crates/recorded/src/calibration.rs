@@ -12,8 +12,8 @@ use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
 use super::error::RecordedError;
 use super::header::Header;
-use super::sheet::{Sheet, header};
-use super::written::Written;
+use super::reading_table::{ReadingTable, header};
+use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{CALIBRATIONS, Column};
 
@@ -101,9 +101,9 @@ pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, Recorde
 /// Errors of [`read_calibration_points`].
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let text = file.table()?;
-    let table = Written::of(file, text)?;
+    let table = TextTable::of(file, text)?;
     let columns = columns(&header(&table, &CALIBRATIONS)?);
-    let sheet = Sheet::read(&table, &columns, &[])?;
+    let sheet = ReadingTable::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let has_hue = place(HUE).is_some();
     let has_growth = place(GROWTH).is_some();

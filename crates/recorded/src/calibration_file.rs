@@ -9,12 +9,12 @@ use palpate_tracking::{
 use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
-use super::camera_rest::is_camera;
+use super::camera_calibration::is_camera;
 use super::error::RecordedError;
 use palpate_study::config::LengthUnit;
 
 const HEADER: &str = "\
-# Calibration of a camera sensor: how the sight of a marker follows its displacement. Written by
+# Calibration of a camera sensor: how the sight of a marker follows its displacement. TextTable by
 # `palpate sensor calibrate`, read by `palpate sensor track --calibration`.
 #
 # Lengths are in length_unit. [normal]: displacement = signal / slope, where the signal is

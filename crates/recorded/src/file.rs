@@ -6,7 +6,7 @@ use std::path::Path;
 use palpate_study::{read_all, read_limited};
 
 use super::error::RecordedError;
-use super::form::Form;
+use super::table_format::Form;
 
 /// Largest recorded file that is read, MiB.
 const MOST_MIB: u64 = 256;

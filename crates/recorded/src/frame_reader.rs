@@ -4,11 +4,11 @@ use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 use palpate_tracking::Calibration;
 
+use super::camera_reading::{CameraReading, TrackedPress};
 use super::error::RecordedError;
-use super::pictured::{PictureOptions, estimate_pictures};
-use super::pressed::PressOptions;
-use super::sensed::{Sensed, TrackedPress};
-use super::tracked::{Frame, TrackedFrames};
+use super::frame_pair::{Frame, FramePair};
+use super::image_estimate::{PictureOptions, estimate_images};
+use super::press_estimate::PressOptions;
 
 /// Method that estimates a press from two frames, with its settings.
 #[derive(Clone, Debug)]
@@ -47,11 +47,11 @@ impl FrameReader {
     /// are not in a file.
     ///
     /// # Errors
-    /// Errors of [`Sensed::read`], [`Sensed::field`] and [`estimate_pictures`].
+    /// Errors of [`CameraReading::read`], [`CameraReading::field`] and [`estimate_images`].
     pub fn read(
         &self,
         frames: [&Frame; 2],
-        tracked: &TrackedFrames,
+        tracked: &FramePair,
         (grid, filter_std): (usize, f64),
         file: Option<String>,
     ) -> Result<FrameReading, RecordedError> {
@@ -62,8 +62,12 @@ impl FrameReader {
                 px_per_rad,
                 options,
             } => {
-                let sensed =
-                    Sensed::read(tracked, (calibration, *unit), (options, *px_per_rad), file)?;
+                let sensed = CameraReading::read(
+                    tracked,
+                    (calibration, *unit),
+                    (options, *px_per_rad),
+                    file,
+                )?;
                 Ok(FrameReading {
                     readings: sensed.readings(),
                     field: sensed.field(grid, filter_std)?,
@@ -72,7 +76,7 @@ impl FrameReader {
                 })
             }
             Self::Pictures(options) => {
-                let pictured = estimate_pictures(frames, tracked, options, file)?;
+                let pictured = estimate_images(frames, tracked, options, file)?;
                 Ok(FrameReading {
                     readings: pictured.readings(),
                     field: pictured.field(grid, filter_std)?,

@@ -4,7 +4,7 @@ use palpate_study::readings::{
     Column, ColumnNames, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt,
 };
 
-use super::form::pair;
+use super::table_format::pair;
 
 /// Smallest similarity, from 0 to 1, at which a column of the file is proposed for a missing one.
 const SIMILAR: f64 = 0.8;

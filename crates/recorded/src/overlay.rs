@@ -4,7 +4,7 @@ use image::RgbImage;
 use palpate_tracking::{Marker, Status};
 
 use super::drawing::{Canvas, Colour};
-use super::tracked::TrackedFrames;
+use super::frame_pair::FramePair;
 
 /// Side to which smaller frames are enlarged, px, so that numbers can be read.
 const SIDE: u32 = 1000;
@@ -31,7 +31,7 @@ const fn colour(status: Status) -> Colour {
 /// The pressed frame with a circle and a number at each marker, and an arrow along its shift from rest, drawn 5 times
 /// as long. The circle's colour is the marker's status: blue tracked, red lost, orange merged, violet split, cyan
 /// new, grey cut by the rim at rest. Small frames are enlarged by a whole factor.
-pub fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
+pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {
         canvas.circle(marker.centroid_px, radius(marker), CUT);

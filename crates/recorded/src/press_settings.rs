@@ -7,8 +7,8 @@ use palpate_study::config::{
 };
 use serde_json::{Map, Value as Json};
 
-use super::pictured::PictureOptions;
-use super::pressed::PressOptions;
+use super::image_estimate::PictureOptions;
+use super::press_estimate::PressOptions;
 
 impl PressOptions {
     /// Options from the given settings, by their keys: fields of this struct and settings of the estimator. `base` states

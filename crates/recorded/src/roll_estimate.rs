@@ -9,12 +9,12 @@ use palpate_statistics::{NORMAL_95, Number, student_half_width};
 use serde::Serialize;
 
 use super::Value;
+use super::consistency::FORMAT_VERSION;
 use super::error::{RecordedError, explained};
-use super::origin::agreed_unit;
-use super::roll::{RollOptions, RollReadings};
-use super::roll_agreement::RollAgreement;
-use super::stated::FORMAT_VERSION;
-use super::suspicion::of_roll;
+use super::input_checks::of_roll;
+use super::roll_misfit::RollMisfit;
+use super::roll_recording::{RollOptions, RollRecording};
+use super::source::agreed_unit;
 use palpate_study::Unit;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 
@@ -52,11 +52,11 @@ pub struct RollEstimate {
     amplification_v: Option<f64>,
     /// Root mean square of the residuals of the shifts' components.
     residual_rms: Value,
-    /// Origin of the standard deviations, in words.
+    /// ReadingSource of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
     #[serde(flatten)]
-    agreement: RollAgreement,
+    agreement: RollMisfit,
     #[serde(skip)]
     covariance: Option<[[f64; 3]; 3]>,
 }
@@ -91,7 +91,7 @@ impl RollEstimate {
 /// # Errors
 /// [`RecordedError::Readings`] if the options contradict the file or the readings do not determine the curvature.
 pub fn estimate_roll(
-    recorded: &RollReadings,
+    recorded: &RollRecording,
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
     let origin = &recorded.origin;
@@ -189,14 +189,14 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
-        agreement: RollAgreement::new(recorded, options, unit, by_stated_noise, suspicion),
+        agreement: RollMisfit::new(recorded, options, unit, by_stated_noise, suspicion),
         covariance: fitted.covariance(&estimate),
     })
 }
 
 /// Probes that rolled without a shift, with the bound on the object's radius that follows.
 fn unresolved(
-    recorded: &RollReadings,
+    recorded: &RollRecording,
     probe_radius: f64,
     resolution: f64,
     unit: LengthUnit,

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use super::roll::RollOptions;
+use super::roll_recording::RollOptions;
 
 /// Settings of rolls that a user states; `None` if not given. Lengths are in the readings' unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -5,10 +5,10 @@ use palpate_study::config::{
     ProbeConfig, Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
 };
 
+use super::glide_estimate::GlideOptions;
 use super::glide_settings::TipReports;
-use super::patch::GlideOptions;
-use super::pressed::PressOptions;
-use super::roll::RollOptions;
+use super::press_estimate::PressOptions;
+use super::roll_recording::RollOptions;
 use palpate_ep1::ReadingNoise;
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::hint::black_box;
 
 use anyhow::Result;
-use palpate::recorded::{Curvature, FittedGlide, GlideOptions, GlideReadings, RecordedError};
+use palpate::recorded::{Curvature, GlideFitResult, GlideOptions, GlideRecording, RecordedError};
 use palpate_ep2::{Contact, Ep2Error, Fit, Method, Passes, Patch, Penalised, Quadric, TwoPass};
 
 use super::{Figure, MANY, PATCHES};
@@ -117,8 +117,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
 
 /// Surface through the points and its curvatures over the map, as Python computes them for a map.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
-    let readings = GlideReadings::new(points, None, None, None)?;
-    let fitted = FittedGlide::new(Cow::Owned(readings), &GlideOptions::default())?;
+    let readings = GlideRecording::new(points, None, None, None)?;
+    let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;
     let curvatures = fitted.curvatures()?;
     black_box(fitted);
     Ok(curvatures)

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use palpate_recorded::{
-    GlideEstimate, GlideOptions, GlideReadings, ReadingNoise, RecordedFile, RollOptions,
-    RollReadings, estimate_glide, estimate_roll, parse_glide, parse_roll,
+    GlideEstimate, GlideOptions, GlideRecording, ReadingNoise, RecordedFile, RollOptions,
+    RollRecording, estimate_glide, estimate_roll, parse_glide, parse_roll,
 };
 use palpate_scene::{Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
@@ -193,7 +193,7 @@ fn rolls(std: f64, set: u64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
 }
 
 fn of_rolls(rotations: &[[f64; 2]], shifts: &[[f64; 2]], noise: ReadingNoise) -> Vec<String> {
-    let readings = RollReadings::new(rotations, shifts, Some(LengthUnit::Mm)).unwrap();
+    let readings = RollRecording::new(rotations, shifts, Some(LengthUnit::Mm)).unwrap();
     let options = RollOptions {
         noise,
         ..RollOptions::new(8.0)
@@ -294,7 +294,7 @@ fn a_pitch_that_is_longer_than_shifts_are_is_told() {
     }
     // A contact that does not move has no such shift.
     let still = vec![[0.0, 0.0]; 8];
-    let readings = RollReadings::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
+    let readings = RollRecording::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
     let options = RollOptions {
         noise: RollOptions::noise_of_pads(8.0, 2.0).unwrap(),
         ..RollOptions::new(8.0)
@@ -332,7 +332,7 @@ fn of_contacts(
     fingers: &[u64],
 ) -> (String, Vec<String>) {
     let readings =
-        GlideReadings::new(points, Some(normals), Some(fingers), Some(LengthUnit::Mm)).unwrap();
+        GlideRecording::new(points, Some(normals), Some(fingers), Some(LengthUnit::Mm)).unwrap();
     match estimate_glide(&readings, &GlideOptions::default()) {
         Ok((estimate, _)) => (warnings(&estimate).join("; "), doubts(&estimate)),
         Err(error) => (error.to_string(), Vec::new()),

@@ -6,8 +6,8 @@ use palpate::{DesignError, Extreme, Region, Sought, Survey};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::answer_display::{figure, table};
 use super::question::{set as set_of, varied};
-use super::shown::{figure, table};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};

@@ -4,8 +4,8 @@ use palpate::DistinguishError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::answer_display::{figure, table};
 use super::question::{listed, set as set_of, wrong};
-use super::shown::{figure, table};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};

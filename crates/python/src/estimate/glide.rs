@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use numpy::{PyArray1, PyArrayMethods};
 use palpate::config::{GlideEstimatorConfig, setting};
 use palpate::recorded::{
-    self, Curvature, FittedGlide, GlideMap, GlideOptions, GlideReadings, MapPoint, RecordedError,
-    ShapeClass,
+    self, Curvature, GlideFitResult, GlideMap, GlideOptions, GlideRecording, MapPoint,
+    RecordedError, ShapeClass,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,7 +29,7 @@ record!(
 
 /// Source that an estimate of a patch is made from: the surface and its curvatures, and, once asked for, all else.
 struct Patch {
-    fitted: FittedGlide<'static>,
+    fitted: GlideFitResult<'static>,
     curvatures: Vec<Curvature>,
     told: OnceLock<(recorded::GlideEstimate, GlideMap)>,
     /// Shape of an array with a number per place of the map.
@@ -61,8 +61,8 @@ impl Made for Arc<Patch> {
 }
 
 impl Patch {
-    fn new(readings: GlideReadings, options: &GlideOptions) -> Result<Self, RecordedError> {
-        let fitted = FittedGlide::new(Cow::Owned(readings), options)?;
+    fn new(readings: GlideRecording, options: &GlideOptions) -> Result<Self, RecordedError> {
+        let fitted = GlideFitResult::new(Cow::Owned(readings), options)?;
         let curvatures = fitted.curvatures()?;
         let shape = match options.map_at_contacts {
             true => vec![curvatures.len()],
@@ -197,7 +197,7 @@ impl Map {
 /// points : array, (n, 3)
 ///     Places of the contacts, length; those of a finger in the order in which it made them.
 /// normals : array, (n, 3), optional
-///     Sensed normals out of the object, of any length.
+///     CameraReading normals out of the object, of any length.
 /// fingers : array, (n,), optional
 ///     Number of the finger of each contact, from 0; without, all are of one finger.
 /// method : str, optional
@@ -321,7 +321,7 @@ pub(crate) fn estimate_glide<'py>(
         })
         .transpose()?;
     let readings = |points: &[[f64; 3]], normals: Option<&[[f64; 3]]>| {
-        GlideReadings::new(points, normals, fingers.as_deref(), unit)
+        GlideRecording::new(points, normals, fingers.as_deref(), unit)
     };
     let (rows, normals) = (points.rows::<3>(), normals.as_ref().map(Numbers::rows::<3>));
     if axes == 2 {
@@ -334,8 +334,8 @@ pub(crate) fn estimate_glide<'py>(
         let readings = readings(&of_set(rows), normals.map(of_set).as_deref());
         readings.map_err(|error| in_set(set, error))
     });
-    let sets: Vec<GlideReadings> = sets.collect::<Result<_, _>>().map_err(error::recorded)?;
-    let estimate = |readings: &GlideReadings| {
+    let sets: Vec<GlideRecording> = sets.collect::<Result<_, _>>().map_err(error::recorded)?;
+    let estimate = |readings: &GlideRecording| {
         let patch = Patch::new(readings.clone(), &options)?;
         let fields = serde_json::to_value(&patch.known()?.0).unwrap_or(Json::Null);
         Ok((patch, fields))

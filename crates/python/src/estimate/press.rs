@@ -1,7 +1,7 @@
 //! Estimates from presses.
 
 use palpate::config::{PressEstimatorConfig, setting};
-use palpate::recorded::{self, PressOptions, PressReadings};
+use palpate::recorded::{self, PressOptions, PressRecording};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value as Json;
@@ -20,7 +20,7 @@ record!(
     "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: what `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
 );
 
-impl Made for recorded::PressedObject {
+impl Made for recorded::PressReport {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, self)
     }
@@ -148,12 +148,12 @@ pub(crate) fn estimate_press<'py>(
             Some(sets) => &flat[set * (flat.len() / sets)..][..flat.len() / sets],
         };
         if !with_tangential {
-            return PressReadings::new(&places, of_set, None, unit);
+            return PressRecording::new(&places, of_set, None, unit);
         }
         let (rows, _) = of_set.as_chunks::<3>();
         let normal: Vec<f64> = rows.iter().map(|[normal, _, _]| *normal).collect();
         let along: Vec<[f64; 2]> = rows.iter().map(|[_, x, y]| [*x, *y]).collect();
-        PressReadings::new(&places, &normal, Some(&along), unit)
+        PressRecording::new(&places, &normal, Some(&along), unit)
     };
     let Some(sets) = sets else {
         let readings = readings(0).map_err(error::recorded)?;
@@ -161,8 +161,8 @@ pub(crate) fn estimate_press<'py>(
         return PressEstimate::of(py, object.map_err(error::recorded)?);
     };
     let all = (0..sets).map(|set| readings(set).map_err(|error| in_set(set, error)));
-    let all: Vec<PressReadings> = all.collect::<Result<_, _>>().map_err(error::recorded)?;
-    let estimate = |readings: &PressReadings| {
+    let all: Vec<PressRecording> = all.collect::<Result<_, _>>().map_err(error::recorded)?;
+    let estimate = |readings: &PressRecording| {
         let object = recorded::estimate_press(readings, &options)?;
         let fields = serde_json::to_value(&object).unwrap_or(Json::Null);
         Ok((object, fields))

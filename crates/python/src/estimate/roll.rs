@@ -3,7 +3,7 @@
 use numpy::PyArrayMethods;
 use palpate::config::{RollEstimatorConfig, setting};
 use palpate::recorded::{
-    self, RecordedError, RollOptions, RollReadings, RollSets, RollSettings, SetRow,
+    self, RecordedError, RollOptions, RollRecording, RollSets, RollSettings, SetRow,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -123,8 +123,8 @@ pub(crate) fn estimate_roll<'py>(
     if axes == [2, 2] {
         shifts.columns(2, &[2], "(n, 2)")?;
         let readings = match rotations.columns(2, &[2, 3], "(n, 2) or (n, 3)")? {
-            2 => RollReadings::new(rotations.rows::<2>(), shifts.rows(), unit),
-            _ => RollReadings::new(rotations.rows::<3>(), shifts.rows(), unit),
+            2 => RollRecording::new(rotations.rows::<2>(), shifts.rows(), unit),
+            _ => RollRecording::new(rotations.rows::<3>(), shifts.rows(), unit),
         };
         let estimate = readings.and_then(|readings| recorded::estimate_roll(&readings, &options));
         return RollEstimate::of(py, estimate.map_err(error::recorded)?);

@@ -3,8 +3,8 @@
 use palpate::Table as Rows;
 use palpate::config::LengthUnit;
 use palpate::recorded::{
-    self, CalibrateOptions, CalibrationReport, KnownOfFrames, NormalFrom, RecordedFile,
-    calibration_points_of_frames, calibration_toml, parse_calibration, parse_calibration_points,
+    self, CalibrateOptions, CalibrationReport, KnownDisplacements, NormalFrom, RecordedFile,
+    calibration_toml, frame_calibration_points, parse_calibration, parse_calibration_points,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -244,7 +244,7 @@ pub(crate) fn calibrate_frames(
         numbers.map(of_frames).transpose()
     };
     let from = self::source(source)?;
-    let known = KnownOfFrames {
+    let known = KnownDisplacements {
         normal: known("normal", normal)?,
         tangential: known("tangential", tangential)?,
         from,
@@ -260,7 +260,7 @@ pub(crate) fn calibrate_frames(
     let frames: Vec<recorded::Frame> = frames.collect::<PyResult<_>>()?;
     let unit = self::length_unit(length_unit)?;
     let report = py.detach(|| {
-        let (points, markers) = calibration_points_of_frames(&rest, &frames, &known)?;
+        let (points, markers) = frame_calibration_points(&rest, &frames, &known)?;
         let options = CalibrateOptions {
             from,
             per_marker,

@@ -1,6 +1,6 @@
 //! Camera of a sensor, as a frame at rest tells it.
 
-use palpate::recorded::{self, RecordedFile, RestCamera, parse_camera};
+use palpate::recorded::{self, CameraEstimate, RecordedFile, parse_camera};
 use pyo3::prelude::*;
 
 use crate::error;
@@ -13,7 +13,7 @@ use crate::study::Study;
 /// `CameraCalibration(toml)` reads what `palpate sensor calibrate --rest` writes.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct CameraCalibration {
-    pub(super) camera: RestCamera,
+    pub(super) camera: CameraEstimate,
 }
 
 #[pymethods]

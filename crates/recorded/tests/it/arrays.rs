@@ -2,8 +2,8 @@
 
 use palpate_ep1::SetRow;
 use palpate_recorded::{
-    GlideOptions, GlideReadings, PressOptions, PressReadings, RecordedError, RollOptions,
-    RollReadings, RollSets, estimate_glide, estimate_press, estimate_roll, read_glide, read_press,
+    GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RollOptions,
+    RollRecording, RollSets, estimate_glide, estimate_press, estimate_roll, read_glide, read_press,
     read_roll,
 };
 use palpate_study::config::LengthUnit;
@@ -41,13 +41,13 @@ fn rolls_are_those_of_a_file() {
     let name = "roll-readings.csv";
     let (rotations, shifts) = (columns::<2>(name, 1), columns::<2>(name, 3));
     let options = RollOptions::new(10.0);
-    let readings = RollReadings::new(&rotations, &shifts, MM).unwrap();
+    let readings = RollRecording::new(&rotations, &shifts, MM).unwrap();
     let estimate = estimate_roll(&readings, &options).unwrap();
     let of_file = estimate_roll(&read_roll(&example(name)).unwrap(), &options).unwrap();
     same(&estimate, &of_file);
     // A turn about the normal moves no contact.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
-    let readings = RollReadings::new(&spun, &shifts, MM).unwrap();
+    let readings = RollRecording::new(&spun, &shifts, MM).unwrap();
     same(&estimate_roll(&readings, &options).unwrap(), &of_file);
     assert_eq!(estimate.covariance(), of_file.covariance());
 
@@ -78,7 +78,7 @@ fn glides_are_those_of_a_file() {
         .map(|[one]| *one as u64)
         .collect();
     let options = GlideOptions::default();
-    let readings = GlideReadings::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
+    let readings = GlideRecording::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
     let (estimate, map) = estimate_glide(&readings, &options).unwrap();
     let (of_file, of_map) = estimate_glide(&read_glide(&example(name)).unwrap(), &options).unwrap();
     same(&estimate, &of_file);
@@ -94,7 +94,7 @@ fn presses_are_those_of_a_file() {
         marker_depth: Some(2.0),
         ..PressOptions::new(20.0)
     };
-    let readings = PressReadings::new(&places, &normal, Some(&along), MM).unwrap();
+    let readings = PressRecording::new(&places, &normal, Some(&along), MM).unwrap();
     let object = estimate_press(&readings, &options).unwrap();
     let of_file = estimate_press(&read_press(&example(name)).unwrap(), &options).unwrap();
     same(&object, &of_file);
@@ -120,14 +120,14 @@ fn arrays_that_cannot_be_are_named() {
     let mut shifts = [[2.0, 0.0], [0.0, 2.0]];
     let rotations = [[0.0, -0.3], [0.3, 0.0]];
     is_of_array(
-        RollReadings::new(&rotations, &shifts[..1], None),
+        RollRecording::new(&rotations, &shifts[..1], None),
         "shifts",
         &[],
         None,
     );
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         shifts[1][0] = bad;
-        let found = RollReadings::new(&rotations, &shifts, None);
+        let found = RollRecording::new(&rotations, &shifts, None);
         is_of_array(found, "shifts", &[1, 0], Some(bad));
         let sets = RollSets::new(
             2,
@@ -139,18 +139,18 @@ fn arrays_that_cannot_be_are_named() {
         .estimate(&RollOptions::new(10.0), 0, &mut [[0.0; 11]; 2]);
         is_of_array(sets, "shifts", &[1, 1, 0], Some(bad));
         let points = [[0.0, 0.0, 0.0], [1.0, bad, 0.0]];
-        let found = GlideReadings::new(&points, None, None, None);
+        let found = GlideRecording::new(&points, None, None, None);
         is_of_array(found, "points", &[1, 1], Some(bad));
-        let found = PressReadings::new(&[[0.0, 0.0], [1.0, bad]], &[0.0, 0.0], None, None);
+        let found = PressRecording::new(&[[0.0, 0.0], [1.0, bad]], &[0.0, 0.0], None, None);
         is_of_array(found, "positions", &[1, 1], Some(bad));
-        let found = PressReadings::new(&[[0.0, 0.0], [1.0, 0.0]], &[bad, 0.0], None, None);
+        let found = PressRecording::new(&[[0.0, 0.0], [1.0, 0.0]], &[bad, 0.0], None, None);
         is_of_array(found, "displacements", &[0], Some(bad));
     }
     let points = [[0.0; 3]; 2];
-    let found = GlideReadings::new(&points, Some(&points[..1]), None, None);
+    let found = GlideRecording::new(&points, Some(&points[..1]), None, None);
     is_of_array(found, "normals", &[], None);
     is_of_array(
-        GlideReadings::new(&points, None, Some(&[0]), None),
+        GlideRecording::new(&points, None, Some(&[0]), None),
         "fingers",
         &[],
         None,

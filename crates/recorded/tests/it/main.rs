@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod arrays;
-mod camera_rest;
-mod pictured;
-mod readings;
-mod recorded;
-mod stated;
+mod camera_calibration;
+mod consistency;
+mod extreme_readings;
+mod image_estimate;
+mod reading_files;

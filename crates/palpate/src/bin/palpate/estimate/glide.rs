@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use palpate_recorded::{GlideOptions, GlideReadings, estimate_glide, parse_glide};
+use palpate_recorded::{GlideOptions, GlideRecording, estimate_glide, parse_glide};
 
 use super::like::Like;
 use super::table::{form, table};
@@ -31,7 +31,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
 fn options(
     args: &EstimateGlideArgs,
     like: Option<Like>,
-    readings: &GlideReadings,
+    readings: &GlideRecording,
 ) -> Result<GlideOptions, Failure> {
     let unit = readings.unit().or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, palpate::study_options::glide));

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, calibrate as calibrate_to,
-    calibrate_camera, calibration_points_of_frames, parse_calibration_points, read_frame,
+    CalibrateOptions, CalibrationPoints, Frame, KnownDisplacements, calibrate as calibrate_to,
+    calibrate_camera, frame_calibration_points, parse_calibration_points, read_frame,
 };
 
 use palpate_study::config;
@@ -114,7 +114,7 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
 fn points_of_frames(
     args: &CalibrateArgs,
 ) -> Result<(Vec<CalibrationPoints>, Option<usize>), Failure> {
-    let known = KnownOfFrames {
+    let known = KnownDisplacements {
         normal: args.normal.clone(),
         tangential: args.tangential.clone(),
         from: args.from,
@@ -126,6 +126,6 @@ fn points_of_frames(
         return Err(Failure::Usage(anyhow!("there are no frames")));
     };
     let (points, markers) =
-        calibration_points_of_frames(rest, pressed, &known).map_err(Failure::work)?;
+        frame_calibration_points(rest, pressed, &known).map_err(Failure::work)?;
     Ok((vec![points], Some(markers)))
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    Fates, FrameReader, PictureOptions, difference_image, overlay, read_calibration, read_camera,
-    read_frame, track_frames,
+    FrameReader, PictureOptions, TrackCounts, difference_image, overlay, read_calibration,
+    read_camera, read_frame, track_frames,
 };
 
 use crate::cli::TrackArgs;
@@ -62,8 +62,8 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     }
 }
 
-fn summary(fates: &Fates, out: &Path) -> String {
-    let Fates {
+fn summary(fates: &TrackCounts, out: &Path) -> String {
+    let TrackCounts {
         at_rest,
         tracked,
         lost,

@@ -1,0 +1,390 @@
+//! Matches the markers of a frame at rest with a layout, and fits the camera to them.
+
+use nalgebra::DMatrix;
+use palpate_chromatouch::{Departure, Optics};
+use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use palpate_tracking::Found;
+
+use super::camera_report::{CameraEstimate, Residual};
+use super::nearest::{closest, nearest};
+use super::nominal_sensor::{NominalSensor, TERMS};
+use palpate_estimators::{ImageModel, marker_image};
+
+/// Largest departure of the discs from their nominal values, in prior standard deviations.
+const MOST_DEPARTED: f64 = 6.0;
+/// Indices of the discs' numbers in a [`Departure`], and their names for messages.
+const DISCS: [(usize, &str); 10] = [
+    (0, "depth of the magenta discs"),
+    (1, "depth of the yellow discs"),
+    (2, "diameter of the magenta discs"),
+    (3, "diameter of the yellow discs"),
+    (13, "red light through magenta discs"),
+    (14, "green light through magenta discs"),
+    (15, "blue light through magenta discs"),
+    (16, "red light through yellow discs"),
+    (17, "green light through yellow discs"),
+    (18, "blue light through yellow discs"),
+];
+/// Indices of the camera's numbers in a [`Departure`].
+pub(crate) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
+/// Number of rough matching rounds before the final one.
+const ROUNDS: usize = 4;
+/// Standard deviations that allow for misaligned discs in the rough rounds: both centroid coordinates, px; hue,
+/// turns; logarithm of the size.
+const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
+/// Smallest share of the layout's markers that must be found: in the final round, and in the rough rounds.
+const LEAST_SEEN: f64 = 0.8;
+const LEAST_AT_FIRST: f64 = 0.5;
+/// Largest median difference between seen and nominal hues, turns.
+const MOST_TURNED: f64 = 0.06;
+/// Reduced χ² above which the frame contradicts the layout, and above which uncertainties are widened.
+pub(crate) const CONTRADICTED: f64 = 25.0;
+pub(crate) const SIGNIFICANCE_LEVEL: f64 = 1.5;
+/// Further start heights of the camera for the fit, relative to the nominal one, in prior standard deviations.
+const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
+/// Index of the camera's height in a [`Departure`].
+const HEIGHT: usize = 9;
+/// Hint in messages about a frame in which the layout is not found.
+const ELSEWHERE: &str = "is it from another layout or camera, is the camera not where `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` put it, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
+/// Largest number of repeated fits, each around the optics of the last, and the decrease of χ² below which they stop.
+const MOST_FITS: usize = 12;
+const SETTLED: f64 = 1e-3;
+
+/// For each marker of the layout: its index in the list of found markers, and its picture.
+type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
+
+/// Markers of a frame, in the order of the layout.
+pub(super) struct Matched {
+    /// Index of each marker of the layout in the list of found markers.
+    pub(super) found: Vec<Option<usize>>,
+    pub(super) seen: Vec<Option<Seen>>,
+    rest: Rest,
+    law: Vec<Option<[f64; 4]>>,
+    missing: usize,
+}
+
+impl Matched {
+    /// Matches the markers, starting from the nominal optics and from higher and lower cameras, and returns the best
+    /// match with its optics. From a wrong height, a fit may end in a local minimum: scale and lens compensate it.
+    pub(super) fn of(
+        meant: &NominalSensor<'_>,
+        optics: &Optics,
+        found: &Found,
+    ) -> Result<(Self, Optics), String> {
+        let from = |height: f64| {
+            let mut raised = [0.0; Departure::NUMBERS];
+            raised[HEIGHT] = height * meant.stds[HEIGHT];
+            let raised = optics.departed(&Departure::of(raised));
+            Self::about(meant, raised.map_err(other_layout)?, found)
+        };
+        HEIGHTS
+            .into_iter()
+            .map(from)
+            .fold(from(0.0), |best, tried| {
+                let is_better = match (&best, &tried) {
+                    (Ok((best, _)), Ok((tried, _))) => tried.reduced() < best.reduced(),
+                    (Err(_), tried) => tried.is_ok(),
+                    (Ok(_), Err(_)) => false,
+                };
+                if is_better { tried } else { best }
+            })
+    }
+
+    /// Matches the markers, starting from `optics`: first roughly, then finally.
+    fn about(
+        meant: &NominalSensor<'_>,
+        optics: Optics,
+        found: &Found,
+    ) -> Result<(Self, Optics), String> {
+        let mut optics = optics;
+        for _ in 0..ROUNDS {
+            let fit = meant.fit(&optics)?;
+            let (_, seen) = Self::seen(meant, &fit, found, LEAST_AT_FIRST)?;
+            let rough: Vec<Option<Seen>> = seen.into_iter().map(|seen| seen.map(roughly)).collect();
+            let rest = fit.at_rest(&rough).map_err(other_layout)?;
+            optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
+        }
+        let fit = meant.fit(&optics)?;
+        let (markers, seen) = Self::seen(meant, &fit, found, LEAST_SEEN)?;
+        let missing = told(&law(&fit, None)?, &seen, found, LEAST_SEEN)?;
+        let rest = fit.at_rest(&seen).map_err(other_layout)?;
+        let (fit, rest, optics) = match meant.knows_lens() {
+            true => (fit, rest, optics),
+            false => settled(meant, (rest, optics), &seen)?,
+        };
+        let law = law(&fit, Some(&rest))?;
+        let matched = Self {
+            missing,
+            law,
+            rest,
+            found: markers,
+            seen,
+        };
+        Ok((matched, optics))
+    }
+
+    fn seen(
+        meant: &NominalSensor<'_>,
+        fit: &ImageFit<ImageModel>,
+        found: &Found,
+        least: f64,
+    ) -> Result<Matches, String> {
+        let expected = law(fit, None)?;
+        let markers = nearest(&centroids(&expected), found);
+        let seen = |(at, marker): (usize, &Option<usize>)| {
+            let marker = (*marker)?;
+            let seen = marker_image(&found.markers[marker], &found.errors[marker]);
+            Some(meant.clear(at, seen))
+        };
+        let seen: Vec<Option<Seen>> = markers.iter().enumerate().map(seen).collect();
+        told(&expected, &seen, found, least).map(|_| (markers, seen))
+    }
+
+    /// Quantity (places, hues or sizes) in which the markers differ most from the fitted model.
+    fn most_off(&self) -> &'static str {
+        let mut squares = [0.0; 3];
+        for (seen, law) in self.seen.iter().zip(&self.law) {
+            if let (Some(seen), Some(law)) = (seen, law) {
+                for (number, law) in law.iter().enumerate() {
+                    let off = seen.picture[number] - law;
+                    squares[number.saturating_sub(1)] +=
+                        off * off / seen.covariance[(number, number)];
+                }
+            }
+        }
+        let most =
+            (0..squares.len()).max_by(|&one, &other| squares[one].total_cmp(&squares[other]));
+        ["places", "hues", "sizes"][most.unwrap_or(0)]
+    }
+
+    pub(super) fn camera(
+        &self,
+        meant: &NominalSensor<'_>,
+        optics: &Optics,
+        length_unit: LengthUnit,
+    ) -> Result<CameraEstimate, String> {
+        let mut residuals_px = Vec::new();
+        for (marker, pair) in self.seen.iter().zip(&self.law).enumerate() {
+            if let (Some(seen), Some(law)) = pair {
+                let [x, y] = [0, 1].map(|axis| seen.picture[axis] - law[axis]);
+                let px = libm::hypot(x, y);
+                residuals_px.push(Residual { marker, px });
+            }
+        }
+        let squares = residuals_px.iter().map(|one| one.px * one.px);
+        let residual_px = (squares.sum::<f64>() / residuals_px.len() as f64).sqrt();
+        let reduced = self.reduced();
+        if reduced > CONTRADICTED {
+            let worst = residuals_px
+                .iter()
+                .max_by(|one, other| one.px.total_cmp(&other.px));
+            let worst = worst.map_or(0, |one| one.marker);
+            return Err(format!(
+                "contradicts the layout, by the {} of the markers most of all: chi-squared is {} per degree of freedom (at most {CONTRADICTED}), the markers lie {} px from where they should be seen, number {worst} the farthest: {ELSEWHERE}",
+                self.most_off(),
+                Number::rounded(reduced),
+                Number::rounded(residual_px)
+            ));
+        }
+        for (number, what) in DISCS {
+            let (departure, std) = (self.rest.common[number], meant.stds[number]);
+            if departure.abs() > MOST_DEPARTED * std {
+                return Err(format!(
+                    "contradicts the layout: the {what} would be off by {}, where it is known to {}",
+                    Number::rounded(departure),
+                    Number::rounded(std)
+                ));
+            }
+        }
+        let widened = if reduced > SIGNIFICANCE_LEVEL {
+            reduced.sqrt()
+        } else {
+            1.0
+        };
+        let covariance = self.covariance(meant, widened)?;
+        let std = |number: usize| covariance[(number, number)].sqrt();
+        let mut warnings = Vec::new();
+        if widened > 1.0 {
+            warnings.push(format!(
+                "the markers scatter {} times as much as the frame's noise explains; uncertainties are as much wider",
+                Number::rounded(widened)
+            ));
+        }
+        warnings.extend(self.warning());
+        let departure: [f64; Departure::NUMBERS] = self.rest.common[..]
+            .try_into()
+            .map_err(|_| "has no departures".to_owned())?;
+        let Departure {
+            centre_px,
+            px_per_rad,
+            place,
+            turn_rad,
+            odd_terms: [k3, k5],
+            ..
+        } = Departure::of(departure);
+        let pose = optics.pose();
+        let camera = optics.camera();
+        let turn = pose.turn_rad();
+        let terms = camera.lens().odd_terms().unwrap_or_default();
+        // Rows of odd terms follow the rows of the other camera parameters.
+        let std_of_term = |at: usize| (meant.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
+        Ok(CameraEstimate {
+            length_unit,
+            place: [0, 1, 2].map(|axis| pose.place[axis] + place[axis]),
+            place_std: [3, 4, 5].map(std),
+            turn_deg: [0, 1, 2].map(|axis| (turn[axis] + turn_rad[axis]).to_degrees()),
+            turn_std_deg: [6, 7, 8].map(|number| std(number).to_degrees()),
+            px_per_rad: camera.px_per_rad() * (1.0 + px_per_rad),
+            px_per_rad_std: camera.px_per_rad() * std(2),
+            k3: terms.k3 + k3,
+            k3_std: std_of_term(0),
+            k5: terms.k5 + k5,
+            k5_std: std_of_term(1),
+            centre_px: [0, 1].map(|axis| camera.centre_px()[axis] + centre_px[axis]),
+            covariance: covariance
+                .row_iter()
+                .map(|row| row.iter().copied().collect())
+                .collect(),
+            residual_px,
+            residuals_px,
+            reduced_chi_squared: reduced,
+            warnings,
+        })
+    }
+
+    /// Chi-squared per degree of freedom.
+    fn reduced(&self) -> f64 {
+        self.rest.chi_squared / self.rest.freedom.max(1) as f64
+    }
+
+    /// The warning if markers are missing.
+    pub(super) fn warning(&self) -> Option<String> {
+        let all = self.seen.len();
+        (self.missing > 0).then(|| {
+            format!(
+                "{} of the layout's {all} markers are missing at rest",
+                self.missing
+            )
+        })
+    }
+
+    /// Covariance of the camera's numbers; standard deviations are multiplied by `widened`.
+    fn covariance(&self, meant: &NominalSensor<'_>, widened: f64) -> Result<DMatrix<f64>, String> {
+        let singular = || "leaves the camera undetermined".to_owned();
+        let shares = self.rest.covariance().ok_or_else(singular)?;
+        let free: Vec<usize> = (0..meant.stds.len())
+            .filter(|&number| meant.stds[number] > 0.0)
+            .collect();
+        let of_camera = (0..free.len()).filter(|&at| CAMERA.contains(&free[at]));
+        let places: Vec<usize> = of_camera.collect();
+        let std = |at: usize| widened * meant.stds[free[places[at]]];
+        Ok(DMatrix::from_fn(
+            places.len(),
+            places.len(),
+            |row, column| shares[(places[row], places[column])] * std(row) * std(column),
+        ))
+    }
+}
+
+/// Repeats the fit around the optics that it found. Odd terms, scale and camera height almost compensate each other,
+/// so a single fit that starts far away stops before the smallest χ².
+fn settled(
+    meant: &NominalSensor<'_>,
+    (mut rest, mut optics): (Rest, Optics),
+    seen: &[Option<Seen>],
+) -> Result<(ImageFit<ImageModel>, Rest, Optics), String> {
+    for _ in 0..MOST_FITS {
+        optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
+        let again = meant.fit(&optics)?.at_rest(seen).map_err(other_layout)?;
+        let gain = rest.chi_squared - again.chi_squared;
+        rest = again;
+        if gain < SETTLED {
+            break;
+        }
+    }
+    Ok((meant.fit(&optics)?, rest, optics))
+}
+
+fn other_layout(error: impl std::fmt::Display) -> String {
+    format!("does not show the layout: {error}; {ELSEWHERE}")
+}
+
+/// Modelled pictures of the markers at rest: for the nominal sensor, or for the sensor that `rest` estimates.
+fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
+    let markers = fit.markers.places().len();
+    let still = vec![[MarkerDisplacement::default(); 2]; markers];
+    let aligned = vec![[0.0; 2]; markers];
+    let sensor = rest.map_or(
+        SensorState {
+            common: &[0.0; Departure::NUMBERS],
+            misalignments: &aligned,
+        },
+        |rest| SensorState {
+            common: &rest.common,
+            misalignments: &rest.misalignments,
+        },
+    );
+    let pictures = fit.view.pictures(&sensor, &still);
+    pictures.ok_or_else(|| other_layout("no such camera sees them"))
+}
+
+/// The camera's part of the departure estimated from a frame.
+fn of_camera(rest: &Rest) -> Result<Departure, String> {
+    let mut numbers = [0.0; Departure::NUMBERS];
+    for number in CAMERA {
+        numbers[number] = *rest.common.get(number).ok_or("has no departures")?;
+    }
+    Ok(Departure::of(numbers))
+}
+
+/// A marker's picture with larger errors, which allow for misaligned discs.
+fn roughly(seen: Seen) -> Seen {
+    let mut covariance = seen.covariance;
+    for (number, std) in ROUGHLY.into_iter().enumerate() {
+        covariance[(number, number)] += std * std;
+    }
+    Seen { covariance, ..seen }
+}
+
+fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
+    let centroid = |picture: &Option<[f64; 4]>| picture.map(|[column, row, ..]| [column, row]);
+    pictures.iter().map(centroid).collect()
+}
+
+/// Number of missing markers. Rejects frames with too many missing or additional markers, or with other colours.
+fn told(
+    expected: &[Option<[f64; 4]>],
+    seen: &[Option<Seen>],
+    found: &Found,
+    least: f64,
+) -> Result<usize, String> {
+    let wanted = expected.iter().flatten().count();
+    let there = seen.iter().flatten().count();
+    let beside = found.markers.len().saturating_sub(there);
+    let few = (there as f64) < least * wanted as f64;
+    if few || beside as f64 > (1.0 - least) * wanted as f64 {
+        return Err(format!(
+            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} others: {ELSEWHERE}"
+        ));
+    }
+    let turns = expected.iter().zip(seen).filter_map(|(expected, seen)| {
+        let turn = seen.as_ref()?.picture[2] - expected.as_ref()?[2];
+        Some((turn - (turn + 0.5).floor()).abs())
+    });
+    let mut turns: Vec<f64> = turns.collect();
+    turns.sort_by(f64::total_cmp);
+    let median = turns.get(turns.len() / 2).copied().unwrap_or(0.0);
+    if median > MOST_TURNED {
+        return Err(format!(
+            "has markers whose hues differ by {} turns in the median from those of magenta and yellow discs (at most {MOST_TURNED}): are colours swapped?",
+            Number::rounded(median)
+        ));
+    }
+    // Markers that the rim cuts do not count as missing.
+    let centroids = centroids(expected);
+    let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
+    let cut = cut.filter(|(at, _)| seen[*at].is_none()).count();
+    Ok((wanted - there).saturating_sub(cut))
+}

@@ -1,0 +1,271 @@
+//! The nominal sensor, as a study states it, to compare a frame at rest with.
+
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
+};
+use palpate_press::{Body, ImageFit, Markers, Seen, Skin};
+use palpate_statistics::Number;
+use palpate_study::config::{CameraConfig, PixelNoise, PressConfig, SensorNoise};
+use palpate_tracking::{Finder, Found};
+
+use super::nearest::nearest;
+use palpate_estimators::{ImageModel, departure_stds, marker_image};
+use palpate_estimators::{MarkerSphere, optics_error};
+use palpate_study::FieldError;
+
+/// Prior standard deviations of a camera: image centre, px; pixels per radian, relative; place, a share of the
+/// sensor's radius; turn, degrees.
+const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
+/// Prior standard deviations of a lens's odd terms, k3 and k5. All usual fisheye projections, from orthographic to
+/// stereographic, lie within two of them.
+pub(super) const TERMS_BEFORE: [f64; 2] = [0.1, 0.05];
+/// Indices of the odd terms in a [`Departure`].
+pub(super) const TERMS: [usize; 2] = [19, 20];
+/// Prior standard deviations of discs if the study states none: depth, a share of the sensor's radius; diameter and
+/// colours, relative.
+const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
+/// Number of frames over which the effect of blemishes on pictures is averaged, because pixel noise changes it too.
+const BLEMISHED: u64 = 4;
+
+/// The nominal sensor, as the study states it.
+#[derive(Clone)]
+pub(crate) struct NominalSensor<'a> {
+    pub(crate) sphere: MarkerSphere<'a>,
+    camera: &'a CameraConfig,
+    pub(crate) places: Vec<[f64; 2]>,
+    pub(crate) markers: Markers,
+    pub(crate) stds: [f64; Departure::NUMBERS],
+    misalignment_std: f64,
+    /// Standard deviation of a pixel's noise, levels of 255.
+    pixel_std: f64,
+    /// Change of each marker's picture at rest by uneven light and blur; empty without them.
+    blemished: Vec<[f64; 4]>,
+}
+
+/// Pose of a camera, with centre and scale of its image and odd terms of its lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CameraGeometry {
+    /// Middle of the image, px.
+    pub(crate) centre_px: [f64; 2],
+    /// Focal length, px per radian.
+    pub(crate) px_per_rad: f64,
+    /// Position relative to the sensor's centre, length.
+    pub(crate) place: [f64; 3],
+    /// Turn, degrees.
+    pub(crate) turn_deg: [f64; 3],
+    /// Odd terms of the lens.
+    pub(crate) odd_terms: OddTerms,
+}
+
+impl<'a> NominalSensor<'a> {
+    pub(crate) fn of(press: &'a PressConfig, camera: &'a CameraConfig) -> Result<Self, FieldError> {
+        let sphere = MarkerSphere::of(&press.probe);
+        let places = sphere.places()?;
+        let skin = Skin::new(sphere.radius);
+        let markers = skin.and_then(|skin| Markers::new(skin, &places));
+        let markers = markers.map_err(|error| FieldError::at("scene.probe", error))?;
+        let [centre_px, scale, place, turn_deg] = BEFORE;
+        let [disc_depth, disc_diameter, colour] = OF_DISCS;
+        let stated = press.noise.sensor.clone();
+        let known = SensorNoise {
+            centre_px,
+            scale,
+            place: place * sphere.radius,
+            turn_deg,
+            disc_depth: disc_depth * sphere.radius,
+            disc_diameter,
+            colour,
+        };
+        let known = stated.map_or(known.clone(), |stated| SensorNoise {
+            disc_depth: stated.disc_depth,
+            disc_diameter: stated.disc_diameter,
+            colour: stated.colour,
+            ..known
+        });
+        let misalignment_std = sphere.misalignment_std()?;
+        Ok(Self {
+            stds: departure_stds(&known),
+            sphere,
+            camera,
+            places,
+            markers,
+            misalignment_std,
+            pixel_std: press
+                .noise
+                .pixel
+                .as_ref()
+                .map_or(0.0, |PixelNoise::Gaussian { std }| *std),
+            blemished: Vec::new(),
+        })
+    }
+
+    /// This sensor with the effect of uneven light and blur on its pictures at rest.
+    ///
+    /// # Errors
+    /// [`FieldError`] where the camera shows no markers through them.
+    pub(crate) fn through_blemishes(self) -> Result<Self, FieldError> {
+        let CameraConfig {
+            light_at_rim,
+            blur_px,
+            ..
+        } = *self.camera;
+        let clear = Blemishes {
+            pixel_std: self.pixel_std,
+            ..Blemishes::default()
+        };
+        let blemishes = Blemishes {
+            light_at_rim,
+            blur_px,
+            ..clear
+        };
+        if clear == blemishes {
+            return Ok(self);
+        }
+        let [clear, blemished] = [clear, blemishes].map(|blemishes| self.pictures(blemishes));
+        let (clear, blemished) = (clear?, blemished?);
+        let frames = clear.iter().zip(&blemished);
+        let mut changes = vec![[0.0; 4]; self.places.len()];
+        for (clear, blemished) in frames {
+            for ((change, clear), blemished) in changes.iter_mut().zip(clear).zip(blemished) {
+                let (Some(clear), Some(blemished)) = (clear, blemished) else {
+                    continue;
+                };
+                let mut off: [f64; 4] =
+                    std::array::from_fn(|number| blemished[number] - clear[number]);
+                // Hues are turns.
+                off[2] -= (off[2] + 0.5).floor();
+                for (change, off) in change.iter_mut().zip(off) {
+                    *change += off / BLEMISHED as f64;
+                }
+            }
+        }
+        Ok(Self {
+            blemished: changes,
+            ..self
+        })
+    }
+
+    /// MarkerImages of the markers at rest, found in several frames with these blemishes. Each frame's pixel noise is the
+    /// same for all blemishes.
+    fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
+        let optics = self.shown(&self.stand()?, blemishes)?;
+        let still = vec![Some(MarkerMotion::default()); self.places.len()];
+        let projected = optics
+            .project(&still)
+            .map_err(|error| optics_error(&error))?;
+        let expected: Vec<Option<[f64; 2]>> = projected
+            .iter()
+            .map(|seen| Some(seen.as_ref()?.centroid_px))
+            .collect();
+        let mut finder = Finder::default();
+        let mut pictures = |number: u64| {
+            let frame = optics.render_with_noise(&still, 0, number);
+            let frame = frame.map_err(|error| optics_error(&error))?;
+            let found = finder.find(&frame).map_err(|_| {
+                let [light, blur] = [blemishes.light_at_rim, blemishes.blur_px].map(Number);
+                let message = format!(
+                    "the study's camera shows no markers by `light_at_rim` {light}, `blur_px` {blur} and its noise of pixels"
+                );
+                FieldError::at("scene.sensor", message)
+            })?;
+            let seen = |marker: usize| marker_image(&found.markers[marker], &found.errors[marker]);
+            let nearest = nearest(&expected, &found).into_iter();
+            Ok(nearest.map(|marker| Some(seen(marker?).picture)).collect())
+        };
+        (0..BLEMISHED).map(&mut pictures).collect()
+    }
+
+    /// Whether light or blur changes pictures.
+    pub(crate) fn is_blemished(&self) -> bool {
+        !self.blemished.is_empty()
+    }
+
+    /// A marker's picture, corrected for the effect of light and blur at rest.
+    pub(crate) fn clear(&self, marker: usize, seen: Seen) -> Seen {
+        let change = self.blemished.get(marker).copied().unwrap_or_default();
+        Seen {
+            picture: std::array::from_fn(|number| seen.picture[number] - change[number]),
+            ..seen
+        }
+    }
+
+    /// This sensor with the first `unknown` odd terms of its lens unknown.
+    pub(crate) fn with_terms(&self, unknown: usize) -> Self {
+        let mut other = self.clone();
+        for (number, std) in TERMS.into_iter().zip(TERMS_BEFORE).take(unknown) {
+            other.stds[number] = std;
+        }
+        other
+    }
+
+    /// Whether the odd terms of the lens are known.
+    pub(super) fn knows_lens(&self) -> bool {
+        TERMS.iter().all(|&number| self.stds[number] == 0.0)
+    }
+
+    /// Nominal optics, but with the image centre of the frame.
+    pub(super) fn optics(&self, found: &Found) -> Result<Optics, FieldError> {
+        self.seen_from(&CameraGeometry {
+            centre_px: found.mask.centre_px,
+            ..self.stand()?
+        })
+    }
+
+    /// Camera of the nominal size and field, with a lens of these odd terms.
+    fn lens(&self, odd_terms: OddTerms) -> Result<Camera, FieldError> {
+        let CameraConfig {
+            size_px, field_deg, ..
+        } = *self.camera;
+        let lens = Lens::fisheye(odd_terms);
+        Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))
+    }
+
+    /// Nominal pose and scale of the camera.
+    pub(crate) fn stand(&self) -> Result<CameraGeometry, FieldError> {
+        let CameraConfig { k3, k5, .. } = *self.camera;
+        let odd_terms = OddTerms { k3, k5 };
+        let lens = self.lens(odd_terms)?;
+        Ok(CameraGeometry {
+            centre_px: lens.centre_px(),
+            px_per_rad: lens.px_per_rad(),
+            place: self.camera.place,
+            turn_deg: self.camera.turn_deg,
+            odd_terms,
+        })
+    }
+
+    /// Optics of a camera with this pose and scale.
+    pub(crate) fn seen_from(&self, stand: &CameraGeometry) -> Result<Optics, FieldError> {
+        self.shown(stand, Blemishes::default())
+    }
+
+    fn shown(&self, stand: &CameraGeometry, blemishes: Blemishes) -> Result<Optics, FieldError> {
+        let lens = self.lens(stand.odd_terms)?;
+        let middle = lens.centre_px();
+        let offset = [0, 1].map(|axis| stand.centre_px[axis] - middle[axis]);
+        let array = self.sphere.array(&self.places)?;
+        let pose = Pose::new(stand.place, stand.turn_deg.map(f64::to_radians));
+        lens.adjusted(offset, stand.px_per_rad)
+            .and_then(|lens| Optics::new(array, lens, Colours::default(), blemishes))
+            .and_then(|optics| optics.seen_from(pose))
+            .map_err(|error| optics_error(&error))
+    }
+
+    pub(super) fn fit(&self, optics: &Optics) -> Result<ImageFit<ImageModel>, String> {
+        let body = || Body::half_space(0.5, self.sphere.marker_depth);
+        let body = || body().map_err(|error| error.to_string());
+        Ok(ImageFit {
+            view: ImageModel {
+                optics: optics.clone(),
+            },
+            markers: self.markers.clone(),
+            // Without a press, the bodies have no effect.
+            bodies: [body()?, body()?],
+            deeper: None,
+            departure_prior: None,
+            common_stds: self.stds.to_vec(),
+            misalignment_std: self.misalignment_std,
+            shift_std: 0.0,
+        })
+    }
+}

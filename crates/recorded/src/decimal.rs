@@ -1,0 +1,122 @@
+//! Numbers of a table, with a decimal point or a comma.
+
+use super::table_format::Decimal;
+
+/// A field as a finite number.
+pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
+    let parsed = match decimal {
+        Decimal::Point => text.parse::<f64>(),
+        Decimal::Comma if text.contains('.') => {
+            return Err(format!("`{text}` is not a number with a decimal comma"));
+        }
+        Decimal::Comma => text.replacen(',', ".", 1).parse::<f64>(),
+    };
+    match parsed {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(number) if number.is_nan() => {
+            Err(format!("must be finite, is {text}; leave such rows out"))
+        }
+        Ok(_) => Err(format!("must be finite, is {text}")),
+        Err(_) if text.is_empty() => Err("is empty".to_owned()),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
+/// Numbers of a table that show its decimal sign.
+#[derive(Debug, Default)]
+pub(super) struct Shown {
+    /// First number whose comma must be a decimal comma.
+    comma: Option<String>,
+    /// First number with a point.
+    point: Option<String>,
+}
+
+impl Shown {
+    /// Remembers a field if it shows the decimal sign.
+    pub(super) fn look(&mut self, text: &str) {
+        let place = match () {
+            () if text.contains('.') => &mut self.point,
+            () if text.contains(',') && !may_be_grouped(text) => &mut self.comma,
+            () => return,
+        };
+        if place.is_none() {
+            *place = Some(text.to_owned());
+        }
+    }
+
+    /// The decimal sign, or an error if it is ambiguous; `odd` is a number with a comma.
+    pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
+        match (&self.comma, &self.point) {
+            (Some(_), None) => Ok(Decimal::Comma),
+            (Some(comma), Some(point)) => Err(format!(
+                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign and without \
+                 separators of thousands"
+            )),
+            (None, Some(_)) => Err(format!(
+                "`{odd}` has a separator of thousands; write it without"
+            )),
+            (None, None) => {
+                let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
+                Err(format!(
+                    "`{odd}` may be {as_decimal} or {as_whole}, and no other number tells; give setting `decimal` comma if it is \
+                     {as_decimal}, else write it without the comma"
+                ))
+            }
+        }
+    }
+}
+
+/// Whether the commas of a number may be separators of thousands, as in `1,234`.
+fn may_be_grouped(text: &str) -> bool {
+    let digits = text.trim_start_matches(['+', '-']);
+    let mut groups = digits.split(',');
+    let is_digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
+    let is_first =
+        |group: &str| (1..=3).contains(&group.len()) && is_digits(group) && !group.starts_with('0');
+    groups.next().is_some_and(is_first) && groups.all(|group| group.len() == 3 && is_digits(group))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn shown(fields: &[&str]) -> Result<Decimal, String> {
+        let mut shown = Shown::default();
+        fields.iter().for_each(|field| shown.look(field));
+        let odd = fields.iter().find(|field| field.contains(','));
+        shown.decimal(odd.unwrap())
+    }
+
+    #[test]
+    fn a_comma_is_decimal_where_it_can_be_nothing_else() {
+        for other in [
+            "0,123", "1,5", "1234,567", "-0,5", "1,234e-3", ",5", "12,3456",
+        ] {
+            assert_eq!(shown(&["1,234", other]), Ok(Decimal::Comma), "{other}");
+        }
+        for (fields, words) in [
+            (&["1,234", "12,345"][..], "may be 1.234 or 1234"),
+            (&["-1,234,567"], "may be"),
+            (&["1,234", "1.5"], "separator of thousands"),
+            (&["1,5", "1.5"], "one decimal sign"),
+            (&["1,234.5"], "separator of thousands"),
+        ] {
+            let said = shown(fields).unwrap_err();
+            assert!(said.contains(words), "{fields:?}: {said}");
+        }
+    }
+
+    #[test]
+    fn numbers() {
+        assert_eq!(number("1,5", Decimal::Comma), Ok(1.5));
+        assert_eq!(number("-1,5e-3", Decimal::Comma), Ok(-1.5e-3));
+        assert_eq!(number("3", Decimal::Comma), Ok(3.0));
+        for text in ["1.5", "1,2,3", "", "inf", "1e999", "x"] {
+            assert!(number(text, Decimal::Comma).is_err(), "{text}");
+        }
+        for text in ["1,5", "", "NaN", "1e999", "0x1"] {
+            assert!(number(text, Decimal::Point).is_err(), "{text}");
+        }
+    }
+}

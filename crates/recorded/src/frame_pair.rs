@@ -1,0 +1,301 @@
+//! Two frames of a camera sensor, at rest and pressed.
+
+use std::num::NonZeroU8;
+
+use image::RgbImage;
+use palpate_tracking::{
+    Change, Finder, FinderSettings, Found, Marker, Status, Track, TrackingError, difference,
+    match_markers,
+};
+use serde::Serialize;
+
+use super::error::RecordedError;
+use palpate_estimators::tracks_table;
+use palpate_study::Table;
+
+/// A camera's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Its file, for messages.
+    pub file: String,
+    /// Its pixels.
+    pub image: RgbImage,
+}
+
+/// Tracks of the markers from a rest frame to a pressed one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FramePair {
+    /// Tracks of the rest frame's markers, from its middle outward; then of new markers.
+    pub tracks: Vec<Track>,
+    /// Markers of the rest frame that are cut off by its rim, which are not tracked.
+    pub cut: Vec<Marker>,
+    /// Place at which the rest frame shows the apex if the camera looks straight at it, px: the middle of its image
+    /// circle.
+    pub centre_px: [f64; 2],
+    /// Markers of both frames, with their errors.
+    pub(super) found: [Found; 2],
+    files: [String; 2],
+}
+
+/// Number of markers by status.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TrackCounts {
+    /// Markers of the rest frame.
+    pub at_rest: usize,
+    /// Found again.
+    pub tracked: usize,
+    /// Not found again.
+    pub lost: usize,
+    /// Merged with another marker in the pressed frame.
+    pub merged: usize,
+    /// Found in pieces.
+    pub split: usize,
+    /// Found without a counterpart at rest.
+    pub new: usize,
+    /// Markers of the rest frame that its rim cuts, which are left out.
+    pub cut_at_rest: usize,
+}
+
+/// Share of lost markers above which a warning is given.
+const FEW_LOST: f64 = 0.1;
+
+impl TrackCounts {
+    /// Whether enough markers were found again for both frames to be of one sensor.
+    const fn are_of_one_sensor(&self) -> bool {
+        2 * self.tracked >= self.at_rest
+    }
+
+    /// The warning where many markers were not found again.
+    fn warning(&self) -> Option<String> {
+        let missed = self.at_rest - self.tracked;
+        let are_many = missed as f64 > FEW_LOST * self.at_rest as f64;
+        (are_many && self.are_of_one_sensor()).then(|| {
+            format!(
+                "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
+                self.at_rest, self.lost, self.merged, self.split
+            )
+        })
+    }
+}
+
+/// Least median shift, px, and its least ratio to the scatter about it, for a warning that all markers moved alike.
+const ALIKE_PX: f64 = 0.5;
+const ALIKE: f64 = 2.5;
+/// Fewest markers that determine a common motion.
+const FEWEST: usize = 8;
+
+/// Difference of green levels, of 255, that is drawn in full colour in a difference image.
+const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
+
+/// The markers of a frame.
+pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
+    let refused = |error: TrackingError| RecordedError::Readings {
+        file: frame.file.clone(),
+        message: error.to_string(),
+    };
+    let finder = Finder::new(FinderSettings::default());
+    finder
+        .and_then(|mut finder| finder.find(&frame.image))
+        .map_err(refused)
+}
+
+/// Finds the markers of both frames and matches them.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for frames of different sizes, and for one in which no markers can be found.
+pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, RecordedError> {
+    let [of_rest, of_pressed] = [rest, pressed].map(|frame| frame.image.dimensions());
+    if of_rest != of_pressed {
+        return Err(RecordedError::Readings {
+            file: pressed.file.clone(),
+            message: format!(
+                "has {} x {} px; {} has {} x {}",
+                of_pressed.0, of_pressed.1, rest.file, of_rest.0, of_rest.1
+            ),
+        });
+    }
+    let at_rest = find(rest)?;
+    let found = find(pressed)?;
+    Ok(FramePair {
+        tracks: match_markers(&at_rest.markers, &found.markers),
+        cut: at_rest.cut.clone(),
+        centre_px: at_rest.mask.centre_px,
+        found: [at_rest, found],
+        files: [rest, pressed].map(|frame| frame.file.clone()),
+    })
+}
+
+/// The signed difference of two frames of one size.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for frames of different sizes.
+pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, RecordedError> {
+    difference(&rest.image, &pressed.image, FULL_LEVELS).map_err(|error| RecordedError::Readings {
+        file: pressed.file.clone(),
+        message: error.to_string(),
+    })
+}
+
+impl FramePair {
+    /// Number of markers by status.
+    pub fn fates(&self) -> TrackCounts {
+        let count = |status| {
+            let of_status = self.tracks.iter().filter(|track| track.status == status);
+            of_status.count()
+        };
+        TrackCounts {
+            at_rest: self.at_rest(),
+            tracked: count(Status::Tracked),
+            lost: count(Status::Lost),
+            merged: count(Status::Merged),
+            split: count(Status::Split),
+            new: count(Status::New),
+            cut_at_rest: self.cut.len(),
+        }
+    }
+
+    /// How many markers the rest frame shows whole.
+    pub fn at_rest(&self) -> usize {
+        let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
+        at_rest.count()
+    }
+
+    /// The marker whose picture changed the most, by the absolute value of `strength`.
+    pub(super) fn strongest(
+        &self,
+        strength: impl Fn(&Track) -> Option<f64>,
+    ) -> Option<(usize, f64)> {
+        let strengths = self.tracks.iter().enumerate();
+        strengths
+            .filter_map(|(marker, track)| Some((marker, strength(track)?)))
+            .filter(|(_, strength)| strength.is_finite())
+            .max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()))
+    }
+
+    /// One row per marker: place and hue at rest (for a new marker: pressed), and their changes if it was tracked.
+    pub fn table(&self) -> Table {
+        tracks_table(self.tracks.iter().map(Some))
+    }
+
+    /// Refuses frames that do not show the same sensor.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] where fewer than half of the markers are found again.
+    pub fn of_one_sensor(&self) -> Result<(), RecordedError> {
+        let fates = self.fates();
+        let [rest, pressed] = &self.files;
+        if fates.are_of_one_sensor() {
+            return Ok(());
+        }
+        let TrackCounts {
+            at_rest, tracked, ..
+        } = fates;
+        Err(RecordedError::Readings {
+            file: pressed.clone(),
+            message: format!(
+                "shows {tracked} of the {at_rest} markers of {rest} again: are these frames of one sensor?"
+            ),
+        })
+    }
+
+    /// Warnings about the tracks, one line each.
+    pub fn warnings(&self) -> Vec<String> {
+        let [rest, pressed] = &self.files;
+        let moved = self.moved_together().map(|(median, spacing)| {
+            format!(
+                "half of the markers of {rest} moved by more than {median:.1} px, which stand {spacing:.1} px apart: another sensor in {pressed}, or a camera that moved?"
+            )
+        });
+        let swapped = self.looks_swapped().map(|growth| {
+            let percent = -100.0 * growth;
+            format!(
+                "the marker that changed most shrank by {percent:.1} %: a press brings it nearer; are {rest} and {pressed} swapped?"
+            )
+        });
+        let alike = self.moved_alike().filter(|_| moved.is_none());
+        let alike = alike.map(|how| {
+            format!(
+                "all markers of {rest} {how} in {pressed}: did the camera move? what they have in common is no press"
+            )
+        });
+        let lost = self.fates().warning();
+        let moved = moved.into_iter().chain(alike);
+        moved.chain(swapped).chain(lost).collect()
+    }
+
+    fn changes(&self) -> impl Iterator<Item = Change> {
+        self.tracks.iter().filter_map(Track::change)
+    }
+
+    /// The median shift and the distance between neighbours, if the shift exceeds a quarter of the distance.
+    fn moved_together(&self) -> Option<(f64, f64)> {
+        let shifts = self.changes().map(|change| {
+            let [x, y] = change.shift_px;
+            libm::hypot(x, y)
+        });
+        let places: Vec<[f64; 2]> = self
+            .tracks
+            .iter()
+            .filter_map(|track| Some(track.rest?.centroid_px))
+            .collect();
+        let away = |[x, y]: [f64; 2]| {
+            let distances = places
+                .iter()
+                .map(move |at| libm::hypot(at[0] - x, at[1] - y));
+            let others = distances.filter(|&distance| distance > 0.0);
+            others.fold(f64::INFINITY, f64::min)
+        };
+        let spacing = median(places.iter().map(|&place| away(place)))?;
+        let shift = median(shifts)?;
+        (shift > 0.25 * spacing).then_some((shift, spacing))
+    }
+
+    /// Common motion of all markers, as if the camera moved: a shift, or a turn about the middle.
+    fn moved_alike(&self) -> Option<String> {
+        let shifts: Vec<([f64; 2], [f64; 2])> = self
+            .tracks
+            .iter()
+            .filter_map(|track| {
+                let [x, y] = track.rest?.centroid_px;
+                let arm = [x - self.centre_px[0], y - self.centre_px[1]];
+                Some((arm, track.change()?.shift_px))
+            })
+            .collect();
+        if shifts.len() < FEWEST {
+            return None;
+        }
+        let of_axis = |axis: usize| median(shifts.iter().map(|(_, shift)| shift[axis]));
+        let [x, y] = [of_axis(0)?, of_axis(1)?];
+        let apart = |(_, shift): &([f64; 2], [f64; 2])| libm::hypot(shift[0] - x, shift[1] - y);
+        let size = libm::hypot(x, y);
+        if size > ALIKE_PX && size > ALIKE * median(shifts.iter().map(apart))? {
+            return Some(format!("moved by about ({x:.1}, {y:.1}) px"));
+        }
+        let turn = |([x, y], [along_x, along_y]): &([f64; 2], [f64; 2])| {
+            (x * along_y - y * along_x) / (x * x + y * y)
+        };
+        let all = median(shifts.iter().map(turn))?;
+        let apart = median(shifts.iter().map(|shift| (turn(shift) - all).abs()))?;
+        let arm = median(shifts.iter().map(|(arm, _)| libm::hypot(arm[0], arm[1])))?;
+        let is_turned = all.abs() * arm > ALIKE_PX && all.abs() > ALIKE * apart;
+        is_turned.then(|| {
+            format!(
+                "turned about the middle by about {:.1} degrees",
+                all.to_degrees()
+            )
+        })
+    }
+
+    /// Growth of the marker whose size changed the most, if it shrank by more than the scatter of the others.
+    fn looks_swapped(&self) -> Option<f64> {
+        let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
+        let scatter = median(self.changes().map(|change| change.growth.abs()))?;
+        (growth < -0.01 && -growth > 5.0 * scatter).then_some(growth)
+    }
+}
+
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
+}

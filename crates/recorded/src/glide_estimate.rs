@@ -1,0 +1,464 @@
+//! The curvature of a patch from recorded glides.
+
+use std::borrow::Cow;
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{
+    Agreement, Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Regions, RoundTip,
+    Status, Uncertainty, regions,
+};
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+
+use super::Value;
+use super::consistency::FORMAT_VERSION;
+use super::duplicate_rows::repeated;
+use super::error::{RecordedError, explained};
+use super::extra_columns::ExtraColumns;
+use super::glide_misfit::{alone, noise, of_wrong_normals, spacing, words};
+use super::glide_recording::GlideRecording;
+use super::glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
+use super::glide_settings::TipReports;
+use super::input_checks::{of_directions, of_normals};
+use super::misfit::{Misfit, poor_fit, with_p_values};
+use super::source::agreed_unit;
+use palpate_estimators::GlideFit;
+use palpate_study::Unit;
+use palpate_study::Warning;
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit, SettingError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GlideOptions {
+    /// The estimator.
+    #[serde(skip)]
+    pub estimator: GlideEstimatorConfig,
+    /// The unit of lengths, where the header does not state it.
+    #[serde(skip)]
+    pub length_unit: Option<LengthUnit>,
+    /// Points along each side of the grid for the regions and the map.
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+    pub grid: usize,
+    /// Whether the map has one point per contact, in their order, instead of the grid.
+    #[serde(skip)]
+    pub map_at_contacts: bool,
+    /// Radius of round fingertips, in the readings' length unit, where positions are not of the contacts but of the point
+    /// that setting `reports` names: contacts then follow from the normals, or from a first fit.
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub tip_radius: Option<f64>,
+    /// The point of round fingertips that positions are of; by default lowest-point.
+    pub reports: Option<TipReports>,
+    /// The direction out of the object, for readings without normals, where only its side of the patch matters, or of
+    /// lowest points.
+    pub outward: [f64; 3],
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
+    /// threshold. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub gaussian_threshold: Option<f64>,
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub mean_threshold: Option<f64>,
+    /// Distance between fingers, in the readings' length unit: the unit of length of the settings of two-pass, and of
+    /// position noise stated as a fraction. By default the mean distance between neighbouring fingers.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub inter_finger_distance: Option<f64>,
+}
+
+impl Default for GlideOptions {
+    fn default() -> Self {
+        Self {
+            estimator: GlideEstimatorConfig::default(),
+            length_unit: None,
+            grid: 30,
+            map_at_contacts: false,
+            tip_radius: None,
+            reports: None,
+            outward: [0.0, 0.0, 1.0],
+            gaussian_threshold: None,
+            mean_threshold: None,
+            inter_finger_distance: None,
+        }
+    }
+}
+
+/// Estimates the curvature of a patch from recorded contacts.
+///
+/// # Errors
+/// [`RecordedError::Line`] if one contact is at fault; otherwise [`RecordedError::Readings`]: the options contradict
+/// the file, or the contacts do not determine the patch.
+pub fn estimate_glide(
+    recorded: &GlideRecording,
+    options: &GlideOptions,
+) -> Result<(GlideEstimate, GlideMap), RecordedError> {
+    GlideFitResult::new(Cow::Borrowed(recorded), options)?.estimate()
+}
+
+/// Surface fitted to recorded contacts. Its methods compute curvatures, map and estimate only when called.
+#[derive(Clone, Debug)]
+pub struct GlideFitResult<'r> {
+    recorded: Cow<'r, GlideRecording>,
+    given: GlideOptions,
+    /// `given`, with position noise converted to a length.
+    options: GlideOptions,
+    unit: LengthUnit,
+    /// Contacts computed from the stated points of round tips.
+    of_tips: Option<Vec<Contact>>,
+    patch: Patch,
+    fit: Fit,
+    centre: MapPoint,
+    limits: ShapeThresholds,
+    limits_from: &'static str,
+}
+
+impl<'r> GlideFitResult<'r> {
+    /// Fits the surface to these contacts.
+    ///
+    /// # Errors
+    /// Errors of [`estimate_glide`], except those for maps that exceed the range of doubles.
+    pub fn new(
+        recorded: Cow<'r, GlideRecording>,
+        given: &GlideOptions,
+    ) -> Result<Self, RecordedError> {
+        let unit = agreed_unit(&recorded.origin, recorded.unit, given.length_unit)?;
+        let refused = |error| refused(&recorded, &error);
+        let options = with_length_noise(&recorded, given)?;
+        let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
+        let of_tips = of_tips(&recorded, &options, &method).map_err(refused)?;
+        let contacts = of_tips.as_deref().unwrap_or(&recorded.contacts);
+        let patch = Patch::new(contacts, &Vector3::from(options.outward)).map_err(refused)?;
+        let fit = method.fit(&patch).map_err(refused)?;
+        let centre = fit.centre().map_err(refused)?;
+        let stated = options.thresholds();
+        let stated = stated.map_err(|error| recorded.origin.fail(error.to_string()))?;
+        let (limits, limits_from) = match stated {
+            Some(thresholds) => (thresholds, "given"),
+            None => (
+                of_size(&fit).ok_or(Ep2Error::OutOfRange).map_err(refused)?,
+                "the patch's size: those of the 1996 paper on its patch of 3 x 3, scaled",
+            ),
+        };
+        Ok(Self {
+            given: given.clone(),
+            recorded,
+            options,
+            unit,
+            of_tips,
+            patch,
+            fit,
+            centre,
+            limits,
+            limits_from,
+        })
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        self.of_tips.as_deref().unwrap_or(&self.recorded.contacts)
+    }
+
+    fn refused(&self, error: &Ep2Error) -> RecordedError {
+        refused(&self.recorded, error)
+    }
+
+    /// The surface at the contacts.
+    fn at_contacts(&self) -> Result<Vec<MapPoint>, RecordedError> {
+        let contacts = self.contacts().iter();
+        let places: Vec<Point3<f64>> = contacts.map(|contact| contact.position).collect();
+        let points = self.fit.points_at(&places);
+        points.map_err(|error| self.refused(&error))
+    }
+
+    /// Curvature at every place of the map, in the order of [`GlideMap::points`].
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if a curvature exceeds the range of doubles.
+    pub fn curvatures(&self) -> Result<Vec<Curvature>, RecordedError> {
+        if self.options.map_at_contacts {
+            let points = self.at_contacts()?;
+            return Ok(points.iter().map(|point| point.curvature).collect());
+        }
+        let curvatures = self.fit.curvatures(self.options.grid);
+        curvatures.map_err(|error| self.refused(&error))
+    }
+
+    /// Limits below which curvatures count as zero.
+    pub fn thresholds(&self) -> &ShapeThresholds {
+        &self.limits
+    }
+
+    /// The estimate, and its map.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if a point of the map exceeds the range of doubles.
+    pub fn estimate(&self) -> Result<(GlideEstimate, GlideMap), RecordedError> {
+        let Self { options, unit, .. } = self;
+        let refused = |error| self.refused(&error);
+        let points = self.fit.map(options.grid).map_err(refused)?;
+        let regions = regions(options.grid, &points, &self.limits).map_err(refused)?;
+        let estimate = self.told(&regions);
+        let (points, regions, extras) = match options.map_at_contacts {
+            true => (self.at_contacts()?, None, self.recorded.extras.clone()),
+            false => (points, Some(regions), ExtraColumns::default()),
+        };
+        let map = GlideMap {
+            points,
+            regions,
+            thresholds: self.limits,
+            unit: *unit,
+            extras,
+        };
+        Ok((estimate, map))
+    }
+
+    /// The warning if the distance between fingers is not the stated one.
+    fn spacing(&self) -> Option<String> {
+        let GlideOptions {
+            inter_finger_distance,
+            estimator,
+            ..
+        } = &self.given;
+        spacing(&self.patch, *inter_finger_distance, estimator, self.unit)
+    }
+
+    /// The warning if there are too few contacts for the uncertainties that the method could state.
+    fn few(&self) -> Option<String> {
+        let states = !matches!(self.options.estimator, GlideEstimatorConfig::TwoPass { .. });
+        let is_untold = self.centre.curvature.uncertainty.is_none();
+        let contacts = self.patch.samples.len();
+        (states && is_untold).then(|| {
+            format!("there are no standard deviations: {contacts} contacts do not tell their noise; state it with setting `position_std`")
+        })
+    }
+
+    /// The estimate with these regions.
+    fn told(&self, regions: &Regions) -> GlideEstimate {
+        let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
+        let (patch, fit, limits, unit) = (&self.patch, &self.fit, &self.limits, self.unit);
+        let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
+        let curvature = centre.curvature;
+        let stds = curvature.uncertainty;
+        let [min_std, max_std] = principal_stds(&curvature);
+        let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
+        let (agreement, unknown) = match method.agreement(patch) {
+            Ok(agreement) => (agreement, None),
+            Err(error) => {
+                let why = format!("the goodness of fit cannot be computed: {error}");
+                (Agreement::default(), Some(why))
+            }
+        };
+        let p_value = agreement.goodness.map(|goodness| goodness.p_value);
+        let of_noise = noise(patch, &options.estimator, unit);
+        let directions = of_directions(self.contacts());
+        let doubts = match directions {
+            Some(_) => of_wrong_normals(agreement.doubts),
+            None => agreement.doubts,
+        };
+        let words = words(&doubts, &of_noise, directions.is_some(), &recorded.origin);
+        let distant = alone(self.contacts(), unit, &recorded.origin);
+        let normals = of_normals(self.contacts());
+        let warnings = Warning::of("finger-distance", self.spacing())
+            .into_iter()
+            .chain(words)
+            .chain(poor_fit(p_value, !doubts.is_empty()))
+            .chain(Warning::of("unknown-fit", unknown))
+            .chain(Warning::of("unknown-noise", self.few()))
+            .chain(Warning::of("distant-contact", distant))
+            .chain(of_noise.iter().cloned())
+            .chain(normals)
+            .chain(Warning::of("contradicting-normals", directions))
+            .chain(Warning::of("repeated-rows", copies(recorded)))
+            .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
+            .collect();
+        let warnings = with_p_values(warnings, doubts.iter().map(Misfit::warning));
+        GlideEstimate {
+            format_version: FORMAT_VERSION,
+            method: options.estimator.name(),
+            contacts: recorded.contacts.len(),
+            fingers: recorded.fingers,
+            with_normals: patch.has_normals(),
+            length_unit: unit.as_str(),
+            position: tidy(&centre.position.coords),
+            normal: tidy(&centre.normal),
+            gaussian_curvature: value(
+                curvature.gaussian,
+                stds.map(|stds| stds.gaussian_std),
+                Unit::PerLengthSquared,
+            ),
+            mean_curvature: value(
+                curvature.mean,
+                stds.map(|stds| stds.mean_std),
+                Unit::PerLength,
+            ),
+            k_min: value(centre.k_min, min_std, Unit::PerLength),
+            k_max: value(centre.k_max, max_std, Unit::PerLength),
+            direction_of_min: tidy(&centre.direction_of_min),
+            direction_of_max: tidy(&centre.direction_of_max),
+            shape_index: centre.shape_index,
+            class: curvature.class(limits).name(),
+            class_probabilities: curvature.class_probabilities(limits).map(|all| {
+                ShapeClass::ALL
+                    .map(ShapeClass::name)
+                    .into_iter()
+                    .zip(all)
+                    .collect()
+            }),
+            sign_class: curvature.sign_class().name(),
+            thresholds: Thresholds {
+                gaussian: value(limits.gaussian(), None, Unit::PerLengthSquared),
+                mean: value(limits.mean(), None, Unit::PerLength),
+                from: self.limits_from,
+            },
+            noise: fit.noise.map(|noise| PatchNoise {
+                position_std: value(noise.position_std, None, Unit::Length),
+                normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
+            }),
+            status: fit.status.map(Status::name),
+            effective_unknowns: fit.effective_unknowns,
+            grid: options.grid,
+            regions: regions
+                .regions
+                .iter()
+                .map(|one| PatchRegion::of(one, unit))
+                .collect(),
+            p_value,
+            warnings,
+            covariance: stds.map(|stds| {
+                let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
+                [
+                    [stds.gaussian_std * stds.gaussian_std, mixed],
+                    [mixed, stds.mean_std * stds.mean_std],
+                ]
+            }),
+        }
+    }
+}
+
+/// Warning about contacts that are repeated.
+fn copies(recorded: &GlideRecording) -> Option<String> {
+    let contacts = recorded.contacts.iter().map(|contact| {
+        let [x, y, z] = contact.position.into();
+        let [along_x, along_y, along_z] = contact.normal.unwrap_or_default().into();
+        let finger = contact.finger as f64;
+        [finger, x, y, z, along_x, along_y, along_z]
+    });
+    repeated(&recorded.origin, "contact", contacts, 0.0)
+}
+
+/// Contacts computed from the points of round tips, if the options state such a tip.
+fn of_tips(
+    recorded: &GlideRecording,
+    options: &GlideOptions,
+    method: &GlideFit,
+) -> Result<Option<Vec<Contact>>, Ep2Error> {
+    let outward = Vector3::from(options.outward);
+    let contacts = |tip: &RoundTip| tip.contacts(&recorded.contacts, &outward, method);
+    options.tip().as_ref().map(contacts).transpose()
+}
+
+/// Options with position noise as a length. A fraction refers to the stated, or else the measured, finger distance.
+fn with_length_noise(
+    recorded: &GlideRecording,
+    options: &GlideOptions,
+) -> Result<GlideOptions, RecordedError> {
+    let mut options = options.clone();
+    if options.estimator.position_fraction_of_ifd().is_none() {
+        return Ok(options);
+    }
+    let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward));
+    let patch = patch.map_err(|error| refused(recorded, &error))?;
+    let found = patch.finger_distance;
+    let found = found.map(|distance| distance * patch.frame.scale());
+    let Some(distance) = options.inter_finger_distance.or(found) else {
+        let message = "the contacts are of one finger, which has no distance to another: setting `position_fraction_of_ifd` needs setting `inter_finger_distance`";
+        return Err(recorded.origin.fail(message.to_owned()));
+    };
+    options.estimator = options.estimator.with_length_noise(distance);
+    Ok(options)
+}
+
+/// The error, with the line of the contact at fault if there is one.
+fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
+    let contact = match error {
+        Ep2Error::NotFinite { contact }
+        | Ep2Error::BadWeight { contact, .. }
+        | Ep2Error::BadNormal { contact, .. }
+        | Ep2Error::MissingNormal { contact }
+        | Ep2Error::Folded { contact, .. } => Some(*contact),
+        _ => None,
+    };
+    let origin = &recorded.origin;
+    let message = remedied(error, recorded.fingers);
+    let doubt = match error {
+        Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
+        _ => None,
+    };
+    let message = doubt.map_or(message.clone(), |doubt| format!("{message}; {doubt}"));
+    let message = explained(message, error.name());
+    match contact {
+        Some(contact) => origin.fail_at(contact, message),
+        None => origin.fail(message),
+    }
+}
+
+/// Message of the error, with the setting that helps if there is one.
+fn remedied(error: &Ep2Error, fingers: usize) -> String {
+    match error {
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
+            "the contacts are of one finger, which has no distance to another: two-pass needs setting `inter_finger_distance`".to_owned()
+        }
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => {
+            SettingError::of_number("inter_finger_distance", bad.value, bad.expected).to_string()
+        }
+        Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
+            format!("{error}: does its normal point inward?")
+        }
+        Ep2Error::NoSide { .. } => {
+            let curve = match fingers {
+                1 => {
+                    "; if the contacts lie along one curve, they do not tell the surface beside it"
+                }
+                _ => "",
+            };
+            format!("{error}; give another with setting `outward`{curve}")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by
+/// the mean of its sides. `None` where they leave the range of doubles.
+fn of_size(fit: &Fit) -> Option<ShapeThresholds> {
+    let [u, v] = fit
+        .domain
+        .map(|[low, high]| (high - low) * fit.frame.scale());
+    let paper_units = 3.0 / (0.5 * u + 0.5 * v);
+    ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
+}
+
+/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two cannot be
+/// distinguished, or if the method states no uncertainty.
+fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
+    let Some(uncertainty) = curvature.uncertainty else {
+        return [None; 2];
+    };
+    let Uncertainty {
+        gaussian_std,
+        mean_std,
+        correlation,
+    } = uncertainty;
+    let variance = |by_gaussian: f64, by_mean: f64| {
+        let (gaussian, mean) = (by_gaussian * gaussian_std, by_mean * mean_std);
+        (gaussian * gaussian + 2.0 * correlation * gaussian * mean + mean * mean).max(0.0)
+    };
+    let mean = curvature.mean;
+    let square = mean * mean - curvature.gaussian;
+    if square <= 2.0 * variance(-1.0, 2.0 * mean).sqrt() || square <= 0.0 {
+        return [None; 2];
+    }
+    let half = square.sqrt();
+    [-1.0, 1.0].map(|sign| {
+        let std = variance(-0.5 * sign / half, 1.0 + sign * mean / half).sqrt();
+        std.is_finite().then_some(std)
+    })
+}

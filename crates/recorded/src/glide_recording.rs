@@ -1,0 +1,170 @@
+//! Recorded glides.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::Contact;
+
+use super::RecordedFile;
+use super::error::RecordedError;
+use super::extra_columns::ExtraColumns;
+use super::finger_assignment::told_apart;
+use super::reading_table::{ReadingTable, header};
+use super::source::{ReadingSource, finite, same_length};
+use super::text_table::TextTable;
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::{Column, GLIDES};
+
+/// Recorded readings of a glide.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlideRecording {
+    pub(super) origin: ReadingSource,
+    /// The contacts, in the order of the file.
+    pub(super) contacts: Vec<Contact>,
+    /// How many fingers there are.
+    pub(super) fingers: usize,
+    /// The unit that the header states.
+    pub(super) unit: Option<LengthUnit>,
+    /// Other fields of the file, contact by contact.
+    pub(super) extras: ExtraColumns,
+    /// How contacts were assigned to fingers, if the file does not name the fingers.
+    pub(super) note: Option<String>,
+}
+
+impl GlideRecording {
+    /// Contacts at `points` with these outward `normals` of any length. `fingers` states the finger's number for each
+    /// contact; without it, all contacts are of one finger. The contacts of a finger must be in the order of its
+    /// path. Lengths are in `unit`.
+    ///
+    /// ```
+    /// use palpate_recorded::GlideRecording;
+    ///
+    /// let readings = GlideRecording::new(&[[0.0, 0.0, 1.0]], None, Some(&[7]), None)?;
+    /// assert!(!readings.has_normals());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many normals or fingers as
+    /// points.
+    pub fn new(
+        points: &[[f64; 3]],
+        normals: Option<&[[f64; 3]]>,
+        fingers: Option<&[u64]>,
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        let all = ("points", points.len());
+        finite("points", points)?;
+        if let Some(normals) = normals {
+            same_length(("normals", normals.len()), all)?;
+            finite("normals", normals)?;
+        }
+        if let Some(fingers) = fingers {
+            same_length(("fingers", fingers.len()), all)?;
+        }
+        let mut known = Fingers::default();
+        let contact = |(place, point): (usize, &[f64; 3])| {
+            let finger = known.place(fingers.map_or(0, |fingers| fingers[place]));
+            let normal = normals.map(|normals| Vector3::from(normals[place]));
+            Contact::new(finger, Point3::from(*point), normal)
+        };
+        let contacts = points.iter().enumerate().map(contact).collect();
+        Ok(Self {
+            origin: ReadingSource::Arrays,
+            contacts,
+            fingers: known.0.len(),
+            unit,
+            extras: ExtraColumns::default(),
+            note: None,
+        })
+    }
+
+    /// Whether the contacts have normals.
+    pub fn has_normals(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.normal.is_some())
+    }
+
+    /// The unit of lengths that the header states.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
+    }
+}
+
+/// Index of each finger by its number in the readings; indices follow the order of first appearance.
+#[derive(Default)]
+struct Fingers(HashMap<u64, usize>);
+
+impl Fingers {
+    fn place(&mut self, number: u64) -> usize {
+        let next = self.0.len();
+        *self.0.entry(number).or_insert(next)
+    }
+}
+
+/// Reads recorded contacts: one row per contact, with or without normals. The contacts of a finger must be in the
+/// order of its path. Without a column `finger`, blank lines or long steps separate the fingers.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn read_glide(path: &Path) -> Result<GlideRecording, RecordedError> {
+    parse_glide(RecordedFile::read(path)?)
+}
+
+/// Recorded contacts, as [`read_glide`] reads them.
+///
+/// # Errors
+/// Errors of [`read_glide`].
+pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> {
+    let text = file.table()?;
+    let table = TextTable::of(&file, text)?;
+    let header = header(&table, &GLIDES)?;
+    let [finger, places @ .., _, _, _] = &GLIDES;
+    let names_fingers = header.has(finger);
+    let with_normals = GLIDES[4..].iter().any(|column| header.has(column));
+    let columns: Vec<Column> = [finger]
+        .into_iter()
+        .filter(|_| names_fingers)
+        .chain(places)
+        .chain(GLIDES[4..].iter().filter(|_| with_normals))
+        .copied()
+        .collect();
+    let others = GLIDES.iter().filter(|column| !columns.contains(column));
+    let others: Vec<Column> = others.copied().collect();
+    let sheet = ReadingTable::read(&table, &columns, &others)?;
+    let mut positions = Vec::new();
+    // Fingers may have any numbers in the file; here they are numbered in order of appearance.
+    let mut known = Fingers::default();
+    let (mut fingers, mut normals) = (Vec::new(), Vec::new());
+    for (line, numbers) in sheet.rows() {
+        let numbers = match names_fingers {
+            true => {
+                let number = sheet.index(line, finger.name, numbers[0])?;
+                fingers.push(known.place(number));
+                &numbers[1..]
+            }
+            false => numbers,
+        };
+        positions.push(Point3::from_slice(&numbers[..3]));
+        normals.push(with_normals.then(|| Vector3::from_column_slice(&numbers[3..6])));
+    }
+    let note = (!names_fingers).then(|| {
+        let unit = sheet.unit.unwrap_or_default().as_str();
+        let (found, note) = told_apart(&positions, &sheet.after_gaps, unit);
+        fingers = found;
+        note
+    });
+    let parts = fingers.iter().copied().zip(positions).zip(normals);
+    let contacts = parts.map(|((finger, position), normal)| Contact::new(finger, position, normal));
+    Ok(GlideRecording {
+        contacts: contacts.collect(),
+        fingers: fingers.iter().max().map_or(0, |most| most + 1),
+        origin: ReadingSource::File {
+            name: sheet.file,
+            lines: sheet.lines,
+        },
+        unit: sheet.unit,
+        extras: sheet.extras,
+        note,
+    })
+}

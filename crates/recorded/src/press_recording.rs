@@ -1,0 +1,147 @@
+//! Recorded presses.
+
+use std::path::Path;
+
+use super::RecordedFile;
+use super::error::RecordedError;
+use super::extra_columns::ExtraColumns;
+use super::reading_table::{ReadingTable, header};
+use super::source::{ReadingSource, finite, same_length};
+use super::text_table::TextTable;
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
+
+/// Recorded readings of a press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressRecording {
+    pub(super) origin: ReadingSource,
+    /// Chart coordinates of each marker on the skin.
+    pub(super) places: Vec<[f64; 2]>,
+    /// Inward displacement of each marker.
+    pub(super) normal: Vec<f64>,
+    /// Displacement of each marker along the skin, if sensed.
+    pub(super) tangential: Option<Vec<[f64; 2]>>,
+    /// The unit that the header states.
+    pub(super) unit: Option<LengthUnit>,
+    /// Other fields of the file, marker by marker.
+    pub(super) extras: ExtraColumns,
+}
+
+impl PressRecording {
+    /// Markers at these `positions` on the skin, displaced inward by `normal` and, where it was sensed, along the skin by
+    /// `tangential`. Lengths are in `unit`.
+    ///
+    /// ```
+    /// use palpate_recorded::PressRecording;
+    ///
+    /// let readings = PressRecording::new(&[[0.0, 0.0], [1.0, 0.0]], &[0.5, f64::NAN], None, None);
+    /// let error = readings.expect_err("no number").to_string();
+    /// assert_eq!(error, "displacements[1]: must be finite, is NaN");
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many displacements as
+    /// positions.
+    pub fn new(
+        positions: &[[f64; 2]],
+        normal: &[f64],
+        tangential: Option<&[[f64; 2]]>,
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        let all = ("positions", positions.len());
+        finite("positions", positions)?;
+        same_length(("displacements", normal.len()), all)?;
+        finite("displacements", normal.as_chunks::<1>().0)?;
+        if let Some(tangential) = tangential {
+            same_length(("tangential", tangential.len()), all)?;
+            finite("tangential", tangential)?;
+        }
+        Ok(Self {
+            origin: ReadingSource::Arrays,
+            places: positions.to_vec(),
+            normal: normal.to_vec(),
+            tangential: tangential.map(<[_]>::to_vec),
+            unit,
+            extras: ExtraColumns::default(),
+        })
+    }
+
+    /// The unit of lengths that the header states.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
+    }
+
+    /// Whether displacements along the skin were sensed.
+    pub const fn has_tangential(&self) -> bool {
+        self.tangential.is_some()
+    }
+}
+
+/// Reads a recorded press, one row per marker: place on the skin, normal displacement and, if sensed, displacement
+/// along the skin; or signed position along a row of markers through the apex, and normal displacement.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn read_press(path: &Path) -> Result<PressRecording, RecordedError> {
+    parse_press(RecordedFile::read(path)?)
+}
+
+/// The markers of a recorded press, as [`read_press`] reads them.
+///
+/// # Errors
+/// Errors of [`read_press`].
+pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> {
+    let text = file.table()?;
+    let table = TextTable::of(&file, text)?;
+    let header = header(&table, &columns_of("press"))?;
+    let has = |column: &Column| header.has(column);
+    let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {
+        (true, true) => {
+            let is_told = |column: &Column| header.is_told(column);
+            match (is_told(&PRESS_ROW[0]), PRESSES[..2].iter().any(is_told)) {
+                (told, other) if told != other => told,
+                _ => {
+                    let message = "there are both places x, y and radial_position; say by setting `columns` which of them \
+                                   are meant, as in setting `columns` 'radial_position=…'";
+                    return Err(file.fail(table.header_line, message));
+                }
+            }
+        }
+        (along_a_row, _) => along_a_row,
+    };
+    let with_tangential = !along_a_row && PRESSES[3..].iter().any(has);
+    let (columns, others) = match (along_a_row, with_tangential) {
+        (true, _) => (&PRESS_ROW[..], &[][..]),
+        (false, true) => (&PRESSES[..], &[][..]),
+        (false, false) => PRESSES.split_at(3),
+    };
+    let sheet = ReadingTable::read(&table, columns, others)?;
+    let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
+    for (_, numbers) in sheet.rows() {
+        match *numbers {
+            [position, displacement] => {
+                places.push([position, 0.0]);
+                normal.push(displacement);
+            }
+            [x, y, displacement, ref along @ ..] => {
+                places.push([x, y]);
+                normal.push(displacement);
+                if let [along_x, along_y] = *along {
+                    tangential.push([along_x, along_y]);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(PressRecording {
+        unit: sheet.unit,
+        origin: ReadingSource::File {
+            name: sheet.file,
+            lines: sheet.lines,
+        },
+        extras: sheet.extras,
+        places,
+        normal,
+        tangential: with_tangential.then_some(tangential),
+    })
+}

@@ -1,0 +1,306 @@
+//! Numbers of a table in palpate's units; errors name the line and the column.
+
+use std::collections::HashMap;
+
+use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
+
+use super::decimal::{Shown, number};
+use super::error::RecordedError;
+use super::extra_columns::ExtraColumns;
+use super::header::{Header, Place};
+use super::table_format::Decimal;
+use super::text_table::{TextTable, tidy};
+
+/// Maximum size of the columns that palpate does not use, MiB.
+const MOST_EXTRA_MIB: usize = 256;
+
+/// Rows of numbers, in the order of the requested columns.
+pub(super) struct ReadingTable {
+    pub(super) file: String,
+    /// The line of each row.
+    pub(super) lines: Vec<usize>,
+    /// Rows that follow a blank line.
+    pub(super) after_gaps: Vec<usize>,
+    /// Row by row.
+    numbers: Vec<f64>,
+    columns: usize,
+    /// The unit of its lengths, where it is stated.
+    pub(super) unit: Option<LengthUnit>,
+    /// Other fields of the rows.
+    pub(super) extras: ExtraColumns,
+}
+
+impl ReadingTable {
+    /// Reads the `columns` of a table, in any order and among others. All are required; if some are missing, the
+    /// error also names the optional columns, `may`.
+    pub(super) fn read(
+        table: &TextTable<'_>,
+        columns: &[Column],
+        may: &[Column],
+    ) -> Result<Self, RecordedError> {
+        let form = &table.file.form;
+        let fail = |message| table.file.fail(table.header_line, message);
+        let header = Header::new(&table.header, &form.columns);
+        let places = header.places(columns, may).map_err(fail)?;
+        let unit = length_unit(columns, &places, form.length_unit).map_err(fail)?;
+        let factors: Vec<f64> = columns
+            .iter()
+            .zip(&places)
+            .map(|(column, place)| factor(column, place, unit))
+            .collect::<Option<_>>()
+            .ok_or_else(|| fail("lengths cannot be converted".to_owned()))?;
+        let decimal = match form.decimal {
+            Some(decimal) => decimal,
+            None => decimal_of(table, &header, &places)?,
+        };
+        let is_other = |index: &usize| {
+            let is_asked = places.iter().any(|place| place.index == *index);
+            !is_asked && !table.header[*index].is_empty()
+        };
+        let others: Vec<usize> = (0..table.header.len()).filter(is_other).collect();
+        let (mut lines, mut numbers, mut after_gaps) = (Vec::new(), Vec::new(), Vec::new());
+        let names = others.iter().map(|&index| table.header[index].clone());
+        let mut extras = ExtraColumns::new(names.collect());
+        let mut labels = Labels::default();
+        table.each(|record| {
+            let (found, expected) = (record.fields.len(), table.header.len());
+            // A delimiter at the end of a row begins no field.
+            let is_ended = found == expected + 1 && record.fields[expected].is_empty();
+            if found != expected && !is_ended {
+                let hint = match table.has_commas() && found > expected {
+                    true => "; if its commas are decimal ones, separate fields by ; or tabs",
+                    false => "",
+                };
+                let message = format!("{found} fields; the header has {expected}{hint}");
+                return Err(table.file.fail(record.line, message));
+            }
+            for ((place, &factor), column) in places.iter().zip(&factors).zip(columns) {
+                if matches!(column.name, "finger" | "probe")
+                    && let Some(place) =
+                        labels.place(tidy(&record.fields[place.index]), lines.len())
+                {
+                    numbers.push(place);
+                    continue;
+                }
+                let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
+                    // With a factor of 1, the number stays exactly as it is.
+                    let converted = if factor == 1.0 {
+                        number
+                    } else {
+                        number * factor
+                    };
+                    match converted.is_finite() {
+                        true => Ok(converted),
+                        false => Err(format!(
+                            "must be finite, is {} times {factor}",
+                            Number(number)
+                        )),
+                    }
+                });
+                numbers.push(read.map_err(|what| {
+                    let name = header.name(place.index);
+                    table
+                        .file
+                        .fail(record.line, format!("column `{name}`: {what}"))
+                })?);
+            }
+            if record.is_after_gap && !lines.is_empty() {
+                after_gaps.push(lines.len());
+            }
+            lines.push(record.line);
+            extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
+            match extras.bytes() > MOST_EXTRA_MIB << 20 {
+                true => Err(table.file.error(format!(
+                    "the columns that are not asked for take more than {MOST_EXTRA_MIB} MiB"
+                ))),
+                false => Ok(()),
+            }
+        })?;
+        if lines.is_empty() {
+            return Err(RecordedError::Readings {
+                file: table.file.name.clone(),
+                message: "has a header but no readings".to_owned(),
+            });
+        }
+        Ok(Self {
+            file: table.file.name.clone(),
+            lines,
+            after_gaps,
+            numbers,
+            columns: columns.len(),
+            unit,
+            extras,
+        })
+    }
+
+    /// Each row's line and numbers.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        let rows = self.numbers.chunks_exact(self.columns);
+        self.lines.iter().copied().zip(rows)
+    }
+
+    /// An error in a line.
+    pub(super) fn fail(&self, line: usize, message: String) -> RecordedError {
+        RecordedError::Line {
+            file: self.file.clone(),
+            line,
+            message,
+        }
+    }
+
+    /// The number of a probe or finger.
+    pub(super) fn index(
+        &self,
+        line: usize,
+        column: &str,
+        number: f64,
+    ) -> Result<u64, RecordedError> {
+        if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
+            return Ok(number as u64);
+        }
+        let message = format!(
+            "column `{column}`: must be a whole number from 0, is {}",
+            Number(number)
+        );
+        Err(self.fail(line, message))
+    }
+}
+
+/// Names of fingers or probes, numbered in order of appearance.
+#[derive(Default)]
+struct Labels(HashMap<String, usize>);
+
+impl Labels {
+    /// Number of a name, from 0; `None` if the field is empty, or if the first row has no name.
+    fn place(&mut self, text: &str, row: usize) -> Option<f64> {
+        let is_word = !text.is_empty() && text.parse::<f64>().is_err();
+        if self.0.is_empty() && !(row == 0 && is_word) {
+            return None;
+        }
+        let next = self.0.len();
+        let place = match self.0.get(text) {
+            Some(&place) => place,
+            None if text.is_empty() => return None,
+            None => *self.0.entry(text.to_owned()).or_insert(next),
+        };
+        Some(place as f64)
+    }
+}
+
+/// Header of a table. Checks that the setting `columns` renames only these `columns`.
+pub(super) fn header<'a>(
+    table: &'a TextTable<'_>,
+    columns: &[Column],
+) -> Result<Header<'a>, RecordedError> {
+    let names = &table.file.form.columns;
+    check_names(names, columns).map_err(|ColumnNamesError { message, .. }| {
+        RecordedError::Readings {
+            file: table.file.name.clone(),
+            message: format!("setting `columns`: {message}"),
+        }
+    })?;
+    Ok(Header::new(&table.header, names))
+}
+
+/// Unit of all lengths of a table, where one is stated.
+fn length_unit(
+    columns: &[Column],
+    places: &[Place],
+    option: Option<LengthUnit>,
+) -> Result<Option<LengthUnit>, String> {
+    let lengths = columns
+        .iter()
+        .zip(places)
+        .filter(|(column, _)| column.measure == Measure::Length);
+    let mut stated: Vec<ColumnUnit> = Vec::new();
+    let mut bare: Option<&Column> = None;
+    for (column, place) in lengths {
+        match place.unit {
+            Some(unit) if !stated.contains(&unit) => stated.push(unit),
+            Some(_) => {}
+            None => bare = bare.or(Some(column)),
+        }
+    }
+    let Some(target) = option else {
+        return match stated.as_slice() {
+            [] => Ok(None),
+            [unit] => {
+                let nearest = unit.nearest();
+                let is_converted = nearest.map(ColumnUnit::Length) != Some(*unit);
+                match bare.filter(|_| is_converted) {
+                    Some(column) => Err(without_unit(column, *unit)),
+                    None => Ok(nearest),
+                }
+            }
+            [first, second, ..] => {
+                let target = first.nearest().unwrap_or_default().as_str();
+                Err(format!(
+                    "lengths are in {} and in {}; one unit is needed: setting `length_unit` {target} converts them",
+                    first.name(),
+                    second.name()
+                ))
+            }
+        };
+    };
+    for unit in &stated {
+        if unit.to(target).is_none() {
+            let (unit, target) = (unit.name(), target.as_str());
+            return Err(format!(
+                "the header says {unit}, setting `length_unit` says {target}, and neither is a multiple of the other"
+            ));
+        }
+        if let Some(column) = bare.filter(|_| *unit != ColumnUnit::Length(target)) {
+            return Err(without_unit(column, *unit));
+        }
+    }
+    Ok(Some(target))
+}
+
+fn without_unit(column: &Column, other: ColumnUnit) -> String {
+    let (stem, other) = (column.stem(), other.name());
+    format!(
+        "column `{stem}` states no unit and others are in {other}; say which: setting `columns` '{stem}_{other}=NAME', with its name in the file"
+    )
+}
+
+/// Factor from a column's unit to palpate's.
+fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f64> {
+    match (place.unit, column.measure, unit) {
+        (None, _, _) | (_, Measure::Length, None) => Some(1.0),
+        (Some(own), _, unit) => own.to(unit.unwrap_or_default()),
+    }
+}
+
+/// Decimal sign of a table's numbers; a point, unless a number has a comma.
+fn decimal_of(
+    table: &TextTable<'_>,
+    header: &Header<'_>,
+    places: &[Place],
+) -> Result<Decimal, RecordedError> {
+    if !table.may_have_commas() {
+        return Ok(Decimal::Point);
+    }
+    let mut odd: Option<(usize, usize, String)> = None;
+    let mut shown = Shown::default();
+    table.each(|record| {
+        // A row of too few or too many fields is refused when numbers are read.
+        let is_whole = record.fields.len() == table.header.len();
+        for place in places.iter().filter(|_| is_whole) {
+            let field = tidy(&record.fields[place.index]);
+            if odd.is_none() && field.contains(',') {
+                odd = Some((record.line, place.index, field.to_owned()));
+            }
+            shown.look(field);
+        }
+        Ok(())
+    })?;
+    let Some((line, index, field)) = odd else {
+        return Ok(Decimal::Point);
+    };
+    shown.decimal(&field).map_err(|what| {
+        let name = header.name(index);
+        table.file.fail(line, format!("column `{name}`: {what}"))
+    })
+}

@@ -1,0 +1,133 @@
+//! Form of a table of readings, for what the table itself does not show.
+
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::ColumnNames;
+
+use super::text_table::fields;
+
+/// Form of a table of readings. Settings that are `None` are detected in the table if possible.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Form {
+    /// Names of columns in the file that differ from palpate's. Keys are palpate's names, with or without a unit.
+    pub columns: ColumnNames,
+    /// Character between fields.
+    pub delimiter: Option<Delimiter>,
+    /// Decimal sign of numbers.
+    pub decimal: Option<Decimal>,
+    /// Unit of lengths: lengths with a unit in the header are converted to it, all others are already in it.
+    pub length_unit: Option<LengthUnit>,
+}
+
+/// Character between the fields of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Delimiter {
+    /// A tab.
+    Tab,
+    /// `;`.
+    Semicolon,
+    /// `,`.
+    Comma,
+}
+
+impl Delimiter {
+    /// Delimiters, in the order in which they are tried.
+    pub const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
+
+    /// Name in options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tab => "tab",
+            Self::Semicolon => "semicolon",
+            Self::Comma => "comma",
+        }
+    }
+
+    /// The character itself.
+    pub const fn sign(self) -> &'static str {
+        match self {
+            Self::Tab => "\t",
+            Self::Semicolon => ";",
+            Self::Comma => ",",
+        }
+    }
+
+    pub(super) const fn byte(self) -> u8 {
+        self.sign().as_bytes()[0]
+    }
+}
+
+/// Decimal sign of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decimal {
+    /// `1.5`.
+    Point,
+    /// `1,5`.
+    Comma,
+}
+
+impl Decimal {
+    /// Both signs.
+    pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
+
+    /// Name in options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Comma => "comma",
+        }
+    }
+
+    /// The sign itself.
+    pub const fn sign(self) -> &'static str {
+        match self {
+            Self::Point => ".",
+            Self::Comma => ",",
+        }
+    }
+}
+
+/// Parses names of columns from a text such as `x=Finger X [m],y=Finger Y [m]`. A pair that contains a comma must be
+/// in quotation marks.
+///
+/// ```
+/// use palpate_recorded::column_names;
+///
+/// let names = column_names(r#"x=Finger X [m],"z=Height, raw""#)?;
+/// assert_eq!(names["x"], "Finger X [m]");
+/// assert_eq!(names["z"], "Height, raw");
+/// assert!(column_names("x").is_err());
+/// # Ok::<(), String>(())
+/// ```
+///
+/// # Errors
+/// Message about a pair without `=`, a pair with nothing on one side of it, or a name that is given twice.
+pub fn column_names(text: &str) -> Result<ColumnNames, String> {
+    let mut names = ColumnNames::new();
+    for pair in fields(text).map_err(|error| error.to_string())? {
+        let sides = pair.split_once('=');
+        let sides = sides.map(|(name, in_file)| (name.trim(), in_file.trim()));
+        let Some((name, in_file)) =
+            sides.filter(|(name, in_file)| !name.is_empty() && !in_file.is_empty())
+        else {
+            return Err(format!(
+                "`{pair}` is no pair of names; write a column of palpate, =, and the file's column: x=Finger X [m]"
+            ));
+        };
+        if names.insert(name.to_owned(), in_file.to_owned()).is_some() {
+            return Err(format!("`{name}` stands twice"));
+        }
+    }
+    match names.is_empty() {
+        true => Err("names no column; write x=Finger X [m],y=…".to_owned()),
+        false => Ok(names),
+    }
+}
+
+/// A pair of names in the form that [`column_names`] reads.
+pub(super) fn pair(name: &str, in_file: &str) -> String {
+    let pair = format!("{name}={in_file}");
+    match pair.contains([',', '"']) {
+        true => format!("\"{}\"", pair.replace('"', "\"\"")),
+        false => pair,
+    }
+}

@@ -1,0 +1,328 @@
+//! Cameras that are calibrated by one frame at rest.
+
+use image::{Rgb, RgbImage};
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion,
+    OddTerms, Optics, Pose,
+};
+use palpate_recorded::{CameraEstimate, Frame, calibrate_camera};
+use palpate_sensing::{Channel, Stream};
+use palpate_study::config::{Study, parse};
+
+const SIZE: u32 = 500;
+
+fn study(radius: f64) -> Study {
+    misaligned(radius, 0.25)
+}
+
+fn misaligned(radius: f64, misalignment: f64) -> Study {
+    parse("sensor.toml", &text(radius, misalignment)).expect("a study")
+}
+
+fn text(radius: f64, misalignment: f64) -> String {
+    format!(
+        r#"
+        name = "sensor"
+        length_unit = "mm"
+        scene.kind = "press"
+        scene.object = {{ kind = "plane" }}
+        scene.motion = {{ indentation = 1.0 }}
+        scene.sensor = {{ kind = "rendered", size_px = {SIZE} }}
+        [scene.probe]
+        kind = "marker-sphere"
+        radius = {radius}
+        marker_depth = 2.0
+        discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = {misalignment} }}
+        "#
+    )
+}
+
+/// A sensor as it truly is.
+struct Truth {
+    place: [f64; 3],
+    turn_deg: [f64; 3],
+    /// Pixels per radian, a share more.
+    scale: f64,
+    /// Diameter of the yellow discs.
+    yellow: f64,
+    /// Markers that are not there.
+    lost: usize,
+    white: f64,
+    misalignment: f64,
+    /// Odd terms of the lens.
+    terms: OddTerms,
+    light_at_rim: f64,
+}
+
+impl Default for Truth {
+    fn default() -> Self {
+        Self {
+            place: [0.4, -0.3, -0.5],
+            turn_deg: [0.5, -1.0, 3.0],
+            scale: 0.02,
+            yellow: 2.0,
+            lost: 0,
+            white: 0.96,
+            misalignment: 0.25,
+            terms: OddTerms::default(),
+            light_at_rim: 1.0,
+        }
+    }
+}
+
+impl Truth {
+    /// The camera as it is meant to be, but for its odd terms.
+    fn lens(&self) -> Camera {
+        Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
+    }
+
+    fn frame(&self, seed: u64) -> RgbImage {
+        let places = Layout::published().places(20.0).expect("places");
+        let (magenta, yellow) = (2.0, self.yellow);
+        let depths = DiscDepths {
+            magenta: 3.0,
+            yellow: 1.0,
+        };
+        let array = MarkerArray::new(20.0, &places, Discs { magenta, yellow }, depths);
+        let array = array.and_then(|array| array.misaligned(self.misalignment, seed));
+        let camera = self.lens();
+        let camera = camera.adjusted([0.0; 2], camera.px_per_rad() * (1.0 + self.scale));
+        let blemishes = Blemishes {
+            pixel_std: 2.0,
+            light_at_rim: self.light_at_rim,
+            ..Blemishes::default()
+        };
+        let colours = Colours {
+            white: [self.white; 3],
+            ..Colours::default()
+        };
+        let optics = Optics::new(
+            array.expect("markers"),
+            camera.expect("a camera"),
+            colours,
+            blemishes,
+        );
+        let pose = Pose::new(self.place, self.turn_deg.map(f64::to_radians));
+        let optics = optics
+            .and_then(|optics| optics.seen_from(pose))
+            .expect("optics");
+        let mut motions = vec![Some(MarkerMotion::default()); places.len()];
+        motions[..self.lost].fill(None);
+        let mut noise = Stream::new(seed, 0, Channel::Pixel);
+        optics.render(&motions, Some(&mut noise)).expect("a frame")
+    }
+}
+
+fn frame(image: RgbImage) -> Frame {
+    Frame {
+        file: "rest.png".to_owned(),
+        image,
+    }
+}
+
+fn refused(image: RgbImage, study: &Study) -> String {
+    calibrate_camera(&frame(image), &study.config)
+        .expect_err("refused")
+        .to_string()
+}
+
+/// Differences from the truth, in what is stated of them.
+fn pulls(told: &CameraEstimate, truth: &Truth) -> Vec<f64> {
+    let scale = truth.lens().px_per_rad() * (1.0 + truth.scale);
+    let of = |axis: usize| {
+        [
+            (told.place[axis] - truth.place[axis]) / told.place_std[axis],
+            (told.turn_deg[axis] - truth.turn_deg[axis]) / told.turn_std_deg[axis],
+        ]
+    };
+    let mut pulls: Vec<f64> = (0..3).flat_map(of).collect();
+    pulls.push((told.px_per_rad - scale) / told.px_per_rad_std);
+    pulls
+}
+
+#[test]
+fn one_frame_tells_where_the_camera_is() {
+    let (study, truth) = (study(20.0), Truth::default());
+    let (mut square, mut count) = (0.0, 0.0);
+    for seed in 1..5 {
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        for pull in pulls(&told, &truth) {
+            assert!(pull.abs() < 4.0, "{pull}: {told:?}");
+            square += pull * pull;
+            count += 1.0;
+        }
+        assert!(told.warnings.is_empty(), "{:?}", told.warnings);
+        // The rim cuts one or two.
+        assert!(told.residuals_px.len() >= 75, "{told:?}");
+        // It was known to 2 mm, 5 degrees and a tenth.
+        assert!(told.place_std.iter().all(|std| *std < 0.3), "{told:?}");
+        assert!(told.turn_std_deg.iter().all(|std| *std < 1.0), "{told:?}");
+        assert!(told.px_per_rad_std < 0.03 * told.px_per_rad, "{told:?}");
+        assert!(told.residual_px < 0.05, "{told:?}");
+        let terms = [told.k3_std, told.k5_std].into_iter().flatten().count();
+        assert_eq!(told.covariance.len(), 9 + terms);
+        let variance = told.covariance[3][3];
+        assert!((variance.sqrt() / told.place_std[0] - 1.0).abs() < 1e-12);
+    }
+    // Seven numbers, correlated, in four frames.
+    let spread = f64::sqrt(square / count);
+    assert!((0.15..2.0).contains(&spread), "{spread}");
+}
+
+#[test]
+fn one_frame_tells_the_odd_terms_of_the_lens() {
+    let study = study(20.0);
+    let (mut square, mut count) = (0.0, 0.0);
+    let terms = [(0.04, -0.01), (-0.06, 0.01), (0.0, 0.02)];
+    for (seed, (k3, k5)) in (1..).zip(terms) {
+        let truth = Truth {
+            terms: OddTerms { k3, k5 },
+            ..Truth::default()
+        };
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        let stds = [told.k3_std, told.k5_std].map(|std| std.expect("it is determined"));
+        let of_terms = [(told.k3 - k3) / stds[0], (told.k5 - k5) / stds[1]];
+        for pull in pulls(&told, &truth).into_iter().chain(of_terms) {
+            assert!(pull.abs() < 4.0, "{pull}: {told:?}");
+        }
+        for pull in of_terms {
+            square += pull * pull;
+            count += 1.0;
+        }
+        assert!(told.residual_px < 0.05, "{told:?}");
+        assert_eq!(told.covariance.len(), 11);
+        for (at, std) in stds.into_iter().enumerate() {
+            let variance: f64 = told.covariance[9 + at][9 + at];
+            assert!((variance.sqrt() / std - 1.0).abs() < 1e-12);
+        }
+    }
+    let spread = f64::sqrt(square / count);
+    assert!((0.15..2.0).contains(&spread), "{spread}");
+}
+
+#[test]
+fn a_camera_far_above_or_below_the_centre_is_found() {
+    let study = misaligned(20.0, 0.0);
+    for (seed, height) in (1..).zip([-3.0, -2.0, -1.5, -1.3, -1.8, 2.0]) {
+        let truth = Truth {
+            place: [0.0, 0.0, height],
+            turn_deg: [0.0; 3],
+            scale: 0.0,
+            misalignment: 0.0,
+            ..Truth::default()
+        };
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        for pull in pulls(&told, &truth) {
+            assert!(pull.abs() < 4.0, "{height}, {pull}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn missing_markers_are_told() {
+    let (study, mut truth) = (study(20.0), Truth::default());
+    truth.lost = 6;
+    let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
+    assert!((69..=71).contains(&told.residuals_px.len()), "{told:?}");
+    assert!(told.warnings[0].contains("6 of the layout's 77 markers are missing"));
+    truth.lost = 30;
+    let said = refused(truth.frame(1), &study);
+    assert!(said.contains("shows 47 of the 77 markers"), "{said}");
+}
+
+/// Uneven light moves markers near the rim by most of a pixel.
+#[test]
+fn uneven_light_that_the_study_states_is_no_other_camera() {
+    let truth = Truth {
+        place: [0.0; 3],
+        turn_deg: [0.0; 3],
+        scale: 0.0,
+        misalignment: 0.0,
+        light_at_rim: 0.7,
+        ..Truth::default()
+    };
+    let even = text(20.0, 0.0) + "\n[scene.noise]\npixel = { kind = \"gaussian\", std = 2.0 }\n";
+    let uneven = even.replace("size_px", "light_at_rim = 0.7, size_px");
+    let scatter = |text: &str| {
+        let study = parse("sensor.toml", text).expect("a study");
+        let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
+        told.reduced_chi_squared
+    };
+    let [even, uneven] = [&even, &uneven].map(|text| scatter(text));
+    assert!(even > 1.8 && uneven < 1.3, "{even} {uneven}");
+}
+
+#[test]
+fn a_study_whose_blur_leaves_no_markers_is_named() {
+    let blurred = text(20.0, 0.25).replace("size_px", "blur_px = 16, size_px");
+    let study = parse("sensor.toml", &blurred).expect("a study");
+    let said = refused(Truth::default().frame(1), &study);
+    assert!(
+        said.contains("shows no markers by `light_at_rim` 1, `blur_px` 16"),
+        "{said}"
+    );
+}
+
+#[test]
+fn markers_that_the_rim_cuts_are_not_missing() {
+    let truth = Truth {
+        place: [0.4, -0.3, 0.5],
+        turn_deg: [1.0, -2.0, 0.0],
+        ..Truth::default()
+    };
+    let told = calibrate_camera(&frame(truth.frame(1)), &study(20.0).config).expect("a camera");
+    assert!(
+        told.residuals_px.len() < 77 && told.warnings.is_empty(),
+        "{told:?}"
+    );
+    assert!(
+        pulls(&told, &truth).iter().all(|pull| pull.abs() < 4.0),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn frames_that_do_not_fit_are_named() {
+    let here = study(20.0);
+    let truth = Truth::default();
+    // Markers that stand 1.5 times as far apart, seen from the centre, are of another layout.
+    let said = refused(truth.frame(1), &study(30.0));
+    assert!(
+        said.contains("another layout") || said.contains("contradicts"),
+        "{said}"
+    );
+    let narrow = Truth {
+        yellow: 1.4,
+        ..Truth::default()
+    };
+    let said = refused(narrow.frame(1), &here);
+    assert!(said.contains("contradicts the layout: "), "{said}");
+    let dark = Truth {
+        white: 0.1,
+        ..Truth::default()
+    };
+    let said = refused(dark.frame(1), &here);
+    assert!(said.contains("is under-exposed"), "{said}");
+    let mut bright = truth.frame(1);
+    for pixel in bright.pixels_mut() {
+        *pixel = Rgb(pixel.0.map(|level| level.saturating_add(20)));
+    }
+    assert!(refused(bright, &here).contains("is saturated: "));
+    let mut swapped = truth.frame(1);
+    for pixel in swapped.pixels_mut() {
+        let [red, green, blue] = pixel.0;
+        *pixel = Rgb([red, blue, green]);
+    }
+    let said = refused(swapped, &here);
+    assert!(said.contains("are colours swapped?"), "{said}");
+    let small = RgbImage::new(300, 300);
+    assert!(refused(small, &here).contains("has 300 x 300 px"));
+    let black = RgbImage::new(SIZE, SIZE);
+    assert!(refused(black, &here).contains("is under-exposed"));
+    let direct = parse(
+        "direct.toml",
+        "name = \"d\"\nscene.kind = \"press\"\nscene.object = { kind = \"plane\" }\nscene.motion = { indentation = 1.0 }\nscene.probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0 }",
+    );
+    let said = refused(truth.frame(1), &direct.expect("a study"));
+    assert!(said.contains("must have a camera"), "{said}");
+}

@@ -1,0 +1,341 @@
+//! Recorded frames whose press is fitted to what the camera sees.
+
+use image::{Rgb, RgbImage};
+use palpate_recorded::{
+    CameraEstimate, Frame, PictureOptions, RecordedFile, calibrate_camera, estimate_images,
+    parse_camera, track_frames,
+};
+use palpate_scene::{PressScene, Scene, Scenes, SharedModels, Trials};
+use palpate_study::config::{Study, parse};
+use palpate_tracking::{Finder, Marker};
+use serde_json::Value;
+
+/// Curvature of the ball, 1/mm.
+const CURVATURE: f64 = 1.0 / 30.0;
+
+/// A press by a camera that stands so, of a sensor with the misalignments and the noise of `seed`.
+fn study(seed: u64, camera: &str) -> Study {
+    parse("frames.toml", &text(seed, camera)).expect("a study")
+}
+
+fn text(seed: u64, camera: &str) -> String {
+    format!(
+        r#"
+        name = "frames"
+        length_unit = "mm"
+        seed = {seed}
+        scene.kind = "press"
+        scene.object = {{ kind = "sphere", radius = 30.0 }}
+        scene.motion = {{ indentation = 1.0, contact_deg = [6.0, 40.0] }}
+        scene.model = {{ kind = "bonded-layer", thickness = 5.0 }}
+        scene.sensor = {{ kind = "rendered", size_px = 400, calibration = {{ presses = 2, rest_frames = 1 }}{camera} }}
+        scene.noise = {{ pixel = {{ kind = "gaussian", std = 2.0 }} }}
+        scene.estimator = {{ kind = "image", indentation = "fitted" }}
+        [scene.probe]
+        kind = "marker-sphere"
+        radius = 20.0
+        marker_depth = 2.0
+        discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.25 }}
+        "#
+    )
+}
+
+fn scene(study: &Study) -> PressScene {
+    let cell = study.cell(0).expect("a cell");
+    match study.estimable_scene_of(0, &cell, &SharedModels::default()) {
+        Ok(Scene::Press(scene)) => scene,
+        other => panic!("a press: {other:?}"),
+    }
+}
+
+/// The frames at rest and pressed of a trial.
+fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
+    let trace = scene.trace(Some(trial), study.config.length_unit);
+    let seen = trace.expect("a trace").camera.expect("a camera");
+    let [rest, pressed] = seen.frames.expect("frames");
+    [("rest.png", rest), ("pressed.png", pressed)].map(|(file, image)| Frame {
+        file: file.to_owned(),
+        image,
+    })
+}
+
+fn options(study: &Study) -> PictureOptions {
+    PictureOptions::from_study(&study.config, study.config.length_unit).expect("options")
+}
+
+fn estimate(frames: &[Frame; 2], options: &PictureOptions) -> Result<Value, String> {
+    let [rest, pressed] = frames;
+    let tracked = track_frames(rest, pressed).map_err(|error| error.to_string())?;
+    let found = estimate_images([rest, pressed], &tracked, options, None);
+    let found = found.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(found.press()).expect("a report"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+/// Frames of a simulated trial tell what the trial tells.
+#[test]
+fn frames_of_a_trial_tell_what_the_trial_tells() {
+    let study = study(3, "");
+    let (scene, options) = (scene(&study), options(&study));
+    for trial in 0..2 {
+        let told = estimate(&frames(&scene, &study, trial), &options).expect("an estimate");
+        let of_trial = scene.curvature_score(trial).expect("an estimate");
+        let curvature = &told["object_curvature"];
+        let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
+        // The finder of recorded frames has to find the image's circle and ground itself.
+        let off = (value - of_trial.estimated.value) / of_trial.estimated.std;
+        assert!(off.abs() < 0.1, "{off}");
+        assert!((std / of_trial.estimated.std - 1.0).abs() < 0.02, "{std}");
+        assert_eq!(
+            (&told["method"], &told["warnings"]),
+            (&"image".into(), &Value::Array(vec![]))
+        );
+        assert!((value - CURVATURE).abs() < 4.0 * std, "{curvature}");
+        let p_value = told["noise"]["p_value"].as_f64().expect("a p-value");
+        assert!(p_value > 0.005, "{told}");
+    }
+}
+
+/// Frames of a press on a layer, fitted as one of a half-space and of a thicker layer.
+#[test]
+fn another_body_is_told() {
+    let study = study(3, "");
+    let frames = frames(&scene(&study), &study, 0);
+    for body in ["poisson = 0.5", "thickness = 8.0"] {
+        let text = text(3, "").replace(
+            r#"indentation = "fitted""#,
+            &format!(r#"indentation = "known", indentation_std = 0.02, {body}"#),
+        );
+        let mut options = options(&parse("frames.toml", &text).expect("a study"));
+        options.indentation = Some(1.0);
+        let told = estimate(&frames, &options).expect("an estimate");
+        let warnings = told["warnings"].as_array().expect("warnings");
+        let p_value = |code: &str| {
+            let mut coded = warnings.iter().filter(|one| one["code"] == code);
+            number(&coded.next().expect(code)["numbers"]["p_value"])
+        };
+        assert!(p_value("other-body") < 0.05, "{told}");
+        assert_eq!(
+            number(&told["noise"]["p_value"]),
+            p_value("large-residuals")
+        );
+        let warnings = told["warnings"].to_string();
+        assert!(
+            warnings.contains("pressed.png scatter") && warnings.contains("than in this body"),
+            "{warnings}"
+        );
+    }
+}
+
+/// The camera stands elsewhere than the study says, and a frame at rest tells where.
+#[test]
+fn the_camera_of_a_frame_at_rest_serves_presses() {
+    let truth = study(
+        1,
+        ", place = [0.4, -0.3, -0.5], turn_deg = [0.5, -1.0, 3.0]",
+    );
+    let meant = study(1, "");
+    let frames = frames(&scene(&truth), &truth, 0);
+    let camera = calibrate_camera(&frames[0], &meant.config).expect("a camera");
+    let mut options = options(&meant);
+    let said = estimate(&frames, &options).expect_err("another camera");
+    assert!(
+        said.contains("rest.png: contradicts") && said.contains("by `sensor calibrate`"),
+        "{said}"
+    );
+    options.camera = Some(("camera.toml".to_owned(), camera));
+    let told = estimate(&frames, &options).expect("an estimate");
+    let curvature = &told["object_curvature"];
+    let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
+    let pull = (value - CURVATURE) / std;
+    assert!(pull.abs() < 3.0, "{pull}");
+    assert!(std < 0.1 * CURVATURE, "{std}");
+}
+
+/// A frame whose pixel at each place is that of another place, white outside.
+fn seen_from(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
+    let (width, height) = frame.image.dimensions();
+    let image = RgbImage::from_fn(width, height, |x, y| {
+        let [x, y] = from(f64::from(x), f64::from(y)).map(f64::round);
+        let is_inside =
+            (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
+        match is_inside {
+            true => *frame.image.get_pixel(x as u32, y as u32),
+            false => Rgb([255; 3]),
+        }
+    });
+    Frame {
+        file: frame.file.clone(),
+        image,
+    }
+}
+
+/// A motion that all markers have in common is one of the camera, not of the press.
+#[test]
+fn a_camera_that_moved_between_the_frames_is_told() {
+    let study = study(3, "");
+    let [rest, pressed] = frames(&scene(&study), &study, 0);
+    let told = |pressed: &Frame| {
+        let tracked = track_frames(&rest, pressed).expect("tracks");
+        tracked.warnings().join("; ")
+    };
+    assert_eq!(told(&pressed), "");
+    let shifted = told(&seen_from(&pressed, |x, y| [x - 4.0, y]));
+    assert!(shifted.contains("moved by about (4.0, "), "{shifted}");
+    let (sine, cosine) = libm::sincos(0.04);
+    let turned = told(&seen_from(&pressed, |x, y| {
+        let (x, y) = (x - 199.5, y - 199.5);
+        [199.5 + cosine * x + sine * y, 199.5 - sine * x + cosine * y]
+    }));
+    assert!(
+        turned.contains("turned about the middle by about 2.3 degrees"),
+        "{turned}"
+    );
+}
+
+fn painted(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
+    let mut image = frame.image.clone();
+    for pixel in image.pixels_mut() {
+        *pixel = Rgb(paint(pixel.0));
+    }
+    Frame {
+        image,
+        ..frame.clone()
+    }
+}
+
+/// A frame in which the ground stands for the first markers that are found in it.
+fn without_markers(frame: &Frame, count: usize) -> Frame {
+    let mut image: RgbImage = frame.image.clone();
+    let found = Finder::default().find(&image).expect("markers").markers;
+    for Marker { centroid_px, .. } in found.iter().skip(1).take(count) {
+        let [middle_x, middle_y] = *centroid_px;
+        for (x, y, pixel) in image.enumerate_pixels_mut() {
+            if libm::hypot(f64::from(x) - middle_x, f64::from(y) - middle_y) < 15.0 {
+                *pixel = Rgb([245, 245, 245]);
+            }
+        }
+    }
+    Frame {
+        image,
+        ..frame.clone()
+    }
+}
+
+#[test]
+fn frames_that_do_not_fit_are_named() {
+    let study = study(3, "");
+    let options = options(&study);
+    let [rest, pressed] = frames(&scene(&study), &study, 0);
+    let refused = |rest: &Frame, pressed: &Frame, words: &[&str]| {
+        let said = estimate(&[rest.clone(), pressed.clone()], &options).expect_err("refused");
+        for word in words {
+            assert!(said.contains(word), "{word}: {said}");
+        }
+    };
+    refused(
+        &rest,
+        &rest,
+        &["rest.png: no contact", "all pixels are those of rest.png"],
+    );
+    let swapped = |frame: &Frame| painted(frame, |[red, green, blue]| [red, blue, green]);
+    refused(
+        &swapped(&rest),
+        &swapped(&pressed),
+        &["rest.png", "are colours swapped?"],
+    );
+    let bright = |frame: &Frame| painted(frame, |levels| levels.map(|one| one.saturating_add(20)));
+    refused(&rest, &bright(&pressed), &["pressed.png: is saturated"]);
+    refused(&bright(&rest), &pressed, &["rest.png: is saturated"]);
+    let dark = |frame: &Frame| painted(frame, |levels| levels.map(|one| one / 8));
+    refused(&rest, &dark(&pressed), &["pressed.png: is under-exposed"]);
+    refused(
+        &without_markers(&rest, 40),
+        &pressed,
+        &["rest.png: shows ", " of the 77 markers"],
+    );
+    // A few that are missing are told.
+    let told = estimate(&[without_markers(&rest, 5), pressed], &options).expect("an estimate");
+    let warning = told["warnings"][0]["text"].as_str().expect("a warning");
+    assert!(
+        warning.contains("5 of the layout's 77 markers are missing at rest"),
+        "{told}"
+    );
+    let interval = &told["object_curvature"]["interval95"];
+    assert!(
+        number(&interval[0]) < CURVATURE && CURVATURE < number(&interval[1]),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_camera_in_another_unit_is_refused() {
+    let study = study(3, "");
+    let frames = frames(&scene(&study), &study, 0);
+    let camera = calibrate_camera(&frames[0], &study.config).expect("a camera");
+    let mut options = options(&study);
+    options.camera = Some((
+        "camera.toml".to_owned(),
+        CameraEstimate {
+            length_unit: palpate_study::config::LengthUnit::Cm,
+            ..camera
+        },
+    ));
+    let said = estimate(&frames, &options).expect_err("refused");
+    assert!(
+        said.starts_with("camera.toml: `length_unit` is cm"),
+        "{said}"
+    );
+}
+
+/// Cameras of any numbers give an estimate of finite numbers, or an error.
+#[test]
+fn cameras_of_extreme_numbers_end() {
+    let study = study(3, "");
+    let frames = frames(&scene(&study), &study, 0);
+    let good = calibrate_camera(&frames[0], &study.config).expect("a camera");
+    let mut count = 0;
+    for number in [f64::NAN, 1e40] {
+        let with = |change: fn(&mut CameraEstimate, f64)| {
+            let mut camera = good.clone();
+            change(&mut camera, number);
+            camera
+        };
+        let cameras = [
+            with(|camera, number| camera.place[1] = number),
+            with(|camera, number| camera.turn_deg[2] = number),
+            with(|camera, number| camera.px_per_rad = number),
+            with(|camera, number| camera.centre_px[0] = number),
+            with(|camera, number| camera.px_per_rad_std = number),
+            with(|camera, number| {
+                camera.place_std[0] = number.sqrt();
+                camera.covariance[3] = vec![0.0; 9];
+                for row in &mut camera.covariance {
+                    row[3] = 0.0;
+                }
+                camera.covariance[3][3] = number;
+            }),
+        ];
+        for camera in cameras {
+            let file = RecordedFile::new("camera.toml", camera.to_toml().into_bytes());
+            let Ok(camera) = parse_camera(&file) else {
+                count += 1;
+                continue;
+            };
+            let mut options = options(&study);
+            options.camera = Some(("camera.toml".to_owned(), camera));
+            // JSON has no numbers that are not finite.
+            match estimate(&frames, &options) {
+                Ok(told) => assert!(told["object_curvature"]["value"].is_number(), "{told}"),
+                Err(said) => assert!(
+                    said.contains("camera.toml") || said.contains("rest.png"),
+                    "{said}"
+                ),
+            }
+        }
+    }
+    assert!(count > 8, "{count}");
+}
