@@ -10,7 +10,7 @@ use palpate_study::config::LengthUnit;
 pub struct CalibrationReport {
     /// The calibration of all points.
     pub calibration: Calibration,
-    /// The unit of its lengths.
+    /// Unit of the calibration's lengths.
     pub length_unit: LengthUnit,
     /// Lines of the normal displacement for each series; empty if there is only one.
     pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,

@@ -185,7 +185,7 @@ impl Roller {
         self.follow(motions).map(|(contact, _)| contact)
     }
 
-    /// [`Roller::roll`] with the number of evaluations of the contact equations.
+    /// Rolls as [`Roller::roll`] does, and returns the number of evaluations of the contact equations too.
     pub(crate) fn follow(&self, motions: &[Motion]) -> Result<(Contact, usize), RollError> {
         let mut contact = self.first;
         let mut evaluations = 0;

@@ -46,9 +46,9 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
 /// √(−2 ln u) of the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
-    // Of a signed number, whose conversion is one instruction.
+    // The number is signed, because converting a signed number takes one instruction.
     let bits = (k as i32 as f32 + 0.5).to_bits() as i32;
-    // k + ½ = 2^power (1 + x) / (1 − x), of which the fraction is from √½ to √2.
+    // k + ½ = 2^power (1 + x) / (1 − x), where the fraction (1 + x) / (1 − x) is from √½ to √2.
     let power = (bits - (0.5 * SQRT_2).to_bits() as i32) >> 23;
     let fraction = f32::from_bits((bits - (power << 23)) as u32);
     let x = (fraction - 1.0) / (fraction + 1.0);

@@ -234,7 +234,7 @@ mod tests {
         for (power_a, power_b) in [(0, 0), (1, 0), (0, 2), (1, 1), (2, 0)] {
             assert_relative_eq!(penalty(power_a, power_b), 0.0, epsilon = 1e-10);
         }
-        // a³: 6² over an area of 4. a²b: 3 · 2² · 4.
+        // The third derivative of a³ is 6: 6² over an area of 4. The three mixed ones of a²b are 2: 3 · 2² · 4.
         assert_relative_eq!(penalty(3, 0), 144.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(2, 1), 48.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(1, 2), 48.0, max_relative = 1e-12);
