@@ -1,4 +1,4 @@
-//! Formulas, and curvature of surfaces at a point.
+//! Benchmarks of formulas and of curvature at a point.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

@@ -9,8 +9,8 @@ use thiserror::Error;
 
 /// The curvature form of a surface in an orthonormal tangent basis `(u, v)`, 1/length.
 ///
-/// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
-/// What is derived from it is finite for components up to 1e150 that are finite themselves.
+/// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`. Derived quantities
+/// are finite if every component is finite and at most 1e150 in absolute value.
 ///
 /// ```
 /// use palpate_geometry::CurvatureForm;
@@ -40,8 +40,8 @@ pub struct PrincipalCurvatures {
     pub k_min: f64,
     /// Largest normal curvature, 1/length.
     pub k_max: f64,
-    /// Direction of `k_max`: angle from `u` towards `v`, in (−π/2, π/2]. That of `k_min` is
-    /// perpendicular. At an umbilic every direction is principal and this is 0.
+    /// Direction of `k_max`: angle from `u` towards `v`, in (−π/2, π/2]. The direction of `k_min` is perpendicular to
+    /// it. At an umbilic every direction is principal and the angle is 0.
     pub angle_of_max_rad: f64,
 }
 
@@ -91,13 +91,13 @@ impl CurvatureForm {
         0.5 * self.k_uu + 0.5 * self.k_vv
     }
 
-    /// Principal curvatures and directions. Both curvatures err by at most 1e-15 of the larger one.
+    /// Principal curvatures and directions. The error of both curvatures is at most 1e-15 of the larger one.
     pub fn principal(&self) -> PrincipalCurvatures {
         let mean = self.mean_curvature();
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
         let spread = libm::hypot(half_difference, mixed);
         let angle = 0.5 * libm::atan2(mixed, half_difference);
-        // Both are the same direction; the range holds one of them.
+        // −π/2 and π/2 are the same direction; the range (−π/2, π/2] contains only π/2.
         let angle = if angle <= -FRAC_PI_2 {
             FRAC_PI_2
         } else {
@@ -123,7 +123,7 @@ impl CurvatureForm {
             + self.k_vv * unit.y * unit.y
     }
 
-    /// The form seen in the basis turned by `angle_rad` from `u` towards `v`.
+    /// The form in the tangent basis that is turned by `angle_rad` from `u` towards `v`.
     pub fn rotated(&self, angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(angle_rad);
         let (u, v) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
@@ -134,17 +134,17 @@ impl CurvatureForm {
         }
     }
 
-    /// The form seen in the other body's frame, whose normal is opposite and whose axes stand at
-    /// the contact angle ψ: `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
+    /// The form in the contact frame of the other body: its normal is opposite and its axes are turned by the contact
+    /// angle ψ. `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
     pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);
         Self::from_matrix(&(reflection * self.matrix() * reflection))
     }
 
-    /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap,
-    /// 0 for a symmetric saddle, −1 for a cup; it errs by at most 1e-15. `None` on a flat point, which
-    /// has none, and of numbers that are not finite.
+    /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap, 0 for a symmetric
+    /// saddle, −1 for a cup. Its error is at most 1e-15. `None` at a flat point, where it is undefined, or if a
+    /// curvature is not finite.
     pub fn shape_index(&self) -> Option<f64> {
         self.principal().shape_index()
     }
@@ -156,7 +156,7 @@ impl CurvatureForm {
     }
 }
 
-/// The eight surface primitives by the signs of Gaussian curvature K and mean curvature H.
+/// The eight classes of surface points, by the signs of Gaussian curvature K and mean curvature H.
 ///
 /// |        | K > 0 | K = 0  | K < 0         |
 /// |--------|-------|--------|---------------|
@@ -210,7 +210,7 @@ pub struct ShapeThresholds {
     mean: f64,
 }
 
-/// Thresholds that cannot classify.
+/// Errors of [`ShapeThresholds::new`].
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
@@ -224,7 +224,7 @@ pub enum InvalidThresholds {
         /// Its value.
         value: f64,
     },
-    /// `K > 0` with `H = 0` would appear, which no surface has.
+    /// With these thresholds, the class `K > 0`, `H = 0` would appear. No surface has such points.
     #[error(
         "gaussian threshold {gaussian} is below the square of the mean threshold {mean}{}; \
          then the impossible class K > 0, H = 0 appears",
@@ -240,7 +240,7 @@ pub enum InvalidThresholds {
     },
 }
 
-/// Square of a number in brackets, where it is one.
+/// The square of a number in brackets for a message; empty if the square overflows.
 fn square(number: f64) -> String {
     let square = number * number;
     match square.is_finite() {
@@ -261,7 +261,7 @@ impl ShapeThresholds {
                 return Err(InvalidThresholds::OutOfRange { name, value });
             }
         }
-        // A decimal such as 0.1 and its square 0.01 meet only up to rounding.
+        // The tolerance covers rounding: in doubles, 0.1² is not exactly 0.01.
         if gaussian < mean * mean * (1.0 - 4.0 * f64::EPSILON) {
             return Err(InvalidThresholds::ImpossibleClass { gaussian, mean });
         }
@@ -278,8 +278,8 @@ impl ShapeThresholds {
         self.mean
     }
 
-    /// The class of a point, whose curvatures must be finite. `K` is clamped to `H²`, which it
-    /// cannot exceed but for noise.
+    /// The class of a point from its Gaussian curvature (1/length²) and mean curvature (1/length), both finite. Noise
+    /// can raise `K` above `H²`, which is impossible on a surface; `K` is then lowered to `H²`.
     ///
     /// ```
     /// use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -397,7 +397,7 @@ mod tests {
         assert_eq!(class(1.0, -1.0), "pit");
         assert_eq!(class(0.0, -1.0), "valley");
         assert_eq!(class(-1.0, -1.0), "saddle-valley");
-        // Noise can bring K above H²; the pair is then read as the nearest possible one.
+        // Noise can raise K above H²; `classify` then uses K = H².
         assert_eq!(class(1.0, 0.0), "flat");
     }
 

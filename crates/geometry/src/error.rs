@@ -7,11 +7,11 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons for which a surface has no answer at a place.
+/// Errors of a surface at a point or at parameters of its chart.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {
-    /// The surface does not reach there, or its formula is undefined there.
+    /// The surface has no point there, or its height is undefined or not smooth there.
     #[error("the surface is not defined, or not smooth, {}", place([("x", x), ("y", y)]))]
     OffDomain {
         /// Coordinate in the surface's frame.
@@ -19,7 +19,7 @@ pub enum SurfaceError {
         /// Coordinate in the surface's frame.
         y: f64,
     },
-    /// The chart (not the surface) is singular there, or does not reach that far.
+    /// The chart (not the surface) is singular at these parameters, or they are outside of its range.
     #[error("the chart is singular {}", place([("u", u), ("v", v)]))]
     ChartSingular {
         /// First parameter.
@@ -27,7 +27,7 @@ pub enum SurfaceError {
         /// Second parameter.
         v: f64,
     },
-    /// No single closest point: the centre of a sphere, the axis of a cylinder.
+    /// Several points of the surface are equally close, as from the centre of a sphere or the axis of a cylinder.
     #[error(
         "no single closest point to ({x}, {y}, {z})",
         x = Number(*x), y = Number(*y), z = Number(*z)
@@ -42,7 +42,7 @@ pub enum SurfaceError {
     },
 }
 
-/// Words for a place, by the names and values of its coordinates.
+/// Text of a place for a message, from the names and values of its coordinates.
 fn place(coordinates: [(&str, &f64); 2]) -> String {
     if coordinates.iter().any(|(_, value)| !value.is_finite()) {
         return "at a place beyond the range of numbers".to_owned();
@@ -83,7 +83,7 @@ pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64,
     BadSetting::unless(value.is_finite(), parameter, value, "finite")
 }
 
-/// Range of lengths and slopes whose squares neither overflow nor vanish. Outside of it, directions cannot be computed.
+/// Range of lengths and slopes whose squares neither overflow nor vanish. Outside of it, vectors cannot be normalised.
 pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
 
 /// Whether the coordinates of a place can be squared; false for NaN.

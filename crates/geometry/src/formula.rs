@@ -9,7 +9,7 @@
 //! - parentheses, and the functions `sin cos tan asin acos atan sinh cosh tanh exp ln log10 sqrt cbrt abs` of one
 //!   argument, `atan2(y, x)` and `hypot(a, b)` of two.
 //!
-//! Multiplication is always written: `2*x`, never `2x`. Angles are in radians.
+//! Multiplication needs its sign: `2*x`, not `2x`. Angles are in radians.
 
 mod error;
 mod jet;
@@ -47,16 +47,16 @@ pub struct Formula {
 impl Formula {
     /// Largest number of characters of a formula. It limits the length of the compiled program.
     pub const MAX_CHARACTERS: usize = 10_000;
-    /// Largest depth of nesting, which limits the parser's stack. Parentheses, calls, signs and right-hand sides of operators
-    /// count.
+    /// Largest depth of nesting, which limits the parser's stack. Parentheses, calls, signs and right-hand sides of
+    /// operators count.
     pub const MAX_NESTING: usize = 100;
 
-    /// Parses a formula. `parameters` holds the value of every name except `x`, `y`, `pi` and the functions.
+    /// Parses a formula. `parameters` has the value of every name in it except `x`, `y`, `pi` and the functions.
     ///
     /// # Errors
-    /// [`FormulaError`] with the wrong place of the text: if the text is not a formula, has an unknown name, or has a constant
-    /// part that is not finite (`1/0`); if a parameter is not finite, is not used (probably misspelt), or has a name of the
-    /// grammar.
+    /// [`FormulaError`] with the place of the error in the text: if the text is not a formula, has an unknown name, or
+    /// has a constant part that is not finite (`1/0`); if a parameter is not finite, is not used (probably misspelt),
+    /// or has a name that is reserved.
     pub fn parse(text: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, FormulaError> {
         parser::parse(text, parameters).map(|program| Self { program })
     }
@@ -66,13 +66,13 @@ impl Formula {
         self.program.run(x, y)
     }
 
-    /// The height with its first and second derivatives. Rounding errors are 1e-15 per operation; differences in the formula
-    /// may amplify them.
+    /// The height with its first and second derivatives. Each operation adds a rounding error of 1e-15; a difference of
+    /// nearly equal numbers amplifies it.
     ///
     /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
-    /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is only smooth as a whole. The
-    /// same holds where a derivative overflows. [`Jet::is_finite`] checks this. The only exception is the cut of `atan2`:
-    /// there the jet is finite and belongs to one side.
+    /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is only smooth as a whole.
+    /// The same holds where a derivative overflows. [`Jet::is_finite`] checks this. The only exception is the cut of
+    /// `atan2`: there the jet is finite and belongs to one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

@@ -32,8 +32,8 @@ impl Parameters {
         Self { u, v }
     }
 
-    /// Latitude and longitude of a chart with poles at `u = ±π/2`. Beyond them the chart would cover
-    /// the surface again, inside out.
+    /// Checks that latitude `u` lies between the poles of a chart, `u = ±π/2`. Beyond the poles the chart would cover
+    /// the surface a second time, with its normal inwards.
     pub(crate) fn unless_beyond_pole(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if u.abs() <= FRAC_PI_2 && is_within_reach(u, v) {
@@ -43,7 +43,7 @@ impl Parameters {
         }
     }
 
-    /// Refuses parameters that no chart reaches: those that are not finite, or beyond 1e150.
+    /// Rejects parameters that are not finite or exceed 1e150.
     pub(crate) fn unless_out_of_reach(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if is_within_reach(u, v) {
@@ -101,20 +101,21 @@ impl ChartJet {
     /// Frame and forms at this point.
     ///
     /// # Errors
-    /// [`SurfaceError::ChartSingular`] where the tangents vanish or are parallel (a pole of the
-    /// chart, not necessarily of the surface), or where something is not finite.
+    /// [`SurfaceError::ChartSingular`] where the tangents vanish or are parallel (at a pole of the chart, not
+    /// necessarily of the surface), or where a result is not finite.
     pub fn geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
         let singular = SurfaceError::ChartSingular { u: at.u, v: at.v };
         let m11 = self.du.norm();
         let x = self.du / m11;
         let m12 = x.dot(&self.dv);
-        // The cross product keeps the digits that Gram–Schmidt loses on nearly parallel tangents.
+        // The cross product keeps digits that Gram–Schmidt loses if the tangents are nearly parallel.
         let across = x.cross(&self.dv);
         let m22 = across.norm();
         let normal = across / m22;
         let y = normal.cross(&x);
 
-        // Nearer to a pole than u resolves, or tangents whose angle is lost to rounding.
+        // Two cases are singular: the place is nearer to a pole than u resolves, or rounding hides the angle of the
+        // tangents.
         let at_pole = m22 <= 4.0 * f64::EPSILON * at.u.abs() * self.duv.norm();
         let parallel = m22 <= 4.0 * f64::EPSILON * m12.abs();
         if at_pole || parallel || !SQUARABLE.contains(&m11) || !SQUARABLE.contains(&m22) {

@@ -1,14 +1,13 @@
-//! Normal and curvature from a level set: the chart-free form.
+//! Normal and curvature from a level set: the form without a chart.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::CurvatureForm;
 use crate::error::SQUARABLE;
 
-/// Normal and curvature of the level set of a function `F` through a point, `F` growing outwards.
+/// Normal and curvature of the level set of a function `F` through a point. `F` grows out of the solid.
 ///
-/// On the tangent plane the shape operator is `Hess F / |∇F|`; nothing here depends on a chart, so
-/// there are no poles.
+/// On the tangent plane the shape operator is `Hess F / |∇F|`. It does not depend on a chart, so it has no poles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelSet {
     /// Unit normal `∇F/|∇F|`, out of the solid.
@@ -20,8 +19,8 @@ pub struct LevelSet {
 impl LevelSet {
     /// The level set of a function `F` through a point, from the gradient and Hessian of `F` there.
     ///
-    /// Returns `None` where the gradient vanishes, overflows when squared, or anything is not
-    /// finite: no normal is defined there.
+    /// Returns `None` where no normal can be computed: if the gradient vanishes or overflows when squared, or if a
+    /// number is not finite.
     #[inline]
     pub fn new(gradient: Vector3<f64>, hessian: Matrix3<f64>) -> Option<Self> {
         let norm = gradient.norm();
@@ -30,7 +29,8 @@ impl LevelSet {
             normal: gradient * inverse,
             second_form: hessian * inverse,
         };
-        // A sum is finite only if every term is, or, harmlessly rarely, it overflows.
+        // If a term is not finite, the sum is not finite. A sum of finite terms overflows so rarely that the false
+        // `None` is harmless.
         let sum = level_set.normal.sum() + level_set.second_form.sum();
         (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
     }
@@ -56,10 +56,10 @@ impl LevelSet {
     }
 }
 
-/// Normal and second form of a level set `F` along one tangent, without a division or a root that
-/// the surface can do without: neither the normal nor the basis is normalised.
+/// Normal and second form of a level set `F` along one tangent. Normal and basis are not normalised, which saves
+/// divisions and roots.
 ///
-/// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, as long as `∇F`.
+/// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, whose length is `|∇F|`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentForm {
     /// `∇F`, out of the solid.
@@ -77,7 +77,7 @@ pub struct TangentForm {
 }
 
 impl TangentForm {
-    /// The tangent form of a known unit normal and curvature form, the latter in the basis `(x, x × normal)`.
+    /// The tangent form from a unit normal and the curvature form in the basis `(x, x × normal)`.
     #[inline]
     pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
         Self {

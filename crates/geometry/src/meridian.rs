@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 /// The meridian of a surface of revolution, from its apex.
 ///
-/// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the normal, the slope
-/// angle and the arc-length element, each within 1e-15 of itself.
+/// The parameter `t` is 0 at the apex and grows along the meridian. Points, normals, slope angles and arc-length
+/// elements have relative errors of at most 1e-15.
 ///
 /// ```
 /// use palpate_geometry::Meridian;
@@ -33,30 +33,30 @@ pub enum Meridian {
     },
 }
 
-/// A point of a [`Meridian`], and how the surface leans there.
+/// A point of a [`Meridian`] and the surface normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianPoint {
     /// Distance from the axis.
     pub r: f64,
     /// Height above the apex (negative: below), along the normal at the apex.
     pub height: f64,
-    /// The normal: away from the axis (the sine of the slope angle), and along it (its cosine).
+    /// Components of the unit normal: away from the axis (sine of the slope angle) and along the axis (its cosine).
     pub normal: [f64; 2],
 }
 
-/// The slope of a [`Meridian`] at a point, and how fast one runs along it.
+/// Slope of a [`Meridian`] at a point, and the derivatives of arc length and slope by the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianSlope {
     /// Angle by which the normal has turned from the axis, positive on a convex surface.
     pub slope_rad: f64,
-    /// Arc length per parameter.
+    /// Derivative of the arc length by the parameter.
     pub arc_per_parameter: f64,
-    /// Slope angle per parameter.
+    /// Derivative of the slope angle by the parameter.
     pub slope_per_parameter: f64,
 }
 
 impl Meridian {
-    /// The point at parameter `t`, which must be finite, as must be the numbers that describe it.
+    /// The point at parameter `t`. `t` and the meridian's own numbers must be finite.
     pub fn at(&self, t: f64) -> MeridianPoint {
         let (r, height, [outward, along]) = match *self {
             Self::Paraboloid { c } => (t, -c * t * t, [2.0 * c * t, 1.0]),
@@ -74,7 +74,7 @@ impl Meridian {
         }
     }
 
-    /// The slope at parameter `t`, finite as in [`Meridian::at`].
+    /// The slope at parameter `t`, with the requirements of [`Meridian::at`].
     pub fn slope(&self, t: f64) -> MeridianSlope {
         match *self {
             Self::Paraboloid { c } => {
@@ -89,8 +89,8 @@ impl Meridian {
             Self::Spheroid { a, c } => {
                 let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
-                // The normal (c sin φ, a cos φ) never strays a quarter turn from φ, which tells the
-                // whole turns.
+                // The angle of the normal (c sin φ, a cos φ) differs from φ by less than a quarter turn, so φ
+                // determines the whole turns.
                 let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {
@@ -102,7 +102,8 @@ impl Meridian {
         }
     }
 
-    /// The arc length up to parameter `t`, where a closed form exists, within 1e-15 of itself.
+    /// The arc length from the apex to parameter `t`, with a relative error of at most 1e-15. `None` if it has no
+    /// closed form.
     pub fn arc_length(&self, t: f64) -> Option<f64> {
         match *self {
             Self::Paraboloid { c } => {

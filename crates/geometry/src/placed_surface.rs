@@ -1,4 +1,4 @@
-//! A surface that is placed in the world.
+//! A surface at a pose in the world.
 
 use nalgebra::{Isometry3, Point3};
 
@@ -8,9 +8,9 @@ use crate::{
     Parameters, Surface, SurfaceError,
 };
 
-/// A surface that is moved rigidly. Its curvature does not change.
+/// A surface at a pose. Its curvature does not change.
 ///
-/// `contact_at` takes x and y in the surface's own frame.
+/// The arguments x and y of `contact_at` are in the surface's own frame.
 ///
 /// ```
 /// use nalgebra::{Isometry3, Point3};
@@ -32,7 +32,7 @@ impl<S> PlacedSurface<S> {
     /// `surface` with its frame at the pose `world_from_surface`.
     ///
     /// # Errors
-    /// [`InvalidShape`] if the pose is not finite, or if it moves by more than 1e150.
+    /// [`InvalidShape`] if the pose is not finite, or if its translation exceeds 1e150.
     pub fn new(surface: S, world_from_surface: Isometry3<f64>) -> Result<Self, InvalidShape> {
         let rotation = world_from_surface.rotation.coords;
         let moves = world_from_surface.translation.vector;

@@ -1,4 +1,4 @@
-//! A surface of any type, which is chosen at run time.
+//! A surface whose type is chosen at run time.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -9,7 +9,7 @@ use crate::{
     ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
 
-/// A surface of any type.
+/// A surface of any of the types in [`crate::surfaces`].
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "each variant is the surface of the same name")]
 pub enum Shape {
@@ -24,7 +24,7 @@ pub enum Shape {
     HeightField(Graph<HeightField>),
 }
 
-/// Calls the same method on the surface, whatever its type is.
+/// Calls the method of the surface inside a [`Shape`].
 macro_rules! delegate {
     ($shape:expr, $surface:ident => $call:expr) => {
         match $shape {
@@ -41,8 +41,8 @@ macro_rules! delegate {
     };
 }
 
-/// A computation that is compiled for each type of surface. It is faster than using [`Shape`] as a [`Surface`], which has to
-/// choose the type at every call.
+/// A computation that is compiled for each type of surface. It is faster than the use of [`Shape`] as a [`Surface`],
+/// which selects the type at every call.
 pub trait Visitor {
     /// Result of the computation.
     type Out;

@@ -12,11 +12,10 @@ use crate::{
 /// Points are in the surface's own frame. Graph surfaces lie at z = f(x, y) with the solid below;
 /// closed surfaces are centred on the origin; a dish is the inside of a sphere.
 ///
-/// Where they follow well from the numbers given, forms err by at most 1e-14 of the sharper principal
-/// curvature there, torsions by 1e-14 of themselves, normals by 1e-14, heights and points by 1e-14 of
-/// the object's size. Worse conditioned are heights near a rim (where `R² − x²` is what counts), the
-/// Gaussian curvature where it is far below H², a closest point from within a hollow, and what is
-/// asked of a place that its coordinates hardly resolve.
+/// For well-conditioned numbers, errors are at most 1e-14: of forms relative to the larger principal curvature there,
+/// of torsions relative to the torsion, of normals, and of heights and points relative to the object's size. Errors are
+/// larger for heights near a rim (where `R² − x²` cancels), for a Gaussian curvature far below H², for the closest
+/// point from inside a hollow, and at a place that its coordinates barely resolve.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -31,7 +30,7 @@ use crate::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Surface {
-    /// Whether it is a graph z = f(x, y), so that a place on it follows from x and y.
+    /// Whether the surface is a graph z = f(x, y), so that x and y determine a point on it.
     const IS_GRAPH: bool = false;
 
     /// The chart's point and derivatives at `at`.
@@ -48,9 +47,9 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where the surface is not defined or has no normal.
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
 
-    /// Normal and second form along `x`, which must be a unit tangent, at a point on the surface.
-    /// Integrators need these at every stage: a surface overrides this function where that is cheaper
-    /// than computing the whole level set. Off the surface the result means nothing.
+    /// Normal and second form along `x`, which must be a unit tangent, at a point on the surface. The result is
+    /// meaningless off the surface. Integrators call this function at every stage, so a surface overrides it if it can
+    /// avoid the whole level set.
     ///
     /// # Errors
     /// Errors of [`Surface::level_set`].
@@ -89,17 +88,17 @@ pub trait Surface {
         }
     }
 
-    /// The chart parameters of a point on (or very near) the surface: `chart` takes them back to
-    /// it. Of a point that is not finite they are meaningless.
+    /// The chart parameters of a point on (or very near) the surface: `chart` maps them to the point. They are
+    /// meaningless if the point is not finite.
     fn parameters(&self, point: &Point3<f64>) -> Parameters;
 
     /// The point of the surface closest to `point`.
     ///
-    /// Graph surfaces return the closest point reached by descent from the vertical projection,
-    /// which is the closest one wherever that is unique within the radius of curvature.
+    /// Graph surfaces descend from the vertical projection. The result is the closest point wherever the closest point
+    /// is unique within the radius of curvature.
     ///
     /// # Errors
-    /// [`SurfaceError::NoClosestPoint`] where there is no single one, or `point` is not finite;
+    /// [`SurfaceError::NoClosestPoint`] where several points are equally close, or if `point` is not finite;
     /// [`SurfaceError::OffDomain`] where a graph's descent cannot start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
 
@@ -116,20 +115,20 @@ pub trait Surface {
         self.closest_point(point)
     }
 
-    /// Whether a ball of `radius` that touches from outside may penetrate the solid elsewhere, although the solid is
-    /// less concave at the contact than the ball is convex.
+    /// Whether a ball of `radius` that touches the solid from outside may penetrate it elsewhere, even if the ball fits
+    /// at the contact (is more convex than the solid is concave there).
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
 
-    /// The point that a probe from the solid's outside touches at `(x, y)`: on the graph, on the
-    /// upper half of a closed surface, on the lower half of a dish.
+    /// The point at `(x, y)` that a probe touches from outside of the solid: on the graph, on the upper half of a
+    /// closed surface, on the lower half of a dish.
     ///
     /// # Errors
-    /// [`SurfaceError::OffDomain`] where there is none, or `x` or `y` is not finite.
+    /// [`SurfaceError::OffDomain`] if the surface has no point at `(x, y)`, or if `x` or `y` is not finite.
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError>;
 
-    /// Default place of the first contact, `(x, y)` in the surface's frame: the origin or the top.
+    /// Default position of the first contact, `(x, y)` in the surface's frame: the origin or the top.
     fn default_contact(&self) -> (f64, f64) {
         (0.0, 0.0)
     }
@@ -142,20 +141,20 @@ pub trait Surface {
         self.chart(at)?.geometry(at)
     }
 
-    /// The meridian through the given apex, if this is a surface of revolution about the normal
-    /// there and the meridian has a closed description.
+    /// The meridian through the given apex, if the surface is one of revolution about the normal there and [`Meridian`]
+    /// has its form.
     fn meridian(&self, _apex: &Point3<f64>) -> Option<Meridian> {
         None
     }
 
-    /// Whether the shape operator is constant along every geodesic in a parallel-transported
-    /// basis: planes, spheres and cylinders. A probe then rolls along geodesics.
+    /// Whether the shape operator is constant along every geodesic in a parallel-transported basis: true for planes,
+    /// spheres and cylinders. A probe then rolls along geodesics.
     fn is_homogeneous(&self) -> bool {
         self.constant_curvature().is_some()
     }
 
-    /// The curvature form, in a basis of principal directions, of a surface that has the same one
-    /// everywhere: planes, spheres and cylinders. It is exact: nothing of a place enters it.
+    /// The curvature form, in a basis of principal directions, if it is the same at all points: on planes, spheres and
+    /// cylinders. It is exact, because it is not computed from a point.
     fn constant_curvature(&self) -> Option<CurvatureForm> {
         None
     }

@@ -1,4 +1,4 @@
-//! The surfaces: the plane here, every other family in its own file.
+//! The surfaces: the plane is in this file, every other family in a file of its own.
 
 mod cylinder;
 mod ellipsoid;

@@ -1,13 +1,13 @@
-//! Errors of formulas, and the display that marks the place in the text.
+//! Errors of formulas, and their display with a marker under the place in the text.
 
 use std::fmt;
 use std::ops::Range;
 
 use super::Formula;
 
-/// Error of a text that is no formula: the reason and the place.
+/// Error in the text of a formula or in its parameters.
 ///
-/// Displays as the reason; where a place in the formula is to blame, also the formula and a line that marks the place:
+/// Displays as the reason. If the error has a place in the formula, the formula and a line that marks the place follow:
 ///
 /// ```text
 /// unknown name `kk` (did you mean `k`?)
@@ -16,9 +16,9 @@ use super::Formula;
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct FormulaError {
-    /// Kind of error, with the names and numbers concerned.
+    /// Kind of error, with the names and numbers that it reports.
     pub kind: FormulaErrorKind,
-    /// The bytes of the text to blame, empty at its end; none if it is not a matter of one place.
+    /// Byte range of the error in the text, empty at the text's end. `None` if the error has no single place.
     pub span: Option<Range<usize>>,
     text: String,
 }
@@ -35,29 +35,29 @@ pub enum FormulaErrorKind {
     /// Nested deeper than [`Formula::MAX_NESTING`].
     #[error("nested more than {} deep", Formula::MAX_NESTING)]
     TooDeep,
-    /// A character that no formula contains.
+    /// A character that is not allowed in formulas.
     #[error("unexpected character `{}`", .0.escape_debug())]
     UnexpectedCharacter(char),
     /// Something like `1.2.3` or `1e+`.
     #[error("`{0}` is not a number")]
     BadNumber(String),
     /// A constant part whose value is infinite or undefined.
-    #[error("this part is not finite but {0}")]
+    #[error("this part is {0}, not finite")]
     NotFinite(f64),
     /// A name that is neither a variable nor a parameter.
     #[error("unknown name `{name}`{}", did_you_mean(.suggestion))]
     UnknownName {
         /// The name.
         name: String,
-        /// Known name of the most similar spelling, if one is similar enough.
+        /// The most similar valid name, if one is similar enough.
         suggestion: Option<String>,
     },
-    /// A call of something that is no function.
+    /// A call of an unknown function.
     #[error("unknown function `{name}`{}", did_you_mean(.suggestion))]
     UnknownFunction {
         /// The name.
         name: String,
-        /// Known name of the most similar spelling, if one is similar enough.
+        /// The most similar valid name, if one is similar enough.
         suggestion: Option<String>,
     },
     /// A function's name without parentheses.
@@ -84,23 +84,23 @@ pub enum FormulaErrorKind {
     /// `**` for a power.
     #[error("write `^` for a power, not `**`")]
     DoubleStar,
-    /// Something else where an operand should be.
+    /// A token that is not an operand, where an operand is required.
     #[error("expected a number, a name or `(`, found `{0}`")]
     ExpectedOperand(String),
-    /// The end of the formula where an operand should be.
+    /// The end of the formula, where an operand is required.
     #[error("the formula ends where a number, a name or `(` should follow")]
     UnexpectedEnd,
     /// A `(` without its `)`.
-    #[error("this `(` is never closed")]
+    #[error("this `(` has no matching `)`")]
     Unclosed,
     /// A `)` without its `(`.
-    #[error("this `)` closes nothing")]
+    #[error("this `)` has no matching `(`")]
     Unopened,
     /// A comma outside a function's arguments.
     #[error("a comma belongs only between the arguments of a function")]
     StrayComma,
     /// A parameter that is infinite or NaN.
-    #[error("parameter `{name}` is not finite but {value}")]
+    #[error("parameter `{name}` is {value}; it must be finite")]
     ParameterNotFinite {
         /// The parameter.
         name: String,
@@ -108,7 +108,7 @@ pub enum FormulaErrorKind {
         value: f64,
     },
     /// A parameter with the name of a variable, a function or `pi`.
-    #[error("`{0}` has a meaning of its own in formulas and cannot name a parameter")]
+    #[error("`{0}` is reserved in formulas and cannot name a parameter")]
     ReservedParameter(String),
     /// A parameter that the formula does not use.
     #[error("parameter `{0}` does not occur in the formula")]
@@ -133,7 +133,7 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        /// Characters shown of a long formula, and how many of them before the marked place.
+        /// Number of characters that are shown of a long formula, and how many of these precede the marked place.
         const SHOWN: usize = 72;
         const BEFORE: usize = 36;
 

@@ -21,7 +21,7 @@ impl Jet {
             && self.hessian.iter().all(|d| d.is_finite())
     }
 
-    /// The variable x, here.
+    /// The variable x at `value`: its derivative is 1 in x and 0 in y.
     pub(super) fn x(value: f64) -> Self {
         Self {
             value,
@@ -30,7 +30,7 @@ impl Jet {
         }
     }
 
-    /// The variable y, here.
+    /// The variable y at `value`: its derivative is 0 in x and 1 in y.
     pub(super) fn y(value: f64) -> Self {
         Self {
             value,
@@ -58,7 +58,7 @@ impl Jet {
     }
 }
 
-/// A type of number that formulas are evaluated on: `f64` gives the value alone, [`Jet`] the derivatives too.
+/// Number type on which a formula is evaluated: `f64` for the value alone, [`Jet`] for the value and its derivatives.
 pub(super) trait Number:
     Copy
     + Neg<Output = Self>
@@ -188,7 +188,7 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Self;
-    /// q = a/b, differentiated as q b = a, so that nothing is squared that could overflow.
+    /// Differentiates q b = a instead of q = a/b, because b² may overflow.
     #[inline]
     fn div(self, other: Self) -> Self {
         let b = other.value;

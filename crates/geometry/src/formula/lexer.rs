@@ -1,10 +1,10 @@
-//! The words of a formula and where they lie.
+//! Splits a formula into tokens with their places in the text.
 
 use std::ops::Range;
 
 use super::error::FormulaErrorKind;
 
-/// A stretch of the text, as a range of bytes.
+/// A range of bytes of the text.
 pub(super) type Span = Range<usize>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub(super) enum Token<'a> {
     End,
 }
 
-/// Yields the words of a text one by one, so that errors come in the order of reading.
+/// Returns the tokens of a text one by one, so that the parser reports the first error of the text.
 #[derive(Debug)]
 pub(super) struct Lexer<'a> {
     text: &'a str,
@@ -37,7 +37,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The next word; [`Token::End`] after the last one, as often as asked.
+    /// The next token; [`Token::End`] at the end and at every later call.
     pub(super) fn next(&mut self) -> Result<(Token<'a>, Span), (FormulaErrorKind, Span)> {
         let start = self.text.len() - self.text[self.position..].trim_start().len();
         let rest = &self.text[start..];
@@ -76,8 +76,8 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// Bytes that belong to the number at the start of `text`, well formed or not: digits and points, then an exponent.
-/// The `e` of `2exp(x)` is none, that of `2e` and `2e+x` a broken one.
+/// Length in bytes of the number at the start of `text`, well formed or not: digits and points, then an exponent. In
+/// `2exp(x)` the `e` starts a function; in `2e` and `2e+x` it starts an incomplete exponent.
 fn number_length(text: &str) -> usize {
     let mantissa = length_while(text, |c| c.is_ascii_digit() || c == '.');
     let rest = &text[mantissa..];

@@ -4,7 +4,7 @@ use std::f64::consts::LN_10;
 
 use super::jet::{Jet, Number};
 
-/// An operation on one operand; the constants of a formula are part of it where they can be.
+/// An operation on one operand. If the second operand is a constant, the operation contains it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,
@@ -54,7 +54,7 @@ pub(super) enum Function {
     Binary(Binary),
 }
 
-/// Every function by the name a formula calls it.
+/// All functions, by their names in formulas.
 pub(super) const FUNCTIONS: [(&str, Function); 17] = [
     ("sin", Function::Unary(Unary::Sin)),
     ("cos", Function::Unary(Unary::Cos)),
@@ -175,7 +175,7 @@ impl Binary {
     }
 }
 
-/// v^n and its derivatives in v, right at v ≤ 0 wherever they exist.
+/// v^n and its first two derivatives in v, correct also for v ≤ 0 where they exist.
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {
@@ -202,7 +202,7 @@ fn power(v: f64, n: f64) -> [f64; 3] {
     }
 }
 
-/// a^b where both vary: differentiable for a > 0 only.
+/// a^b for varying a and b: differentiable only for a > 0.
 fn general_power(a: f64, b: f64) -> Jet {
     let (f, ln) = (libm::pow(a, b), libm::log(a));
     Jet {

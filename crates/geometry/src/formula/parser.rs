@@ -1,4 +1,5 @@
-//! A Pratt parser: every operator has a binding power, and the tighter one takes the operand between two.
+//! A Pratt parser: every operator has a binding power, and an operand between two operators belongs to the stronger
+//! one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +13,7 @@ const X: &str = "x";
 const Y: &str = "y";
 const PI: &str = "pi";
 
-/// Binding strength of a sign: above that of `*`, below that of `^`.
+/// Binding power of a sign: above that of `*`, below that of `^`.
 const SIGN: u8 = 5;
 
 type Result<T> = std::result::Result<T, (Kind, Span)>;
@@ -54,7 +55,7 @@ struct Parser<'a> {
     parameters: &'a BTreeMap<String, f64>,
     used: BTreeSet<&'a str>,
     lexer: Lexer<'a>,
-    /// The word to read next, and where it and the one before it lie.
+    /// The next token, its place, and the place of the token before it.
     token: Token<'a>,
     span: Span,
     previous: Span,
@@ -77,7 +78,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// The whole text: its program and the parameters in it.
+    /// Parses the whole text. Returns the program and the parameters that it uses.
     fn formula(mut self) -> Result<(Program, BTreeSet<&'a str>)> {
         let expression = self.expression(0)?;
         match self.token {
@@ -87,7 +88,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// An operand and all operators after it that bind at least as tightly as `least`.
+    /// Parses an operand and all operators after it that bind at least as tightly as `least`.
     fn expression(&mut self, least: u8) -> Result<Expression> {
         self.nesting += 1;
         if self.nesting > Formula::MAX_NESTING {
@@ -107,7 +108,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// The operator to read next, if there is one, and its binding powers to the left and right.
+    /// The next operator, if the next token is one, with its binding powers to the left and right.
     fn operator(&self) -> Result<Option<(Binary, u8, u8)>> {
         Ok(Some(match self.token {
             Token::Plus => (Binary::Add, 1, 2),
@@ -127,7 +128,7 @@ impl<'a> Parser<'a> {
         }))
     }
 
-    /// A number, a name, a call, something in parentheses, or a sign with its operand.
+    /// Parses a number, a name, a call, an expression in parentheses, or a sign with its operand.
     fn operand(&mut self) -> Result<Expression> {
         let (token, span) = (self.token, self.span.clone());
         let after_star = self.text[..span.start].ends_with('*');
@@ -184,7 +185,7 @@ impl<'a> Parser<'a> {
         Err((kind, span))
     }
 
-    /// The call of `function` at `start`, from its `(` on.
+    /// Parses the arguments of `function`, whose name begins at byte `start`. The next token is `(`.
     fn call(&mut self, name: &str, function: Function, start: usize) -> Result<Expression> {
         let open = self.span.clone();
         let mut arguments = Vec::new();
@@ -229,7 +230,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Refuses the expression just read, from byte `start` on, if it is a constant that is infinite or undefined.
+    /// Rejects the expression that ends at the previous token and begins at byte `start` if it is a constant that is
+    /// not finite.
     fn finite(&self, expression: Expression, start: usize) -> Result<Expression> {
         match expression {
             Expression::Constant(value) if !value.is_finite() => {
@@ -247,8 +249,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The candidate that `name` most likely misspells, if one is close enough: case does not count, and every third
-/// letter may be wrong, but not all.
+/// The candidate that `name` most likely misspells, if one is similar enough: a third of the letters may differ, but
+/// not all. Upper and lower case count as equal.
 fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<String> {
     match name {
         "log" => return Some("ln".into()),

@@ -4,8 +4,8 @@ use super::Formula;
 use super::jet::Number;
 use super::operation::{Binary, Unary};
 
-/// A binary operation evaluates first the operand that needs more slots, so n slots suffice for 2ⁿ − 1 operands
-/// (Sethi and Ullman 1970). A text of m characters holds at most (m + 1)/2 operands.
+/// Number of stack slots. A binary operation first evaluates the operand that needs more slots, so n slots suffice for
+/// 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m + 1)/2 operands.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
@@ -20,11 +20,11 @@ enum Instruction {
     Swap,
 }
 
-/// Instructions that leave one number on the stack.
+/// Postfix instructions. At the end, their result is the only number on the stack.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Program {
     instructions: Vec<Instruction>,
-    /// Stack slots it needs, at most [`SLOTS`].
+    /// Number of stack slots that the program needs, at most [`SLOTS`].
     slots: usize,
 }
 
@@ -58,7 +58,7 @@ impl Program {
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
-        // Most formulas need few slots, and filling the rest would take as long as the arithmetic.
+        // Most formulas need few slots. Initialising all slots would cost as much time as the arithmetic.
         if self.slots <= 4 {
             self.run_in::<N, 4>(x, y)
         } else {
@@ -66,7 +66,8 @@ impl Program {
         }
     }
 
-    /// Keeps the topmost operand in registers; what the first one pushes below itself is never read.
+    /// Evaluates with `SIZE` slots. The top of the stack is a local variable, so that it can stay in a register. The
+    /// first push stores a dummy, which is never read.
     fn run_in<N: Number, const SIZE: usize>(&self, x: N, y: N) -> N {
         let mut below = [x; SIZE];
         let mut depth = 0;
@@ -100,7 +101,7 @@ impl Program {
     }
 }
 
-/// A part of a formula while it is parsed: what does not depend on x or y is already a number.
+/// A part of a formula during parsing. A part that does not depend on x or y is already evaluated.
 #[derive(Debug)]
 pub(super) enum Expression {
     Constant(f64),

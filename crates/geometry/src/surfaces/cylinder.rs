@@ -1,14 +1,14 @@
-//! Cylinders lying on their side.
+//! Horizontal cylinders.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::error::{SQUARABLE, checked_finite, checked_length, is_within_reach};
 use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
-/// An endless cylinder whose axis passes through the origin, horizontally.
+/// An infinite cylinder with a horizontal axis through the origin.
 ///
-/// With `d` the axis and `b` the horizontal across it, the chart is `u d + r sin v b + r cos v z`:
-/// `u = v = 0` is the top. `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
+/// With the unit vectors `d` along the axis and `b = z × d`, the chart is `u d + r sin v b + r cos v z`. `u = v = 0` is
+/// on the top line. `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     radius: f64,
@@ -17,10 +17,10 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// A cylinder of `radius` whose axis stands at `direction_rad` from +x towards +y.
+    /// A cylinder of `radius` whose axis has the angle `direction_rad` from +x towards +y.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite, positive and can be squared and the direction finite.
+    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150 and the direction is finite.
     pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
         let radius = checked_length("radius", radius)?;
         let (sin, cos) = libm::sincos(checked_finite("direction", direction_rad)?);
@@ -82,7 +82,7 @@ impl Surface for Cylinder {
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         let radial = self.radial(point);
         let (norm, farthest) = (radial.norm(), point.coords.norm());
-        // On the axis a direction is only rounding.
+        // On the axis, the direction to the surface is only rounding error.
         let on_axis = norm <= f64::EPSILON * farthest;
         if on_axis || !SQUARABLE.contains(&norm) || !SQUARABLE.contains(&farthest) {
             return Err(SurfaceError::no_closest_point(point));

@@ -21,7 +21,7 @@ pub struct HeightJet {
 
 impl HeightJet {
     fn is_finite(&self) -> bool {
-        // A sum is finite only if every term is.
+        // The sum is finite only if every term is finite.
         let [fx, fy] = self.gradient;
         let [fxx, fxy, fyy] = self.hessian;
         (self.value + fx + fy + fxx + fxy + fyy).is_finite()
@@ -30,19 +30,19 @@ impl HeightJet {
 
 /// A twice differentiable height over the plane.
 pub trait Height {
-    /// Slopes from here on count as a vertical wall, where the graph ends.
+    /// Largest slope. The graph ends where its slope exceeds this value, as at a vertical wall.
     const STEEPEST: f64 = *SQUARABLE.end();
 
     /// Height and derivatives at `(x, y)`. Where the height is undefined or not twice
     /// differentiable, some of the derivatives are not finite.
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
-    /// The meridian through the contact above `(x, y)`, as in [`Surface::meridian`].
+    /// The meridian from the point above `(x, y)`, as in [`Surface::meridian`].
     fn meridian_at(&self, _x: f64, _y: f64) -> Option<Meridian> {
         None
     }
 
-    /// Whether the graph may be touched twice, as in [`Surface::may_touch_twice`].
+    /// As [`Surface::may_touch_twice`], for the graph.
     fn may_touch_twice(&self, radius: f64) -> bool;
 }
 
@@ -64,7 +64,7 @@ pub struct Graph<H> {
     height: H,
 }
 
-/// `z = −c (x² + y²)`; a bowl where `c < 0`. The radius of curvature at the apex is `1/(2c)`.
+/// `z = −c (x² + y²)`; a bowl if `c < 0`. The radius of curvature at the apex is `1/(2c)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paraboloid {
     c: f64,
@@ -133,8 +133,8 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // A ball in a bowl touches the other side only when its centre reaches the axis. The bowl is then as curved as the
-    // ball.
+    // A ball in a bowl touches the opposite side only if its centre reaches the axis. The bowl's curvature across the
+    // meridian then equals the ball's curvature.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -151,20 +151,20 @@ impl Height for Saddle {
         }
     }
 
-    // The centre of a ball reaches a valley's plane of symmetry only if the valley is at least as curved there as the
-    // ball.
+    // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. The valley must
+    // be at least as curved there as the ball.
     fn may_touch_twice(&self, radius: f64) -> bool {
         2.0 * self.a.abs() * radius > 1.0
     }
 }
 
 impl Height for HeightField {
-    // Nearer to a wall such as that of sqrt(1 − x), x itself is no longer resolved.
+    // Closer to a wall, such as that of sqrt(1 − x) at x = 1, doubles no longer resolve x.
     const STEEPEST: f64 = 1e6;
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
-        // ln(x) has derivatives at x < 0, where it has no value.
+        // The derivatives of ln(x) are finite at x < 0, where its value is NaN. The added 0 · value makes them NaN too.
         let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,
@@ -201,8 +201,8 @@ struct Foot {
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
-    /// Determinants of the Hessian of a plane, `I + s sᵀ` with the slope s, and of the Hessian:
-    /// expanded, for on a steep slope `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    /// Determinants of `I + s sᵀ`, which is the Hessian for a plane of slope s, and of the Hessian. Both are expanded:
+    /// on a steep slope, `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }
@@ -217,7 +217,8 @@ impl Foot {
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
-        // On the graph as far as heights tell; on a needle the rest would be taken for a hollow.
+        // A difference within rounding counts as 0. A sharp peak would multiply it by a large curvature and appear to
+        // be a hollow.
         let above = match jet.value - target.z {
             tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
             above => above,
@@ -242,7 +243,7 @@ impl Foot {
         self.hessian.m11 > 0.0 && self.determinant > 0.0
     }
 
-    /// Newton's step to the minimum; Gauss–Newton's where Newton's would not descend.
+    /// Newton's step to the minimum; the Gauss–Newton step where the Hessian is not positive definite.
     fn step(&self) -> Option<Vector2<f64>> {
         let (hessian, determinant) = if self.is_minimum() {
             (self.hessian, self.determinant)
@@ -255,8 +256,7 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this is closer than `other`; or as close, as far as rounding tells, and much nearer
-    /// to stationary.
+    /// Whether this point is closer than `other`, or is as close within 1e-6 and has less than half of its gradient.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };
@@ -304,7 +304,7 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // The checks of `Graph::jet`, as far as they matter here: no NaN is within a bound.
+        // Repeats the checks of `Graph::jet` that are needed here. Both comparisons fail for NaN.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {
@@ -334,8 +334,8 @@ impl<H: Height> Surface for Graph<H> {
         self.closest_point_from(point, point.xy().coords)
     }
 
-    /// Newton's method on the squared distance, damped to descend, Gauss–Newton where the Hessian
-    /// is not positive definite.
+    /// Newton's method on the squared distance, with damping. Gauss–Newton steps where the Hessian is not positive
+    /// definite.
     fn closest_point_from(
         &self,
         point: &Point3<f64>,
@@ -343,7 +343,7 @@ impl<H: Height> Surface for Graph<H> {
     ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let mut foot = Foot::new(self, point, start)?;
-        // NaN in z or a square that overflows.
+        // `z` is NaN, or a square overflows.
         if !foot.half_square.is_finite() {
             return Err(none);
         }
@@ -357,7 +357,7 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // Stationary, but on a ridge between two closest points.
+        // A stationary point that is not a minimum lies on a ridge between two closest points.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

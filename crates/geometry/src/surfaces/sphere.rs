@@ -30,7 +30,7 @@ impl Sphere {
     /// A sphere of `radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
+    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
         let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
@@ -46,7 +46,7 @@ impl Dish {
     /// A dish of `radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
+    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
         let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
@@ -58,7 +58,7 @@ impl Dish {
     }
 }
 
-/// The chart of a sphere whose height is `side · R cos u cos v`.
+/// The chart `(R sin u, R cos u sin v, side · R cos u cos v)`.
 fn spherical_chart(radius: f64, side: f64, at: Parameters) -> Result<ChartJet, SurfaceError> {
     let at = at.unless_beyond_pole()?;
     let (sin_u, cos_u) = libm::sincos(at.u);
@@ -84,8 +84,8 @@ fn spherical_parameters(point: &Point3<f64>, side: f64) -> Parameters {
     )
 }
 
-/// The level set through `point` of the distance from the origin, growing outwards (`side` = 1)
-/// or inwards (−1).
+/// The level set of the distance from the origin through `point`. `side` is 1 if the function grows outwards, −1 if
+/// inwards.
 #[inline]
 fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, SurfaceError> {
     LevelSet::new(point.coords * side, Matrix3::identity() * side).ok_or(SurfaceError::OffDomain {
@@ -94,7 +94,7 @@ fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, Surfa
     })
 }
 
-/// Normal and curvature at a point on it, which are known without normalising anything.
+/// Normal and curvature at a point on the sphere. The normal needs no normalisation, because the radius is given.
 #[inline]
 fn spherical_form(point: &Point3<f64>, curvature: f64) -> Result<TangentForm, SurfaceError> {
     let normal = point.coords * curvature;

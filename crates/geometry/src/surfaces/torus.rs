@@ -1,4 +1,4 @@
-//! Ring tori lying flat.
+//! Ring tori about a vertical axis.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -7,8 +7,8 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 
 /// A ring torus about the z axis.
 ///
-/// With `ρ = R + r sin u` the chart is `(ρ cos v, ρ sin v, r cos u)`: `u = 0` is the top circle,
-/// growing outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
+/// With `ρ = R + r sin u` the chart is `(ρ cos v, ρ sin v, r cos u)`: `u = 0` is the top circle, and `u` grows
+/// outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -32,8 +32,8 @@ impl Torus {
     /// A torus whose tube of `minor_radius` is centred on a circle of `major_radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless both are finite, positive and can be squared and the tube does not meet itself
-    /// (`minor_radius < major_radius`).
+    /// [`InvalidShape`] unless both are between 1e-150 and 1e150 and `minor_radius < major_radius`, so that the tube
+    /// does not intersect itself.
     pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, InvalidShape> {
         checked_length("major_radius", major_radius)?;
         checked_length("minor_radius", minor_radius)?;
@@ -45,7 +45,7 @@ impl Torus {
         })
     }
 
-    /// Radius of the circle that the tube's centre runs along.
+    /// Radius of the circle of the tube's centres.
     pub const fn major_radius(&self) -> f64 {
         self.major_radius
     }
@@ -116,7 +116,7 @@ impl Surface for Torus {
         let centre = out * self.major_radius;
         let radial = point.coords - centre;
         let norm = radial.norm();
-        // On the core circle a direction is only rounding.
+        // On the circle of the tube's centres, the direction to the surface is only rounding error.
         let on_core = norm <= f64::EPSILON * self.major_radius;
         if on_core || rho == 0.0 || !SQUARABLE.contains(&norm) {
             return Err(SurfaceError::no_closest_point(point));

@@ -1,5 +1,5 @@
-//! Surfaces return results near their default contact. Any bit patterns as arguments give finite numbers or an error,
-//! and returned points lie on the surface.
+//! Surfaces return results near their default contact. For arguments of any bit pattern they return finite numbers or
+//! an error, and returned points lie on the surface.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use palpate_geometry::formula::Formula;
@@ -63,7 +63,7 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// Whether each method of a surface succeeds at a place. Checks that the results are finite.
+/// Whether each method of a surface succeeds at a place. Also checks that the results are finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;
@@ -98,7 +98,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     }
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
-    // These calls must only return without a panic.
+    // These calls only need to return without a panic.
     let _ = (surface.parameters(&place), surface.meridian(&place));
     Ok([
         chart.is_ok(),
@@ -113,7 +113,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
-    /// Every method of every surface succeeds near the default contact, whatever the size of the surface.
+    /// Every method of every surface succeeds near the default contact, for surfaces of any size.
     #[test]
     fn surfaces_of_any_size_answer_near_their_default_contact(
         power in -9.0..9.0_f64,

@@ -1,4 +1,4 @@
-//! Each surface against its textbook forms.
+//! Compares each surface with its textbook forms.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -9,7 +9,7 @@ use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Surface};
 
-/// Calls `check` with places of a chart of two angles, and what it has there.
+/// Calls `check` with u and the geometry at places of a chart of two angles.
 fn over_angles(surface: &impl Surface, check: impl Fn(f64, ChartGeometry)) {
     for i in -7..=7 {
         for j in -7..=7 {
@@ -127,7 +127,7 @@ fn torus_is_a_saddle_on_its_inner_side() {
     assert_abs_diff_eq!(gaussian(PI), 0.0, epsilon = 1e-15);
 }
 
-/// The curvature at the origin of a graph that is level there.
+/// The curvature at the origin of a graph that is horizontal there.
 fn at_origin(graph: &impl Surface) -> CurvatureForm {
     let here = graph.chart_geometry(Parameters::new(0.0, 0.0)).unwrap();
     assert_eq!(here.frame.normal, Vector3::z());

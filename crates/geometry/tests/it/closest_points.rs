@@ -1,4 +1,4 @@
-//! Closest points where the laws do not look: far away, inside, and where there is none.
+//! Closest points that the laws do not test: far away, inside the solid, and where no point is closest.
 
 use std::f64::consts::PI;
 
@@ -35,8 +35,8 @@ fn centres_and_axes_have_no_closest_point() {
 
 #[test]
 fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
-    // Between the tips the closest points are above and below; where the smallest axis is z, up to
-    // the centre of curvature of the tip, at a − c²/a from the centre.
+    // In the plane of symmetry across the shortest axis (z), two points above and below are equally close. On the x
+    // axis this holds up to the centre of curvature of the tip, at a − c²/a from the centre.
     let ellipsoid = Ellipsoid::new([3.0, 2.0, 1.0]).unwrap();
     assert_none(&ellipsoid, 0.0, 0.0, 0.0);
     assert_none(&ellipsoid, 1.0, 0.5, 0.0);
@@ -46,12 +46,11 @@ fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
     assert_eq!(closest(0.0, -1.6, 0.0), Point3::new(0.0, -2.0, 0.0));
     assert_eq!(closest(0.0, 0.0, 1e-300), Point3::new(0.0, 0.0, 1.0));
     assert_eq!(closest(0.0, 0.0, -0.2), Point3::new(0.0, 0.0, -1.0));
-    // A spheroid's whole axis between the centres of curvature, when it is the long one.
+    // On the axis of a prolate spheroid, no point is closest between the tips' centres of curvature.
     let spindle = Ellipsoid::new([1.0, 1.0, 2.0]).unwrap();
     assert_none(&spindle, 0.0, 0.0, 1.49);
     let tip = spindle.closest_point(&Point3::new(0.0, 0.0, 1.51)).unwrap();
     assert_eq!(tip, Point3::new(0.0, 0.0, 2.0));
-    // And a sphere's centre.
     assert_none(&Ellipsoid::new([2.0; 3]).unwrap(), 0.0, 0.0, 0.0);
 }
 
@@ -61,15 +60,15 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert_none(&bowl, 0.0, 0.0, 1.1);
     let apex = bowl.closest_point(&Point3::new(0.0, 0.0, 0.9)).unwrap();
     assert_eq!(apex, Point3::origin());
-    // Inside a hill likewise; off the axis the near side wins.
+    // On the axis inside a hill, no point is closest. Beside the axis, the closest point is on the near side.
     let hill = Graph::paraboloid(0.5).unwrap();
     assert_none(&hill, 0.0, 0.0, -1.1);
     let inside = hill.closest_point(&Point3::new(0.2, 0.0, -3.0)).unwrap();
     assert!(inside.x > 1.0 && inside.y == 0.0);
 }
 
-/// Asserts that `found` is the closest point of an ellipsoid to `from`: the one place where both
-/// `from = found + t ∇F/2` and `t >= −(smallest axis)²`, which also bounds every other place.
+/// Asserts that `found` is the closest point of an ellipsoid to `from`. It is the only point of the ellipsoid with
+/// `from = found + t ∇F/2` and `t >= −(shortest semi-axis)²`.
 fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     let axes = Vector3::from(semi_axes);
     let smallest = axes.min();
@@ -78,7 +77,7 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
         (unit.norm() - 1.0).abs() < 1e-14,
         "{found} is off the ellipsoid {semi_axes:?}"
     );
-    // t/a² is the gap along an axis over the coordinate; the largest coordinate tells t best.
+    // The gap must be parallel to the normal, whose length is scaled to 1.
     let normal = unit.component_div(&axes).normalize();
     let gap = from - found;
     let along = gap.dot(&normal);
@@ -124,7 +123,7 @@ proptest! {
         let from = Point3::from(Vector3::from(semi_axes).component_mul(&Vector3::from(share)));
         match Ellipsoid::new(semi_axes).unwrap().closest_point(&from) {
             Ok(found) => assert_closest(semi_axes, from, found),
-            // Only in the plane across the smallest axis, and inside.
+            // Only inside the ellipsoid and in the plane of symmetry across its shortest axis.
             Err(_) => {
                 let axis = Vector3::from(semi_axes).imin();
                 prop_assert!(from[axis] == 0.0 && Vector3::from(share).norm() < 1.0);

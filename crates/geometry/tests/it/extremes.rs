@@ -20,7 +20,7 @@ fn a_chart_ends_at_its_poles() {
                 let at = Parameters::new(u, v);
                 let singular = Err(SurfaceError::ChartSingular { u, v });
                 assert_eq!(surface.chart_geometry(at), singular);
-                // The surface goes on.
+                // Only the chart is singular at the pole; the surface is regular.
                 let pole = surface.chart(at).unwrap().point;
                 assert!((pole.x.abs() - size).abs() <= f64::EPSILON * size);
                 let level_set = surface.level_set(&pole).unwrap();
@@ -56,7 +56,7 @@ fn a_chart_ends_at_its_poles() {
             size,
         );
     }
-    // A cylinder and a torus have none.
+    // The charts of a cylinder and a torus have no poles.
     for (u, v) in [(FRAC_PI_2, FRAC_PI_2), (-PI, PI), (1e3, 1e4)] {
         let at = Parameters::new(u, v);
         assert!(Cylinder::new(1e-9, 0.3).unwrap().chart_geometry(at).is_ok());
@@ -78,7 +78,7 @@ fn heights_near_a_rim_keep_their_digits() {
     assert!(cylinder.contact_at(9.0, 3.0_f64.next_up()).is_err());
 }
 
-/// The rounding of coordinates grows with the distance from the origin.
+/// Coordinates lose digits in proportion to the distance from the origin.
 #[test]
 fn moved_spheres_lose_no_more_than_their_coordinates() {
     let up = Vector3::new(0.36, -0.48, 0.8);
@@ -203,7 +203,7 @@ fn principal_directions_lie_in_their_half_turn() {
     }
 }
 
-/// Between ten to the −9 and to the 9.
+/// A length between 1e-9 and 1e9.
 fn lengths() -> impl Strategy<Value = f64> {
     (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent))
 }
@@ -246,7 +246,8 @@ proptest! {
         let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
-        // A point is no finer than its coordinates, and the tube is thin.
+        // Rounding of the point's coordinates, relative to the thin tube and amplified near the centre of a narrow
+        // hole.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
         let form = local.curvature(&here.frame.x, &here.frame.y);
@@ -272,8 +273,8 @@ proptest! {
         let local = ellipsoid.level_set(&here.point).unwrap();
         assert_relative_eq!(local.normal, frame.normal, epsilon = 1e-13, max_relative = 1e-13);
 
-        // K = p⁴/(abc)², H = p³ (Σa² − |x|²)/(2 (abc)²) with p the distance of the tangent plane, and
-        // a² − x² = a² (1 − x²/a²), of which the other two coordinates tell the bracket.
+        // K = p⁴/(abc)², H = p³ (Σa² − |x|²)/(2 (abc)²), where p is the distance of the tangent plane from the centre.
+        // In a² − x² = a² (1 − x²/a²), the bracket is computed from the other two coordinates, without cancellation.
         let axes = Vector3::from(semi_axes);
         let unit = here.point.coords.component_div(&axes);
         let p = 1.0 / unit.component_div(&axes).norm();
@@ -285,7 +286,7 @@ proptest! {
         let gaussian = (p * p / product).powi(2);
         for form in [here.curvature, local.curvature(&frame.x, &frame.y)] {
             assert_relative_eq!(form.mean_curvature(), mean, max_relative = 1e-12);
-            // K is a difference of products of the size of H².
+            // K is a difference of products that are as large as H².
             let epsilon = 1e-12 * mean * mean;
             assert_relative_eq!(form.gaussian_curvature(), gaussian, epsilon = epsilon);
         }
@@ -305,7 +306,7 @@ proptest! {
         assert_relative_eq!(form.k_uu * size, across, max_relative = 1e-14);
         assert_abs_diff_eq!(form.k_vv * size, across / w / w, epsilon = 1e-14 * across);
         assert_relative_eq!(normal.z, 0.5 * across, max_relative = 1e-14);
-        // The point is half a radius of curvature away from the surface, on the inner side.
+        // The point lies half a radius of curvature below the surface.
         let inside = foot - normal * (0.25 * size * w);
         if r < 1.0 {
             let found = hill.closest_point(&inside).unwrap();

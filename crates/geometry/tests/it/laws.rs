@@ -1,4 +1,4 @@
-//! Laws that every surface obeys, whatever its shape, wherever it stands and through whichever type it is asked.
+//! Laws that every surface obeys, in every pose, called through its own type or through `Shape`.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
@@ -30,7 +30,7 @@ fn every_surface_obeys_the_laws() {
     }
 }
 
-/// `surface` is the specimen's, standing at `pose`.
+/// Checks the laws on the specimen's surface at `pose`.
 fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen, pose: Isometry3<f64>) {
     let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
     for &at in &specimen.at {
@@ -56,7 +56,7 @@ struct Place<'a, S> {
     pose: Isometry3<f64>,
     at: Parameters,
     geometry: ChartGeometry,
-    /// Lengths equal up to rounding differ by less.
+    /// Lengths that differ by less count as equal: the difference is rounding.
     tiny: f64,
 }
 
@@ -91,7 +91,7 @@ impl<'a, S: Surface> Place<'a, S> {
         assert!(is_in_solid(self.geometry.point - step));
     }
 
-    /// M = Eᵀ J, K = Eᵀ N M⁻¹, T = yᵀ X M⁻¹, with J, N and X by differences of points and frames.
+    /// M = Eᵀ J, K = Eᵀ N M⁻¹, T = yᵀ X M⁻¹, with J, N and X from differences of points and frames.
     fn the_forms_are_those_of_the_chart(&self) {
         let [unit_u, unit_v] = self.specimen.unit;
         let to = |du: f64, dv: f64| {
@@ -127,7 +127,7 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // Symmetric, because both sides are: K holds one mixed term.
+        // K has one mixed term, so this comparison also checks that the form is symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,
@@ -191,7 +191,7 @@ impl<'a, S: Surface> Place<'a, S> {
             .inverse_transform_vector(&self.geometry.frame.normal)
             .z;
         let touched = self.surface.contact_at(local.x, local.y).unwrap();
-        // A place that faces down is covered by one that faces up, which is touched instead.
+        // Where the surface faces down, `contact_at` returns the point above, which faces up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }
@@ -207,7 +207,7 @@ impl<'a, S: Surface> Place<'a, S> {
         }
     }
 
-    /// Anywhere, on surfaces that are not graphs; else within reach.
+    /// Compares the closest point with sample points of the surface. Graphs are tested within `reach` only.
     fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
         let is_graph = matches!(
             self.specimen.shape,

@@ -1,4 +1,4 @@
-//! The laws of geometry, run on every surface, and the closed forms each one must reach.
+//! Geometry tests: laws for every surface, and closed forms for each one.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

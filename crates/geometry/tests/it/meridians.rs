@@ -1,4 +1,4 @@
-//! Meridians against the charts of their surfaces, differences and quadrature.
+//! Compares meridians with the charts of their surfaces, with differences and with quadrature.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,13 +10,13 @@ use palpate_geometry::{Meridian, Surface};
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
 const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];
 
-/// The meridian from the top or the origin.
+/// The meridian from the top or the origin, and its apex.
 fn from_apex(surface: &impl Surface) -> (Meridian, Point3<f64>) {
     let apex = surface.contact_at(0.0, 0.0).unwrap();
     (surface.meridian(&apex).unwrap(), apex)
 }
 
-/// Both charts hold the meridian in the plane y = 0 along their first parameter.
+/// Compares the meridian with the chart: it is the chart's line along u in the plane y = 0.
 fn follows_the_chart(surface: &impl Surface, t: f64) {
     let (meridian, apex) = from_apex(surface);
     let (found, slope) = (meridian.at(t), meridian.slope(t));
@@ -51,7 +51,7 @@ fn paraboloids_and_spheroids_follow_their_charts() {
         }
     }
     for [a, c] in SPHEROIDS {
-        // Not the poles of the chart, at the equator.
+        // The poles of the chart, at t = π/2 and 3π/2 on the equator, are left out.
         for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
             follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
         }
@@ -120,7 +120,7 @@ fn arc_lengths_are_the_integral_of_their_elements() {
 fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
     for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
         let meridian = Meridian::Spheroid { a, c };
-        // It never strays a quarter turn from the parameter and equals it at quarter turns.
+        // The slope angle differs from the parameter by less than a quarter turn, and equals it at quarter turns.
         for step in 0..4000 {
             let t = f64::from(step) * 0.01;
             let slope = meridian.slope(t).slope_rad;

@@ -1,4 +1,4 @@
-//! Shapes, poses and places that are refused, and the names of their errors.
+//! Shapes, poses and places that are rejected, and the names of their errors.
 
 use std::collections::BTreeMap;
 

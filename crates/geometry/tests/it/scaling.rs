@@ -1,9 +1,9 @@
-//! Lengths × 2^k give curvatures × 2^−k, to the last bit, where the form is closed.
+//! If lengths are multiplied by 2^k, curvatures in closed form are multiplied by exactly 2^−k.
 
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{CurvatureForm, Parameters, Surface};
 
-/// Compares the surface of every size with that of size 1. `scaled` tells which parameters are
+/// Compares the surface of every size with the surface of size 1. `lengths` marks the chart parameters that are
 /// lengths.
 fn scales_exactly<S: Surface>(of_size: impl Fn(f64) -> S, lengths: [bool; 2]) {
     let unit = of_size(1.0);

@@ -1,4 +1,4 @@
-//! One or more of every surface, with what the laws need to know about it.
+//! One or more surfaces of every family, with the data that the laws need.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -10,19 +10,19 @@ use palpate_geometry::{Parameters, Shape, Surface};
 
 pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 
-/// A surface with places to ask it at and what it is known to be.
+/// A surface, places on it, and its properties.
 pub(crate) struct Specimen {
     pub(crate) name: String,
     pub(crate) shape: Shape,
     /// Places away from the poles of the chart.
     pub(crate) at: Vec<Parameters>,
-    /// Natural unit of each parameter, by which steps are scaled: 1 for an angle, a length for a length.
+    /// Natural unit of each parameter, which scales the steps: 1 for an angle, a length for a length.
     pub(crate) unit: [f64; 2],
     /// A length of the order of the surface.
     pub(crate) size: f64,
-    /// Within this distance of the surface every point has one closest point.
+    /// Every point within this distance of the surface has one closest point on it.
     pub(crate) reach: f64,
-    /// Whether a point is in the solid, from the solid's definition alone.
+    /// Whether a point is in the solid. It follows from the definition of the solid, not from the surface's code.
     pub(crate) solid: Solid,
 }
 
@@ -190,7 +190,7 @@ pub(crate) fn all() -> Vec<Specimen> {
     ]
 }
 
-/// Poses far from each other, the first at home.
+/// Poses far from each other. The first is the identity.
 pub(crate) fn poses() -> [Isometry3<f64>; 3] {
     let pose = |x, y, z, roll, pitch, yaw| {
         let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
@@ -203,7 +203,7 @@ pub(crate) fn poses() -> [Isometry3<f64>; 3] {
     ]
 }
 
-/// Calls the same on the concrete surface inside a [`Shape`].
+/// Evaluates an expression on the concrete surface inside a [`Shape`].
 macro_rules! on_concrete {
     ($shape:expr, $surface:ident => $call:expr) => {
         match $shape {

@@ -149,7 +149,7 @@ fn are_not_finite_exactly_where_they_do_not_exist() {
     }
 }
 
-/// Central differences of the value give the gradient, of the gradient the second derivatives.
+/// Gradient by central differences of the value, second derivatives by central differences of the gradient.
 fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
     let h = 1e-5;
     let (e, w) = (formula.jet(x + h, y), formula.jet(x - h, y));
@@ -178,7 +178,7 @@ fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
 proptest! {
     #[test]
     fn agree_with_differences(x in -0.9..0.9_f64, y in -0.9..0.9_f64) {
-        // Inner functions with all first and second derivatives, kept away from singular places.
+        // Inner functions with all first and second derivatives, away from singular places.
         let inner = "(0.4*x+0.3*y+0.2*x*y-0.1*x^2)";
         let positive = format!("(1.5+{inner})");
         let table = [

@@ -1,6 +1,6 @@
 use super::*;
 
-/// The error of a formula with the parameters A = 0.15 and k = 0.7, as far as the text names them.
+/// The error of the formula `text` with the parameters A = 0.15 and k = 0.7.
 fn error(text: &str) -> FormulaError {
     let all = parameters(&[("A", 0.15), ("k", 0.7)]);
     Formula::parse(text, &all).expect_err(text)
@@ -97,20 +97,16 @@ fn numbers() {
     assert_shown(".", &["`.` is not a number", "  .", "  ^"]);
     assert_shown(
         "x+1e999",
-        &["this part is not finite but inf", "  x+1e999", "    ^^^^^"],
+        &["this part is inf, not finite", "  x+1e999", "    ^^^^^"],
     );
     assert_shown(
         "x+2/(1-1)",
-        &[
-            "this part is not finite but inf",
-            "  x+2/(1-1)",
-            "    ^^^^^^^",
-        ],
+        &["this part is inf, not finite", "  x+2/(1-1)", "    ^^^^^^^"],
     );
     assert_shown(
         "x*sqrt( -1 )",
         &[
-            "this part is not finite but NaN",
+            "this part is NaN, not finite",
             "  x*sqrt( -1 )",
             "    ^^^^^^^^^^",
         ],
@@ -202,10 +198,16 @@ fn missing_operands() {
 fn parentheses_and_commas() {
     assert_shown(
         "2*(x+(1)",
-        &["this `(` is never closed", "  2*(x+(1)", "    ^"],
+        &["this `(` has no matching `)`", "  2*(x+(1)", "    ^"],
     );
-    assert_shown("sin(x", &["this `(` is never closed", "  sin(x", "     ^"]);
-    assert_shown("x+1)", &["this `)` closes nothing", "  x+1)", "     ^"]);
+    assert_shown(
+        "sin(x",
+        &["this `(` has no matching `)`", "  sin(x", "     ^"],
+    );
+    assert_shown(
+        "x+1)",
+        &["this `)` has no matching `(`", "  x+1)", "     ^"],
+    );
     let comma = "a comma belongs only between the arguments of a function";
     assert_shown("x, y", &[comma, "  x, y", "   ^"]);
     assert_shown("(x, y)", &[comma, "  (x, y)", "    ^"]);
@@ -270,13 +272,13 @@ fn of_no_one_place() {
             .to_string()
     };
     for name in ["x", "y", "pi", "sin", "hypot"] {
-        let message = "has a meaning of its own in formulas and cannot name a parameter";
+        let message = "is reserved in formulas and cannot name a parameter";
         assert_eq!(of(name, 1.0), format!("`{name}` {message}"));
     }
-    assert_eq!(of("k", f64::NAN), "parameter `k` is not finite but NaN");
+    assert_eq!(of("k", f64::NAN), "parameter `k` is NaN; it must be finite");
     assert_eq!(
         of("k", f64::NEG_INFINITY),
-        "parameter `k` is not finite but -inf"
+        "parameter `k` is -inf; it must be finite"
     );
     assert_eq!(
         of("two words", 1.0),

@@ -10,7 +10,7 @@ enum Tree {
 }
 
 impl Tree {
-    /// Its value without `^`, rounded as the formula is to be rounded.
+    /// Value of an expression without `^`, computed with the same roundings as the formula.
     fn value(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Leaf("x") => x,
@@ -24,7 +24,7 @@ impl Tree {
                     '-' => a - b,
                     '*' => a * b,
                     '/' => a / b,
-                    _ => panic!("{operator} is not rounded alike everywhere"),
+                    _ => panic!("the rounding of {operator} depends on the platform"),
                 }
             }
         }
@@ -120,7 +120,7 @@ proptest! {
     }
 }
 
-/// Either a formula that evaluates, or an error whose marks lie under the formula.
+/// Checks that a text either parses and evaluates, or returns an error whose marker lies under the text.
 fn survives(text: &str) {
     match Formula::parse(text, &parameters(&[("k", 2.0)])) {
         Ok(formula) => {
