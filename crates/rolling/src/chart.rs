@@ -6,8 +6,8 @@
 //! ψ̇  = ω_z + T₁ M₁ u̇₁ + T₂ M₂ u̇₂ ,      K̃₂ = R_ψ K₂ R_ψ
 //! ```
 //!
-//! The probe's chart is placed such that the contact starts at its centre and first moves along its equator. There are no
-//! poles on the equator.
+//! The probe's chart is placed such that the contact starts at its centre and first moves along its equator. There are
+//! no poles on the equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::surfaces::Sphere;
@@ -42,7 +42,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
     ) -> Result<(Self, [f64; STATE]), RollFault> {
         let path = motion.drive();
         let path = path.try_normalize(0.0).unwrap_or_else(Vector2::x);
-        // Chart axes in the contact frame: y is along the path, z points out of the probe.
+        // Axes of the probe's chart in the contact frame: y is along the path, z points out of the probe.
         let chart_axes = Matrix3::from_columns(&[
             Vector3::new(path.y, -path.x, 0.0),
             Vector3::new(path.x, path.y, 0.0),

@@ -20,12 +20,12 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, Motion};
 
-/// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion
-/// `w, i, j, k`, then z of `x₁` and of the contact, arc length, and an unused one, because pairs are faster.
+/// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion `w, i, j, k`, then z
+/// of `x₁` and of the contact, arc length, and an unused component (an even number is faster).
 const STATE: usize = 12;
 /// Number of components that the derivative reads in general.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of components that the derivative reads on a graph, where nothing depends on the height.
+/// Number of components that the derivative reads on a graph. There it does not depend on the height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -93,7 +93,7 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // The part of ẋ along the gradient keeps x tangent.
+        // The component of ẋ along the gradient keeps x tangent to the object.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);

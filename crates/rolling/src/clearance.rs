@@ -1,7 +1,8 @@
 //! Distance between a rolling probe and the parts of the object that it does not touch.
 //!
-//! A hill beside the path may reach into the probe; the curvatures at the contact do not show it. The heights of the
-//! object are sampled once along a path. Searches from the samples nearest to the probe find the closest points.
+//! A hill beside the path may reach into the probe, although the curvatures at the contact allow the contact. The
+//! heights of the object are sampled once along a path. Searches from the samples nearest to the probe find the closest
+//! points.
 
 use std::collections::HashMap;
 
@@ -19,8 +20,8 @@ const TILE: i64 = 32;
 const TOLERANCE: f64 = 5e-7;
 /// A closest point within this distance of the contact counts as the contact itself; relative to the radius.
 const CONTACT: f64 = 1e-4;
-/// Longest distance that the probe's centre may travel between two samples of a path, and the shortest distance
-/// that is still bisected, relative to the radius.
+/// Largest distance that the probe's centre travels between two samples of a path, and smallest distance that is still
+/// bisected. Both are relative to the radius.
 const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 1e-3;
 /// Slope between neighbouring samples above which there is a wall between them.
@@ -109,7 +110,7 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // At the edge of the window the index is of another row, but places there are beyond the reach.
+            // At the edge of the window this index belongs to another row, but those places are beyond the reach.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
@@ -221,7 +222,8 @@ impl Roller {
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // The clearance changes by no more than the centre moves, so a large clearance needs no finer samples.
+            // The clearance changes by at most the distance that the centre moves, so a large clearance needs no finer
+            // samples.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -250,7 +252,7 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // On a wall, and where the search fails (on a ridge between two closest points), use the place itself.
+            // On a wall, or if the search fails (on a ridge between two closest points), use the start itself.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {

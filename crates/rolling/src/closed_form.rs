@@ -1,8 +1,8 @@
 //! Rolling on planes, spheres, dishes and cylinders, in closed form.
 //!
-//! There the shape operator is constant in a parallel-transported basis, so that a steady motion
-//! without spin moves the contact along a geodesic of the object and a great circle of the probe,
-//! both at constant speed. The contact frame on the object moves by a screw.
+//! On these objects the shape operator is constant in a parallel-transported basis. A steady motion without spin
+//! therefore moves the contact along a geodesic of the object and along a great circle of the probe, both at constant
+//! speed. The contact frame on the object moves by a screw.
 
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -11,10 +11,10 @@ use crate::contact_equations::contact_velocity;
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 
-/// A contact with a homogeneous surface, the same everywhere in the contact frame.
+/// A contact with a homogeneous surface: the curvatures in the contact frame do not change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosedForm {
-    /// The velocity of the contact on the probe per `[−ω_y, ω_x]`: `(K₁ + K̃₂)⁻¹`.
+    /// Matrix from `[−ω_y, ω_x]` to the velocity of the contact on the probe: `(K₁ + K̃₂)⁻¹`.
     pub(crate) mobility: Matrix2<f64>,
     /// The object's curvature, `K̃₂`.
     object: Matrix2<f64>,
@@ -39,7 +39,7 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // The normal crossed with x tilt.x + y tilt.y, in a frame whose z points into the object.
+        // normal × (x tilt.x + y tilt.y), in a frame whose z points into the object.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {
@@ -52,8 +52,8 @@ impl ClosedForm {
     }
 }
 
-/// The probe's contact frame in its body after the contact has run along a great circle by `path`
-/// (components in that frame).
+/// The probe's contact frame in its body after the contact has moved along a great circle by `path` (components in the
+/// contact frame `from`).
 pub(crate) fn roll_on_probe(
     from: &Contact,
     path: Vector2<f64>,
@@ -63,10 +63,11 @@ pub(crate) fn roll_on_probe(
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
 
-/// A rotation by a steady turn over unit time, and where it carries what moves in its frame.
+/// A rotation at constant rate during unit time. It also gives the displacement of a point whose velocity turns with
+/// it.
 struct Screw {
     axis: Vector3<f64>,
-    /// sin θ, 1 − cos θ, sin θ / θ and (1 − cos θ) / θ of the angle θ.
+    /// sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ, where θ is the angle.
     numbers: [f64; 4],
 }
 
@@ -95,7 +96,7 @@ impl Screw {
         vector + across * sine + self.axis.cross(&across) * versine
     }
 
-    /// Displacement in unit time of a point that starts with velocity `displacement` while the velocity turns.
+    /// Displacement in unit time of a point whose velocity is `displacement` at the start and turns with this rotation.
     fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
         let [.., sine, versine] = self.numbers;
         let along = self.axis * self.axis.dot(displacement);

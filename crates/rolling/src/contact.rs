@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{Surface, SurfaceError};
 
-/// A contact: where it is on both bodies, and the contact frame in which the motion is steady.
+/// A contact: its place on both bodies, and the contact frame in which the motion is steady.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -25,8 +25,8 @@ pub struct Contact {
     pub normal: Vector3<f64>,
     /// `x₁`, the first axis of the probe's contact frame, in the object's frame.
     pub x_axis: Vector3<f64>,
-    /// The probe's contact frame `(x₁, y₁, z₁)` in the probe's body frame; `z₁` points at the
-    /// contact from the probe's centre.
+    /// The probe's contact frame `(x₁, y₁, z₁)` in the probe's body frame; `z₁` points from the probe's centre to the
+    /// contact.
     pub body_from_contact: UnitQuaternion<f64>,
     /// Length of the contact's path on the probe so far.
     pub arc_length: f64,
@@ -37,7 +37,7 @@ pub struct Contact {
 pub struct Shift {
     /// Great-circle displacement (logarithm map) in the probe's first contact frame `(x₁, y₁)`.
     pub displacement: Vector2<f64>,
-    /// Length of the path on the probe, which is longer than the displacement where it bends.
+    /// Length of the path on the probe. It exceeds the length of the displacement if the path is curved.
     pub arc_length: f64,
 }
 
@@ -49,7 +49,7 @@ impl Contact {
     pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
-        // +x projected onto the tangent plane; on a wall facing x, +y.
+        // +x projected onto the tangent plane; +y on a wall whose normal is along x.
         let along = [Vector3::x(), Vector3::y()]
             .into_iter()
             .map(|axis| axis - normal * normal.dot(&axis))
@@ -87,7 +87,7 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // A sum is finite only if every term is, or, harmlessly rarely, it overflows.
+        // The sum is not finite if a term is not. A sum of finite terms overflows only at extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()
@@ -95,7 +95,7 @@ impl Contact {
 
     /// The displacement on a probe of `radius` from `first` to this contact.
     ///
-    /// Past half a turn the logarithm map returns the shorter way round, as a sensor would see it.
+    /// Beyond half a turn, the logarithm map returns the shorter way round, like a sensor.
     pub fn shift_from(&self, first: &Self, radius: f64) -> Shift {
         let in_first_frame = first.body_from_contact.inverse() * self.probe_direction();
         Shift {
@@ -111,8 +111,8 @@ pub(crate) fn frame_quaternion(x: &Vector3<f64>, normal: &Vector3<f64>) -> UnitQ
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
 }
 
-/// Logarithm map on the unit sphere at +z: direction in the (x, y) plane times the angle from +z.
-/// At the opposite pole, where every direction is right, it is along +x.
+/// Logarithm map on the unit sphere at +z: direction in the (x, y) plane times the angle from +z. At the opposite pole
+/// every direction is possible; the result is along +x.
 fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
     let across = direction.xy();
     let sine = across.norm();
@@ -134,7 +134,7 @@ impl Shift {
     /// use nalgebra::Vector2;
     /// use palpate_rolling::Shift;
     ///
-    /// // Three quarters of the way round is seen as a quarter the other way.
+    /// // Three quarters of a turn equal a quarter turn in the opposite direction.
     /// let shift = Shift::along_great_circle(Vector2::new(1.5 * PI, 0.0), 1.0);
     /// assert!((shift.displacement.x + 0.5 * PI).abs() < 1e-14);
     /// assert_eq!(shift.arc_length, 1.5 * PI);

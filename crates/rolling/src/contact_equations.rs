@@ -40,7 +40,7 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object. It also exists after the contact has ended.
+    /// The contact point on the object. It is also defined where `contact` fails.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn contact_velocity(
     let a22 = probe_curvature * ww * w + object.yy;
     let a12 = object.xy;
     let determinant = a11 * a22 - a12 * a12;
-    // Positive definite, beyond the rounding errors of the sums.
+    // The matrix must be positive definite, by more than the rounding errors of the sums.
     let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
     if !(a11 > 0.0 && determinant > floor) {
         return Err(conforming(probe_curvature, *object, determinant));

@@ -10,8 +10,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum RollFault {
-    /// The relative curvature is singular or indefinite: the object is as hollow as the probe is
-    /// round, or more so, and there is no single point of contact.
+    /// The relative curvature is singular or indefinite: the object is at least as hollow as the probe is round, so
+    /// there is no single point of contact.
     #[error(
         "the bodies conform: the smallest relative curvature is {relative_curvature}",
         relative_curvature = Number(*relative_curvature)
@@ -31,16 +31,16 @@ pub enum RollFault {
     #[error("the contact left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
-    /// The integrator gave up.
-    #[error("not done after {steps} steps")]
+    /// The integrator reached its largest number of steps.
+    #[error("the integration needs more than {steps} steps")]
     TooManySteps {
-        /// Steps taken.
+        /// Number of steps, including rejected ones.
         steps: usize,
     },
-    /// The integrator's step shrank to nothing: the motion is singular here.
+    /// The integrator's step became too short: the motion is singular here.
     #[error("the motion is singular")]
     Singular,
-    /// The numbers went out of range.
+    /// A number overflowed or is NaN.
     #[error("the motion is outside the range of numbers")]
     NotFinite,
 }
@@ -57,7 +57,7 @@ pub struct RollError {
     pub on_object: Point3<f64>,
 }
 
-/// Words for a place, where its numbers are finite.
+/// Text of a place for the message; a remark if its coordinates are not finite.
 fn place(place: &Point3<f64>) -> String {
     let [x, y, z] = [place.x, place.y, place.z];
     match [x, y, z].iter().all(|one| one.is_finite()) {

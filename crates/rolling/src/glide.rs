@@ -1,7 +1,7 @@
 //! A fingertip that glides over an object: from the position of the finger to its contact.
 //!
-//! A finger comes down vertically until it touches. A point touches on its own vertical line. A spherical tip of radius `r` touches where its centre lies on the offset
-//! surface, at a contact `q` with outward normal `n`,
+//! A finger comes down vertically until it touches. A point touches on its own vertical line. A spherical tip of radius
+//! `r` touches where its centre lies on the offset surface, at a contact `q` with outward normal `n`,
 //!
 //! ```text
 //! q + r n(q) = tip's centre.
@@ -123,16 +123,16 @@ impl Glider {
         self.fingertip
     }
 
-    /// The contact of a tip whose centre is on the vertical line through `(x, y)`: the first contact on the way down, on the
-    /// side of the object that [`Surface::contact_at`] uses.
+    /// The contact of a tip whose centre is on the vertical line through `(x, y)`: the first contact on the way down,
+    /// on the same side of the object as [`Surface::contact_at`].
     ///
-    /// On planes, spheres, dishes and cylinders the contact has a closed form. On other objects Newton's method finds it,
-    /// starting beneath the tip. On ellipsoids and tori only one contact fits.
+    /// On planes, spheres, dishes and cylinders the contact has a closed form. On other objects Newton's method finds
+    /// it, starting beneath the tip. On ellipsoids and tori only one contact fits.
     ///
-    /// On graphs, sixteen places under the tip are checked, about half a radius apart. If the object extends into the tip at
-    /// one of them, or the tip does not fit there, Newton's method starts from every top of a relief with a spacing of a
-    /// twelfth of the radius, and the highest contact is returned. This is certainly the first contact if the graph's second
-    /// derivatives are below `1/radius`. Otherwise a narrow ridge between the places may be missed.
+    /// On graphs, sixteen places under the tip are checked, about half a radius apart. If the object extends into the
+    /// tip at one of them, or the tip does not fit there, Newton's method starts from every top of a relief with a
+    /// spacing of a twelfth of the radius, and the highest contact is returned. This is certainly the first contact if
+    /// the graph's second derivatives are below `1/radius`. Otherwise a narrow ridge between the places may be missed.
     ///
     /// # Errors
     /// [`GlideError`].

@@ -97,7 +97,7 @@ impl Integration {
     }
 }
 
-/// A motion without charts. It is compiled for each type of surface.
+/// A motion in the chart-free equations. It is compiled for each type of surface.
 struct Free<'a> {
     integration: &'a Integration,
     bodies: &'a Bodies<'a, Shape>,

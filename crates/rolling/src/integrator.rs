@@ -1,4 +1,4 @@
-//! Integrators of fixed size, without allocation in a step.
+//! Integrators for systems of fixed size. A step allocates no memory.
 
 mod dop853;
 mod rk4;
@@ -10,14 +10,14 @@ use crate::error::RollFault;
 
 /// An autonomous system of `N` ordinary differential equations.
 pub trait System<const N: usize> {
-    /// Number of leading components that the derivative reads. The others are integrals along the
-    /// way, which are not combined at every stage: there they mean nothing.
+    /// Number of leading components that the derivative reads. The other components are integrals along the path. They
+    /// are not computed at every stage and are meaningless there.
     const READ: usize = N;
 
     /// Writes `dy/dt` at `state` to `rate`.
     ///
     /// # Errors
-    /// Where the state has left the domain of the equations; `rate` then means nothing.
+    /// If the state has left the domain of the equations. `rate` is then meaningless.
     fn derivative(&self, state: &[f64; N], rate: &mut [f64; N]) -> Result<(), RollFault>;
 
     /// Factors by which the errors of the components are multiplied before they are compared with the tolerance.
@@ -35,20 +35,20 @@ pub struct Integrated<const N: usize> {
     pub evaluations: usize,
 }
 
-/// An integration that could not go on.
+/// An integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopped<const N: usize> {
-    /// Reason for which it stopped.
+    /// The reason.
     pub fault: RollFault,
     /// Time since the start.
     pub time_s: f64,
-    /// The last good state.
+    /// The last valid state.
     pub state: [f64; N],
 }
 
 /// `y + h Σ aⱼ kⱼ` in the components that the derivative reads.
 ///
-/// The newest slope is added last: it alone is waited for, the rest of the sum is at hand before.
+/// The newest slope is added last. The processor can compute the rest of the sum before this slope is available.
 #[inline(always)]
 fn stage<const N: usize, const T: usize, S: System<N>>(
     _: &S,

@@ -10,10 +10,11 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bounds of the rungs without a setting, relative to the contact's length scale.
+/// Error bounds of the rungs that have no tolerance, relative to the contact's length scale.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
-/// Tolerance of a step, relative to that of a roll, because errors may grow over a roll; and the smallest tolerance of a step.
+/// Tolerance of a step, relative to that of a roll, because errors may grow over a roll; and the smallest tolerance of
+/// a step.
 const STEP_SHARE: f64 = 0.1;
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
 /// Largest number of steps of an integration.
@@ -151,7 +152,7 @@ impl Setting<'_> {
         self.cheapest_integrator(tolerance, chart, rolls)
             .unwrap_or_else(|why| match why {
                 Unmeasured::Ends => {
-                    let reason = "no closed form; a roll that does not end cannot be measured";
+                    let reason = "no closed form; a roll ends early, so errors cannot be measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
                 // Errors add up and grow along the path.

@@ -1,4 +1,5 @@
-//! Errors and costs of the ladder's rungs, measured on the noiseless rolls, and the choice of an integrator by them.
+//! Errors and costs of the ladder's rungs, measured on the noiseless rolls, and the choice of an integrator by these
+//! values.
 
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
@@ -11,14 +12,14 @@ const MARGIN: f64 = 1.25;
 const REFERENCE_SHARE: f64 = 1e-3;
 /// Number of evaluations in a step of DOP853.
 const STAGES: usize = 12;
-/// Cost of an evaluation in DOP853, including the step control, relative to one in RK4. In instructions it is 2.1 on a saddle,
+/// Cost of an evaluation in DOP853, including the step control, relative to RK4. In instructions it is 2.1 on a saddle,
 /// 1.5 on an ellipsoid, and less on a formula.
 const RELATIVE_COST: f64 = 1.5;
 /// Numbers of steps that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// Largest number of evaluations in one integration of all rolls during the choice: the larger of this number, and of this
-/// number per motion.
+/// Largest number of evaluations in one integration of all rolls during the choice: the larger of this number, and of
+/// this number per motion.
 const MAX_EVALUATIONS: usize = 20_000;
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of DOP853 on the displayed ladder.
@@ -131,7 +132,8 @@ impl Method {
 }
 
 impl Setting<'_> {
-    /// The cheapest setting of an integrator that meets the tolerance on the noiseless rolls, or the most accurate setting.
+    /// The cheapest setting of an integrator that meets the tolerance on the noiseless rolls, or the most accurate
+    /// setting.
     ///
     /// The coarsest sufficient tolerance of DOP853 is also the cheapest, on noisy rolls as well.
     pub(crate) fn cheapest_integrator(
@@ -148,7 +150,7 @@ impl Setting<'_> {
         let error = |ends: &Ends| MARGIN * self.distance(ends, &reference);
         let reason = |error: f64| {
             let measured = error / MARGIN;
-            format!("no closed form; errs by {measured:.1e} on the noiseless rolls")
+            format!("no closed form; error {measured:.1e} on the noiseless rolls")
         };
 
         let mut adaptive = (finest, reference.evaluations, finest);

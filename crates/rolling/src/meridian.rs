@@ -1,7 +1,7 @@
 //! Rolling through the apex of a surface of revolution.
 //!
-//! The contact moves along a meridian of the object and a great circle of the probe. If the object's normal has turned by
-//! the angle α and the arc length is s, the probe has turned by `θ = α + s/R₁`. This equation is solved for the
+//! The contact moves along a meridian of the object and a great circle of the probe. If the object's normal has turned
+//! by the angle α and the arc length is s, the probe has turned by `θ = α + s/R₁`. This equation is solved for the
 //! meridian's parameter.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -15,8 +15,8 @@ use crate::{Contact, Motion, Shift};
 
 /// Largest number of iterations of Newton's or Halley's method, including bisections; 3 are usual.
 const MAX_ITERATIONS: usize = 200;
-/// Largest relative difference of the arguments at which Carlson's series replaces duplication. Each duplication makes the
-/// difference four times smaller; the series omit sixth powers.
+/// Largest relative difference of the arguments at which Carlson's series replaces duplication. Each duplication makes
+/// the difference four times smaller; the series omit sixth powers.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
 /// Largest number of duplications; arguments with a ratio of 1e300 need about 260.
 const MAX_DUPLICATIONS: usize = 300;
@@ -105,8 +105,8 @@ impl MeridianRung {
 /// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
 /// ```
 ///
-/// is solved by Halley's method. It starts from the first three terms of the series or, if they converge badly, from the
-/// asymptote.
+/// is solved by Halley's method. It starts from the first three terms of the series or, if they converge badly, from
+/// the asymptote.
 fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let (sign, steepening) = (c.signum(), 2.0 * c.abs());
     let a = 1.0 / (steepening * radius);
@@ -119,7 +119,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // asinh q, from the root that is already known.
+        // asinh q, computed from the root above.
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -187,8 +187,8 @@ impl Bracket {
     }
 }
 
-/// The arc from the pole of an ellipse with half-axes `a` across and `c` along its axis, both positive, up to the parameter
-/// `t >= 0`.
+/// The arc from the pole of an ellipse with half-axes `a` across and `c` along its axis, both positive, up to the
+/// parameter `t >= 0`.
 ///
 /// From the pole of `r = a sin t`, `height = c cos t` the arc is `a E(t, m)` with `m = 1 − (c/a)²`,
 ///
@@ -311,14 +311,14 @@ mod tests {
 
     #[test]
     fn a_bowl_that_hardly_fits() {
-        // 1/R₁ + 2c → 0: θ = q³/2 to leading order, and the contact runs ahead of the probe.
+        // As 1/R₁ + 2c → 0, θ = q³/2 to leading order: a small turn moves the contact far.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
     }
 
     #[test]
     fn integrals_of_the_literature() {
-        // Carlson 1995, section 3: R_F(2, 3, 4) and R_D(2, 3, 4), R_D(0, 2, 1); R_F(1, 2, 0) is that of (0, 2, 1).
+        // Carlson 1995, section 3: R_F(2, 3, 4) and R_D(2, 3, 4), R_D(0, 2, 1); R_F(1, 2, 0) = R_F(0, 2, 1).
         let scaled = integrals(0.5, 0.75);
         assert_relative_eq!(
             scaled.0 / 2.0,

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances that are tried where one has to be found, largest first.
+/// Tolerances that a search for a sufficient tolerance tries, largest first.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -14,17 +14,16 @@ pub const TOLERANCES: [f64; 14] = [
 /// A model by which rolls are computed: a rung of the ladder, or the choice among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
-    /// The cheapest rung whose error, relative to the contact's length scale, is within
-    /// `tolerance`.
+    /// The cheapest rung whose error is within `tolerance`, relative to the contact's length scale.
     Auto {
         /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// Form of the equations for the integrators, if one is taken.
+        /// Form of the equations, if the chosen rung is an integrator.
         chart: Chart,
     },
-    /// The closed form alone; an error where there is none.
+    /// The closed form only. Fails if there is none.
     ClosedForm,
-    /// The meridian rung alone; an error where it does not apply.
+    /// The meridian rung only. Fails if it does not apply.
     Meridian,
     /// RK4 with this many steps per motion.
     Rk4 {
@@ -43,9 +42,9 @@ pub enum Model {
 }
 
 impl Model {
-    /// Smallest tolerance that can be asked for; rounding errors are about as large.
+    /// Smallest tolerance that can be set. Rounding errors are about as large.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
-    /// Largest tolerance that can be asked for; a larger one promises nothing.
+    /// Largest tolerance that can be set. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
     /// The rung with its setting, in words.
@@ -65,17 +64,17 @@ impl Model {
     }
 }
 
-/// The rung that was taken, and why.
+/// The chosen rung, and the reason for the choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice<M = Model> {
-    /// `closed form`, `meridian`, `RK4`, `DOP853`, with its setting.
+    /// Name of the rung and its setting: `closed form`, `meridian`, `RK4` or `DOP853`.
     pub rung: String,
-    /// The model that names this rung: never `Auto`.
+    /// The model that sets this rung: never `Auto`.
     pub model: M,
     /// Reason for the choice, in words.
     pub reason: String,
-    /// Bound on the error of the contact without noise, relative to its length scale (of a glide, the
-    /// tip's radius), on top of the rounding of its coordinates; `None` for RK4 on demand.
+    /// Bound on the error of the contact without noise, in addition to the rounding of its coordinates. It is relative
+    /// to the contact's length scale (for a glide, to the tip's radius). `None` for RK4 that was set by the user.
     pub error_bound: Option<f64>,
 }
 
@@ -86,24 +85,24 @@ pub struct Rolls<'a> {
     pub rolls: &'a [Vec<Motion>],
 }
 
-/// A roll that cannot be set up.
+/// Reasons why a roll cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InvalidRoll {
-    /// No first contact there.
+    /// There is no first contact at this place.
     #[error("no first contact: {0}")]
     FirstContact(#[from] SurfaceError),
-    /// The first contact is no single point.
+    /// The bodies do not touch at a single point.
     #[error("no rolling contact: {0}")]
     Fault(#[from] RollFault),
-    /// A rung was asked for that cannot do this.
+    /// The set rung cannot compute these rolls.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
         /// Name of the rung.
         rung: &'static str,
-        /// Reason for which the rung cannot, in words.
+        /// The reason, in words.
         reason: String,
     },
-    /// A tolerance that means nothing.
+    /// The tolerance is out of range.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
         Number(Model::SMALLEST_TOLERANCE),
@@ -121,7 +120,7 @@ impl Rolls<'_> {
         self.rolls.iter().flatten()
     }
 
-    /// Whether every motion is made of numbers and lasts.
+    /// Whether the numbers of all motions are finite and their durations at least 0.
     pub(crate) fn all_run(&self) -> bool {
         self.motions()
             .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)

@@ -1,4 +1,4 @@
-//! Motions that the probe is told to make.
+//! Commanded motions of the probe.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -15,11 +15,11 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Rolling at `rate` so that on an isotropic object the contact moves first at `direction_rad`
-    /// from the object's +x (projected onto the tangent plane) towards `n × x`.
+    /// Rolling at `rate_rad_per_s`. On an isotropic object the contact first moves at the angle `direction_rad` from
+    /// the object's +x (projected onto the tangent plane) towards `n × x`.
     ///
-    /// The rotation axis is the object's normal crossed with that direction. Multiples of a quarter turn
-    /// are exact, up to a thousand of them.
+    /// The rotation axis is the object's normal crossed with that direction. Up to a thousand quarter turns, multiples
+    /// of a quarter turn are exact.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -32,7 +32,7 @@ impl Motion {
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
-            // y₁ = −n × x₁, hence the sign of both.
+            // Both signs are negative because y₁ = −n × x₁.
             angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
             sliding: Vector2::zeros(),
             duration_s,
@@ -49,14 +49,14 @@ impl Motion {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
-    /// Rate that drives the contact over the object, rad/s, for a probe of `radius`: that of rolling, and the
+    /// Rate that drives the contact over the object, rad/s, for a probe of `radius`: the rate of rolling plus the
     /// sliding velocity over the radius.
     pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
         self.drive() + self.sliding / radius
     }
 
-    /// The motion with the same displacements that lasts 1 s: no rate or duration is then too small
-    /// or too large to be squared.
+    /// The motion with the same displacements and a duration of 1 s. Its rates can be squared even if the original rate
+    /// and duration are extreme.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -80,9 +80,9 @@ impl Motion {
     }
 }
 
-/// Sine and cosine, exact at multiples of a quarter turn, so that a roll "along u" is along u.
+/// Sine and cosine, exact at multiples of a quarter turn, so that a roll along u does not deviate from u.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Largest number of quarter turns of which rounding leaves an error below 1e-12.
+    /// Largest number of quarter turns whose rounding error is below 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

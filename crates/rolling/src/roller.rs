@@ -9,7 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Relative curvature, in units of the probe's, below which a singular motion means that the bodies conform.
+/// Relative curvature, as a share of the probe's curvature, below which a singular motion means that the bodies
+/// conform.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -40,7 +41,7 @@ impl Probe {
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,
     pub(crate) object: &'a S,
-    /// The length to which errors of position are relative.
+    /// Errors of positions are relative to this length.
     pub(crate) length_scale: f64,
 }
 
@@ -56,7 +57,8 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// The cause of a fault. A motion may be singular because the bodies conform: then the contact's speed has no bound.
+    /// The cause of a fault. If the bodies conform, the contact's speed has no bound, so the motion also becomes
+    /// singular.
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last
@@ -106,8 +108,8 @@ impl Roller {
     /// A roller of `probe` on `object` with a first contact at `(x, y)`. Its rung is chosen for the noiseless `rolls`.
     ///
     /// # Errors
-    /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, if the tolerance is out of range, or if the
-    /// set rung cannot compute the rolls.
+    /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, if the tolerance is out of range, or
+    /// if the set rung cannot compute the rolls.
     pub fn new(
         probe: Probe,
         object: Shape,
@@ -202,8 +204,8 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Displacement of the contact on the probe by `motions`; EP1 needs nothing else. It costs less than [`Roller::roll`] in
-    /// closed form and along meridians.
+    /// Displacement of the contact on the probe by `motions`. It costs less than [`Roller::roll`] in closed form and
+    /// along meridians.
     ///
     /// # Errors
     /// Errors of [`Roller::roll`].
@@ -236,8 +238,8 @@ impl Roller {
             .shift_from(&self.first, self.probe.radius()))
     }
 
-    /// The matrix that maps `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the contact's path on the probe
-    /// (length). Only the closed form is linear; for the other rungs the result is `None`.
+    /// The matrix that maps `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the contact's path on the
+    /// probe (length). Only the closed form is linear; for the other rungs the result is `None`.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
@@ -245,8 +247,8 @@ impl Roller {
         }
     }
 
-    /// Duration (s) of `motion` for which the contact's path on the probe has the length `arc_length`. The duration of `motion`
-    /// itself is ignored. The relative error is at most 1e-14 if rolls are exact.
+    /// Duration (s) of `motion` for which the contact's path on the probe has the length `arc_length`. The duration of
+    /// `motion` itself is ignored. The relative error is at most 1e-14 if rolls are exact.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before the path has this length.

@@ -1,8 +1,8 @@
 //! The search for the contact of a spherical tip.
 //!
-//! Seen from above, a contact at `w` puts the tip's centre at `w + r n_xy(w)`. Unlike heights, this map has no singularity
-//! at the silhouettes of closed objects. Its derivative has the determinant `det(I + r S)`, so it folds only if the
-//! object's concave curvature reaches 1/r.
+//! Seen from above, a contact at `w` puts the tip's centre at `w + r n_xy(w)`. Unlike heights, this map has no
+//! singularity at the silhouettes of closed objects. Its derivative has the determinant `det(I + r S)`, so it folds
+//! only if the object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -11,12 +11,13 @@ use palpate_geometry::{Surface, SurfaceError};
 
 use super::touch::{Foot, GlideError};
 
-/// Largest number of Newton steps, and number of tried lengths of each step.
+/// Largest number of Newton steps, and largest number of halvings of each step.
 const MAX_STEPS: usize = 100;
 const MAX_HALVINGS: i32 = 40;
 /// Largest miss of a contact, relative to the lengths involved.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// The error of a contact is estimated from the next step. The estimate is right within this factor if the step is small.
+/// The error of a contact is estimated from the next step. The estimate is right within this factor if the step is
+/// small.
 const STEP_SHARE: f64 = 0.5;
 /// Longest step, in radii of the tip, from which the error of a contact can be estimated.
 const MAX_LAST_STEP: f64 = 1e-3;
@@ -72,8 +73,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // The order of several contacts must not depend on the tolerance. So the first contact is at least as exact as the
-        // distance that separates contacts.
+        // The order of several contacts must not depend on the tolerance. So the first contact is at least as exact as
+        // the distance that separates contacts.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -108,13 +109,13 @@ impl<S: Surface> Search<'_, S> {
         Foot::at(self.object, self.object.contact_at(at.x, at.y)?)
     }
 
-    /// Horizontal displacement from the centre of a tip that touches at `foot` to the actual centre.
+    /// Horizontal displacement from the centre of a tip that touches at `foot` to the centre of the actual tip.
     fn miss(&self, foot: &Foot) -> Vector2<f64> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method from `foot`. Each step is halved until the miss decreases. The method ends when the miss and the next
-    /// step along the object are within the tolerance, or at the limit of rounding errors.
+    /// Newton's method from `foot`. Each step is halved until the miss decreases. The method ends when the miss and the
+    /// next step along the object are within the tolerance, or at the limit of rounding errors.
     fn converge(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
         for _ in 0..MAX_STEPS {
@@ -152,8 +153,8 @@ impl<S: Surface> Search<'_, S> {
         Err(self.no_convergence(miss.norm()))
     }
 
-    /// The longest of the step and its halves that decreases the miss. If there is none, the error is the edge of the object
-    /// that was reached, if any.
+    /// The longest of the step and its halves that decreases the miss. If there is none, the error is the edge of the
+    /// object that was reached, if any.
     fn descend(
         &self,
         foot: &Foot,
@@ -192,8 +193,8 @@ impl<S: Surface> Search<'_, S> {
         PLACES.iter().map(place)
     }
 
-    /// Whether there may be a higher contact than `foot`: at one of these places the object extends into the tip, or the tip
-    /// does not fit.
+    /// Whether there may be a higher contact than `foot`: at one of these places the object extends into the tip, or
+    /// the tip does not fit.
     fn has_rivals(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
@@ -254,8 +255,8 @@ impl<S: Surface> Search<'_, S> {
     }
 }
 
-/// Heights of the object under the tip on a square grid: at each place, the height of the tip's centre if the tip touches
-/// there; −∞ if the object has no such place. The first contact is the highest place.
+/// Heights of the object under the tip on a square grid: at each place, the height of the tip's centre if the tip
+/// touches there; −∞ if the object has no such place. The first contact is the highest place.
 struct Relief {
     centre: Vector2<f64>,
     spacing: f64,

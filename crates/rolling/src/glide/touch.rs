@@ -27,8 +27,8 @@ pub struct Touch {
     pub normal: Vector3<f64>,
     /// The centre of the tip, `point + radius · normal`; for a point, the contact itself.
     pub tip_centre: Point3<f64>,
-    /// The object's curvature there, in an orthonormal tangent basis: along the level line and up the slope, right-handed with
-    /// the normal. Where the object is level, these are x and y.
+    /// The object's curvature there, in an orthonormal tangent basis: along the level line and up the slope,
+    /// right-handed with the normal. Where the object is level, these are x and y.
     pub curvature: CurvatureForm,
 }
 
@@ -54,8 +54,8 @@ pub enum GlideError {
         /// The tip's radius.
         radius: f64,
     },
-    /// The tip touches at two places at once, or at a continuum of places: in a dish, valley or hole that is as tight as the
-    /// tip or tighter.
+    /// The tip touches at two places at once, or at a continuum of places: in a dish, valley or hole that is as tight
+    /// as the tip or tighter.
     #[error(
         "a tip of radius {radius} at x = {x}, y = {y} touches at more than one place",
         radius = Number(*radius), x = Number(*x), y = Number(*y)
@@ -68,8 +68,8 @@ pub enum GlideError {
         /// The tip's radius.
         radius: f64,
     },
-    /// The search for the contact did not converge: lengths differ too much for double precision, or the object is too rough
-    /// for the tip.
+    /// The search for the contact did not converge: lengths differ too much for double precision, or the object is too
+    /// rough for the tip.
     #[error(
         "no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}",
         radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss)
@@ -148,8 +148,8 @@ impl Foot {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// Displacement of the contact, seen from above, that moves the tip's centre by `miss`: the inverse of `P (I + r S) P⁻¹`,
-    /// where `P` is the projection from above. `None` if it is singular.
+    /// Displacement of the contact, seen from above, that moves the tip's centre by `miss`. It is the inverse of
+    /// `P (I + r S) P⁻¹`, where `P` is the projection from above. `None` if that is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));

@@ -124,12 +124,12 @@ impl TouchRung {
     }
 }
 
-/// The surface on which the centre of a round tip lies. For planes, spheres, dishes and cylinders it is of the same kind as
-/// the object.
+/// The surface on which the centre of a round tip lies. For planes, spheres, dishes and cylinders it is of the same
+/// kind as the object.
 ///
-/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. The contact is on the
-/// line from there to the object's centre or axis. Seen from above, the contact is at `R/(R ± r)` of the distance to the
-/// tip's centre.
+/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. The contact is on
+/// the line from there to the object's centre or axis. Seen from above, the contact is at `R/(R ± r)` of the distance
+/// to the tip's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Offset {
     kind: Kind,

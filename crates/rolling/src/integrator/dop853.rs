@@ -3,7 +3,7 @@
 //! Coefficients and error estimate after Hairer, Nørsett and Wanner, *Solving Ordinary Differential
 //! Equations I*, second edition, section II.5 and the program DOP853.
 
-// The published digits are kept even where they exceed what a double holds.
+// The published digits are kept, although a double cannot hold all of them.
 #![allow(clippy::excessive_precision)]
 
 use super::{Integrated, Stopped, System, stage, weighted};
@@ -31,7 +31,7 @@ use crate::RollFault;
 pub struct Dop853 {
     /// Bound on the weighted local error of a step (root mean square over the components).
     pub tolerance: f64,
-    /// Largest number of steps, taken or rejected, after which the integration is given up.
+    /// Largest number of steps, accepted or rejected. The integration fails beyond it.
     pub most_steps: usize,
 }
 
@@ -40,21 +40,21 @@ const FIRST_CHANGE: f64 = 2.0;
 const SAFETY: f64 = 0.8;
 const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
-/// The last few steps are made equal.
+/// If fewer steps than this remain, they are made equal.
 const LAST_FEW: f64 = 3.0;
-/// Shortest step, relative to the time so far, and to the duration.
+/// Shortest step: relative to the elapsed time, and relative to the duration.
 const SHORTEST: f64 = 1e-12;
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {
     /// Integrates from `state` over `duration_s`.
     ///
-    /// A time that a stage could not reach, for it left the system's domain, is a barrier: steps
-    /// end there at the latest, and in half of the way if it holds. It falls if a step reaches it;
-    /// otherwise the fault is reported once the barrier is a trillionth of the time ahead.
+    /// If a step leaves the system's domain, its end time becomes a barrier, and the next step is half as long. Steps
+    /// end at the barrier at the latest. A step that reaches the barrier removes it. If the step becomes shorter than a
+    /// trillionth of the elapsed time instead, the fault of the barrier is returned.
     ///
     /// # Errors
-    /// [`Stopped`] with the last good state.
+    /// [`Stopped`] with the last valid state.
     pub fn integrate<const N: usize>(
         &self,
         system: &impl System<N>,
@@ -94,7 +94,7 @@ impl Dop853 {
             evaluations += 11;
             let tried = stages(system, &y, h, &mut slopes);
             let (end, square_error) = end_of_step(&y, h, &slopes, &weights);
-            // The error over the tolerance, squared.
+            // (error/tolerance)².
             let excess = square_error / (self.tolerance * self.tolerance);
             let fault = match tried {
                 Err(fault) => Some(fault),
@@ -121,7 +121,7 @@ impl Dop853 {
                             continue;
                         }
                         Err(fault) => {
-                            // Back to the last good state, whose slope is gone.
+                            // Return to the last valid state and recompute its slope, which was overwritten.
                             evaluations += 1;
                             system
                                 .derivative(&y, &mut slopes[0])
@@ -157,27 +157,27 @@ impl Dop853 {
     }
 }
 
-/// Whether a step is accepted whose error, squared, is `excess` times the tolerance squared; NaN is not.
+/// Whether a step is accepted whose squared error is `excess` times the squared tolerance; false for NaN.
 fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Factor from this step to the next, at most `most`, for an error as in [`accepts`].
+/// Factor from this step to the next, at most `most`, for `excess` as in [`accepts`].
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` of a number `>= 0`, within 7 %: enough to choose a step by, and it keeps roots and
-/// powers off the path from one step to the next. The bits of a float, as an integer, are nearly
-/// its logarithm. (Of infinity and NaN it is tiny.)
+/// `x^(−1/16)` for `x >= 0`, within 7 %. This is accurate enough for a step size and avoids roots and powers, for which
+/// the next step would wait. The bits of a double, as an integer, are nearly proportional to its logarithm. The result
+/// is tiny for infinity and NaN.
 #[inline]
 fn inverse_sixteenth_root(x: f64) -> f64 {
     let one = 1.0_f64.to_bits();
     f64::from_bits(one + one / 16 - x.to_bits() / 16)
 }
 
-/// The slopes of a step: of its start, and of eleven stages.
+/// The slopes of a step: at its start, and at eleven stages.
 type Slopes<const N: usize> = [[f64; N]; 12];
 
 #[inline]
@@ -210,8 +210,8 @@ fn stages<const N: usize>(
     )
 }
 
-/// The state after the step, and the square of Hairer's blend of the two error estimates, root mean
-/// square over the weighted components.
+/// The state after the step, and its squared error: Hairer's combination of both error estimates, as mean square over
+/// the weighted components.
 #[inline]
 fn end_of_step<const N: usize>(
     y: &[f64; N],
@@ -230,7 +230,7 @@ fn end_of_step<const N: usize>(
     }
     let (fifth, third) = (square(&fifth, weights, h), square(&third, weights, h));
     let blend = fifth + 0.01 * third;
-    // The blend is 0 where there is no error, and NaN where a slope is not finite.
+    // `blend` is 0 if there is no error, and NaN if a slope is not finite.
     let share = if blend > 0.0 { fifth / blend } else { blend };
     (end, fifth * share / N as f64)
 }
@@ -245,7 +245,7 @@ fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
         .sum()
 }
 
-// Row j: the part of each earlier slope in stage j, of those that have one.
+// Row j: the weights of earlier slopes in stage j. Zero weights are left out.
 const A2: [f64; 1] = [0.0526001519587677318785587544488];
 const A3: [f64; 2] = [
     0.0197250569845378994544595329183,
@@ -327,7 +327,7 @@ const B: [f64; 8] = [
     0.201365400804030348374776537501,
     0.0447106157277725905176885569043,
 ];
-/// Weights of slopes 1 and 6 to 12 in the difference between that slope and one of order 5.
+/// Weights of slopes 1 and 6 to 12 in the difference between the slopes of order 8 and 5.
 const E5: [f64; 8] = [
     0.01312004499419488073250102996,
     -1.225156446376204440720569753,
@@ -360,7 +360,7 @@ mod tests {
         }
     }
 
-    /// Undefined beyond a wall.
+    /// Constant slope, undefined beyond a wall. Counts the evaluations.
     struct Wall<'a> {
         wall: f64,
         asked: &'a Cell<usize>,
@@ -429,7 +429,7 @@ mod tests {
         }
     }
 
-    /// Decays fast towards the edge of its domain, which long steps overshoot.
+    /// Decays fast towards the edge of its domain. Long steps leave the domain.
     struct Decay;
 
     impl System<1> for Decay {

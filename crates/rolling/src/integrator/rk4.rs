@@ -13,7 +13,7 @@ impl Rk4 {
     /// Integrates from `state` over `duration_s`.
     ///
     /// # Errors
-    /// [`Stopped`] with the last good state where a step left the domain.
+    /// [`Stopped`] with the last valid state, if a step leaves the domain.
     pub fn integrate<const N: usize>(
         &self,
         system: &impl System<N>,

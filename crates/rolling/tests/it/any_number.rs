@@ -1,5 +1,5 @@
-//! Rolls and glides on objects blunter than the probe succeed. Probes, objects, motions and places of any bit
-//! patterns give finite numbers or a named error. A roll forth and back ends where it began.
+//! Rolls and glides on objects blunter than the probe succeed. Probes, objects, motions and places with any bit
+//! patterns return finite numbers or a named error. A roll forth and back ends where it began.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;

@@ -1,5 +1,5 @@
-//! Whether `auto` keeps its promise, on random scenes: the rung that it takes errs by at most the tolerance, and costs
-//! at most twice what the cheapest does that meets it. Cost is counted in evaluations of the contact equations.
+//! Tests `auto` on random scenes: the error of the chosen rung is at most the tolerance, and its cost is at most twice
+//! the cost of the cheapest sufficient rung. The cost is the number of evaluations of the contact equations.
 
 use palpate_geometry::Shape;
 use palpate_rolling::{Chart, InvalidRoll, MeasuredRung, Model, Motion, Probe, Roller, Rolls};
@@ -8,7 +8,7 @@ use crate::scenes::{
     cylinder, dish, ellipsoid, height_field, paraboloid, plane, saddle, sphere, torus,
 };
 
-/// Numbers from 0 to 1, the same in every run: a linear congruence, of which the upper bits are good.
+/// Random numbers from 0 to 1, the same in every run: the upper bits of a linear congruential generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -24,7 +24,7 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
-    /// Alike in every decade.
+    /// A random number with uniformly distributed logarithm.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         libm::exp(self.between(libm::log(low), libm::log(high)))
     }
@@ -37,7 +37,7 @@ struct Scene {
     tolerance: f64,
 }
 
-/// A scene for a probe of radius 1, on an object of the kind with this number.
+/// A random scene for a probe of radius 1; `kind` selects the object.
 fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
     let size = numbers.decades(0.05, 500.0);
     let aside = [numbers.between(-0.6, 0.6), numbers.between(-0.6, 0.6)];
@@ -87,7 +87,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
 
 const FREE: Chart = Chart::Free;
 
-/// Every setting of every rung.
+/// The closed form, the meridian, and the integrators with many settings.
 fn models() -> Vec<Model> {
     let few = 1..=8;
     let more = [10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64];
@@ -136,10 +136,10 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let Ok(err) = taken.outcome else { continue };
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
-        assert!(err <= scene.tolerance, "{what} errs by {err:e}");
-        // The reference that it is compared with has rounding errors too.
+        assert!(err <= scene.tolerance, "{what}: error {err:e}");
+        // Rounding errors of the reference are added to the bound.
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
-        assert!(err <= bound, "{what} errs by {err:e} > {bound:e}");
+        assert!(err <= bound, "{what}: error {err:e} > {bound:e}");
 
         let all = roller.measure(&models(), FREE, rolls);
         let adequate = all.iter().filter(|rung| error(rung) <= scene.tolerance);
@@ -186,7 +186,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // A rung that is taken without being measured keeps the tolerance too.
+    // A rung that is chosen without a measurement also meets the tolerance.
     let rolls = turns(100.0);
     let rolls = Rolls { rolls: &rolls };
     let roller = start(100.0, 1e-6);
@@ -194,7 +194,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
     let taken = roller.measure(&[roller.choice().model], FREE, rolls);
     let err = error(&taken[0]);
     assert!(err <= 1e-6, "{err:e}");
-    // Many short motions are no long roll.
+    // Many short motions do not count as a long roll.
     let pieces = vec![vec![Motion::rolling(0.2, 1.0, 1e-3); 3000]];
     let auto = Model::Auto {
         tolerance: 1e-6,

@@ -124,7 +124,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
             chart: Default::default(),
         };
         let rolls = [vec![motion]];
-        // Skip objects that are at least as hollow as the probe is round: the roller refuses them.
+        // Skip objects that are at least as hollow as the probe is round: the roller rejects them.
         let Ok(roller) = Roller::new(
             Probe::new(radius).unwrap(),
             object,
@@ -203,7 +203,8 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
         }
     }
-    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin. Steps are at y = ±2.6.
+    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin. The object has steps at y =
+    // ±2.6.
     let tau = std::f64::consts::TAU;
     let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
     assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");

@@ -30,7 +30,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             "{error}"
         );
     }
-    // In a slightly wider dish the path is `θ/(1/R₁ − 1/R₂)` long, which is one radius here.
+    // In a slightly wider dish the path length is `θ/(1/R₁ − 1/R₂)`, which is one radius here.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);
@@ -45,7 +45,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
 
 #[test]
 fn conforming_on_the_way_is_located() {
-    // A wave whose trough is tighter than the probe: along x the curvature is A k² cos(kx)…
+    // A wave whose trough is tighter than the probe.
     let object = height_field("0.5*cos(2*x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     let roller = roller(1.0, &object, (0.0, 0.0), DOP853, motion);
@@ -54,8 +54,8 @@ fn conforming_on_the_way_is_located() {
         matches!(error.fault, RollFault::Conforming { .. }),
         "{error}"
     );
-    // The place is where κ = −1: −2 cos(2x) … = −(1 + sin²(2x))^{3/2}. The contact gets there
-    // ever faster, so that the place is known to the root of what the time is.
+    // The roll ends where the curvature κ = −1: 2 cos(2x) = (1 + sin²(2x))^{3/2}. The contact becomes ever faster near
+    // this place, so its position is accurate only to the square root of the accuracy of time.
     let x = error.on_object.x;
     let curvature = 2.0 * libm::cos(2.0 * x) / libm::pow(1.0 + libm::sin(2.0 * x).powi(2), 1.5);
     assert!(
@@ -65,7 +65,7 @@ fn conforming_on_the_way_is_located() {
     assert!(error.time_s > 0.0 && error.time_s < 10.0);
 }
 
-/// Errors of a roll, in both forms of the equations, that ends at a wall.
+/// Errors of a roll that ends at a wall, one for each form of the equations.
 fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
     [Chart::Free, Chart::Montana(Default::default())].map(|chart| {
         let model = Model::Dop853 {
@@ -85,7 +85,7 @@ fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
 
 #[test]
 fn a_wall_is_located() {
-    // Rolling off a tilted plane: the logarithm ends at x = 1.
+    // On a tilted plane; the logarithm ends the domain at x = 1.
     let object = height_field("x + 0*ln(1 - x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
@@ -99,12 +99,12 @@ fn a_wall_is_located() {
 
 #[test]
 fn a_vertical_wall_is_located() {
-    // The parabola x = 1 − z² from z = 1 to its vertex: θ is the slope's turn plus the arc length.
+    // The parabola x = 1 − z² from z = 1 to its vertex: θ is the turn of the normal plus the arc length.
     let object = height_field("sqrt(1 - x)", &[]);
     let theta = libm::atan(2.0_f64) + 0.5 * 5.0_f64.sqrt() + 0.25 * libm::asinh(2.0_f64);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
-        // A height tells the slope near a vertical wall only to the root of its own precision.
+        // Near a vertical wall, the slope is accurate only to the square root of the height's accuracy.
         assert!(
             (error.time_s - theta).abs() < 1e-5,
             "{error}, not {theta} s"
@@ -183,7 +183,7 @@ fn motions_that_are_not_numbers_are_errors() {
             };
             let fast = Motion::rolling(0.0, bad, 1e10);
             for motion in [lasting, fast] {
-                // Numbers out of range, or more steps than there are.
+                // The roll may fail, because numbers are out of range or it needs too many steps.
                 match roller.roll(&[motion]) {
                     Ok(contact) => assert!(contact.arc_length.is_finite()),
                     Err(error) => assert!(error.time_s.is_finite(), "{error}"),

@@ -1,4 +1,4 @@
-//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, no turn, poles of charts.
+//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, poles of charts.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -38,7 +38,7 @@ const CHARTS: [Chart; 3] = [
 
 #[test]
 fn a_start_on_a_wall_facing_x() {
-    // +x has no projection on the tangent plane; x₁ starts along +y.
+    // +x has no projection onto the tangent plane, so x₁ starts along +y.
     for (object, place) in [
         (sphere(2.0), (2.0, 0.0)),
         (ellipsoid(2.0, 3.0, 1.0), (2.0, 0.0)),
@@ -101,7 +101,7 @@ fn spinning_and_sliding_on_the_spot() {
             );
             assert!((end.on_probe(1.0) - first.on_probe(1.0)).norm() < 1e-12);
             assert!(end.arc_length < 1e-12);
-            // About z₁, which points into the object.
+            // The probe turns about z₁, which points into the object.
             let turned = end.object_from_probe() * Rotation3::from_scaled_axis(first.normal * 0.8);
             assert!(
                 (turned.matrix() - Matrix3::identity()).norm() < 1e-11,
@@ -109,7 +109,7 @@ fn spinning_and_sliding_on_the_spot() {
                 object.name()
             );
         }
-        // Slipping wheels: the object stands, the probe turns as fast as it slides back.
+        // The probe slips: it turns as fast as it slides back, so the contact on the object does not move.
         let slide = Motion {
             sliding: Vector2::new(0.1, -0.2),
             ..still
@@ -166,7 +166,7 @@ fn a_thousand_motions_are_one() {
 
 #[test]
 fn slow_motions_that_last() {
-    // Squares of such rates vanish, those of such durations overflow.
+    // The squares of these rates and durations underflow or overflow.
     for rate in [1e-200, 1e200] {
         let motion = Motion::rolling(0.3, rate, 2.0 / rate);
         let end = roll(1.0, &saddle(0.2), (0.3, 0.1), DOP853, motion);
@@ -278,7 +278,8 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl that barely holds the probe amplifies errors. A long path is only as exact as its angle.
+        // A bowl that is almost as tight as the probe amplifies errors. A long path has the relative error of its
+        // angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {
@@ -323,7 +324,7 @@ proptest! {
         theta in 0.001..2.0_f64,
         x in -0.5..0.5_f64,
     ) {
-        // By powers of two nothing but the exponents changes.
+        // Scaling by a power of two changes only the exponents.
         let scale = 2.0_f64.powi(exponent);
         let motion = Motion::rolling(direction, 1.0, theta);
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {

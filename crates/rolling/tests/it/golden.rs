@@ -1,5 +1,4 @@
-//! Final contacts of five rolls, computed by an independent program (good to 1e-9, path length to
-//! 1e-6).
+//! Final contacts of five rolls from an independent program: accurate to 1e-9, path lengths to 1e-6.
 
 use nalgebra::Point3;
 use palpate_geometry::Shape;

@@ -1,4 +1,4 @@
-//! Every rung against every other that can do the same roll, and against closed forms.
+//! Compares every rung with every other rung that can compute the same roll, and with closed forms.
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -53,7 +53,7 @@ fn closed_form_slides_too() {
 
 #[test]
 fn sphere_on_sphere_travels_as_the_formula_says() {
-    // s = θ / (1/R₁ + 1/R₂), through many turns of the probe.
+    // s = θ/(1/R₁ + 1/R₂), also for many turns of the probe.
     for (object, curvature) in [
         (sphere(5.0), 0.2),
         (plane(), 0.0),
@@ -182,7 +182,7 @@ fn rolling_back_returns() {
             let end = roller.roll(&[there, back]).unwrap();
             let moved = (end.on_object - roller.first_contact().on_object).norm();
             let turned = end.object_from_probe().matrix() - Matrix3::identity();
-            // Two rolls, each within its tolerance.
+            // Each of the two rolls has an error up to its tolerance.
             let off = moved.max(turned.norm());
             assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
         }
@@ -206,7 +206,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // Chosen for a plain roll, used for more.
+        // The rung was chosen for a plain roll, and is now used for other motions.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [
@@ -323,7 +323,7 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
 
 #[test]
 fn meridians_of_flat_and_of_long_spheroids() {
-    // θ = α + s/R₁ with the arc by a fine sum, which is exact for the whole of a smooth period.
+    // θ = α + s/R₁. The arc is a trapezoidal sum, which is exact for a full period of a smooth function.
     let quarter = |a: f64, c: f64| {
         let nodes = 200_000;
         let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);
@@ -338,7 +338,7 @@ fn meridians_of_flat_and_of_long_spheroids() {
         (0.05, 5.0),
         (50.0, 0.5),
     ] {
-        // From the pole to the equator the object's normal turns by a quarter.
+        // From the pole to the equator the object's normal turns by a quarter turn.
         let arc = quarter(a, c);
         let theta = std::f64::consts::FRAC_PI_2 + arc / 1.3;
         let motion = Motion::rolling(0.7, 1.0, theta);

@@ -77,7 +77,7 @@ pub(crate) fn roll(
         .unwrap()
 }
 
-/// The largest difference between two contacts, in lengths and in axes.
+/// The largest difference between two contacts: positions, axes and path lengths.
 pub(crate) fn difference(a: &Contact, b: &Contact, radius: f64) -> f64 {
     [
         (a.on_object - b.on_object).norm(),

@@ -1,4 +1,4 @@
-//! The models of gliding fingertips against each other.
+//! Compares the models of gliding fingertips with each other.
 
 use palpate_geometry::Shape;
 use palpate_rolling::{Fingertip, Glider, InvalidTouch, Model, TouchModel};
@@ -16,7 +16,7 @@ fn newton(tolerance: f64) -> TouchModel {
     TouchModel::Newton { tolerance }
 }
 
-/// Places across a square, none of them special.
+/// Places in a square, away from lines of symmetry.
 fn places(half_width: f64) -> impl Iterator<Item = (f64, f64)> {
     (0..49).map(move |index| {
         let [i, j] = [index / 7, index % 7].map(f64::from);
