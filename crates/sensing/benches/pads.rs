@@ -1,4 +1,4 @@
-//! Reading a pad array, and drawing noise.
+//! Benchmarks of a pad array's reading and of noise.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;

@@ -12,7 +12,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// An error of size 1.
+    /// Draws an error of size 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {
@@ -30,13 +30,13 @@ impl Distribution {
     }
 }
 
-/// An independent Gaussian error with mean 0 of a measured number, such as a displacement or a gain.
+/// An independent Gaussian error with mean 0, added to a measured number such as a displacement or a gain.
 ///
 /// ```
 /// use palpate_sensing::{Channel, GaussianError, Stream};
 ///
 /// let error = GaussianError::new(0.3)?;
-/// // The error of the mean of nine readings is a third of that of one.
+/// // The error of the mean of nine readings is a third of the error of one reading.
 /// assert!((error.averaged(9).std() - 0.1).abs() < 1e-15);
 /// let exact = GaussianError::new(0.0)?;
 /// assert_eq!(exact.draw(&mut Stream::new(1, 0, Channel::Gain)), 0.0);
@@ -71,12 +71,12 @@ impl GaussianError {
         }
     }
 
-    /// Whether a reading draws random numbers. Otherwise it equals the number.
+    /// Whether a reading draws random numbers. If not, the reading is exact.
     pub fn is_random(&self) -> bool {
         self.std > 0.0
     }
 
-    /// The error of one reading. It draws one random number, or none without an error.
+    /// Draws the error of one reading, from one random number. Draws no random number if the error is 0.
     #[inline]
     pub fn draw(&self, stream: &mut Stream) -> f64 {
         if !self.is_random() {

@@ -1,4 +1,4 @@
-//! Errors of sensors with invalid parameters, and of impossible readings.
+//! Errors for invalid parameters of sensors, and for contacts outside of the pads.
 
 use palpate_statistics::{BadSetting, Number};
 use thiserror::Error;

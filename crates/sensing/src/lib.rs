@@ -1,7 +1,7 @@
 //! Noise and resolution of sensors for rotations and points.
 //!
-//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. So every trial can be repeated alone,
-//! and a new channel does not change the numbers of other channels.
+//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. So every trial can be repeated
+//! alone, and a new channel does not change the numbers of other channels.
 //!
 //! Displacements on the fingertip are great-circle displacements (logarithm map) from the first
 //! contact, in the tangent basis there; see [`displacement_between`].

@@ -1,22 +1,23 @@
 //! Normal random numbers in groups, by the transform of Box and Muller (*A Note on the Generation of Random Normal
 //! Deviates*, 1958).
 //!
-//! A pair is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniform number and θ a uniform angle. Logarithm, sine
-//! and cosine are series of additions, multiplications, divisions and roots, which have the same results for any
-//! vector width. `rand_distr` draws one number at a time and takes nearly twice as long, or longer with wide vectors.
+//! A pair is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniform number and θ a uniform angle. Logarithm,
+//! sine and cosine are series of additions, multiplications, divisions and roots, which have the same results for any
+//! vector width. `rand_distr` draws one number at a time and needs nearly twice the time, or more on processors with
+//! wide vectors.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
-/// Pairs that are made side by side.
+/// Number of pairs that are computed side by side.
 pub(crate) const PAIRS: usize = 8;
 
-/// Coefficients of the powers of θ² in cos θ; the first left out is below 1e-8 at 90°.
+/// Coefficients of the powers of θ² in cos θ. The first omitted term is below 1e-8 at 90°.
 const COSINE: [f32; 7] = alternating(0);
 
-/// Coefficients of the powers of θ² in sin θ / θ; the first left out is below 4e-8 at 90°.
+/// Coefficients of the powers of θ² in sin θ / θ. The first omitted term is below 4e-8 at 90°.
 const SINC: [f32; 6] = alternating(1);
 
-/// Coefficients of the powers of x² in artanh x / x; the first left out is below 3e-9 at (√2 − 1) / (√2 + 1).
+/// Coefficients of the powers of x² in artanh x / x. The first omitted term is below 3e-9 at (√2 − 1) / (√2 + 1).
 const ARTANH: [f32; 5] = [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0];
 
 /// (−1)^k / (2k + odd)!
@@ -33,7 +34,7 @@ const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     coefficients
 }
 
-/// Sum of the powers of a number, from the constant, times their coefficients.
+/// Σ coefficients[k] · number^k.
 #[inline(always)]
 fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     let mut sum = coefficients[TERMS - 1];
@@ -55,10 +56,10 @@ fn radius(k: u32) -> f32 {
     ((31 - power) as f32 * (2.0 * LN_2) - 4.0 * x * series(ARTANH, x * x)).sqrt()
 }
 
-/// Independent normal numbers from random words: the cosines' of all, then the sines'.
+/// Independent normal numbers from random words: first the cosines of all pairs, then the sines.
 #[inline(always)]
 pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
-    // Halves of words apart, which compilers turn into vectors.
+    // Separate arrays for the halves of the words let compilers use vector instructions.
     let (mut lengths, mut angles) = ([0; PAIRS], [0; PAIRS]);
     for (pair, word) in words.into_iter().enumerate() {
         lengths[pair] = (word >> 32) as u32;
@@ -67,7 +68,7 @@ pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     let mut normals = [0.0; 2 * PAIRS];
     let (cosines, sines) = normals.split_at_mut(PAIRS);
     for pair in 0..PAIRS {
-        // From −90° to 90°; the sign of the radius turns it round.
+        // The angle is from −90° to 90°. The random sign of the radius adds the other half turn.
         let angle = angles[pair] as i32 as f32 * (FRAC_PI_2 / 2_147_483_648.0);
         let square = angle * angle;
         let length = radius(lengths[pair] >> 1).to_bits();
@@ -84,7 +85,7 @@ mod tests {
 
     use super::*;
 
-    /// Pair of draws by functions of double precision.
+    /// The pair of a word, computed in double precision.
     fn exact(word: u64) -> [f64; 2] {
         let uniform = ((word >> 33) as f64 + 0.5) / 2_f64.powi(31);
         let radius = (-2.0 * libm::log(uniform)).sqrt();
@@ -94,8 +95,8 @@ mod tests {
         [radius * cosine, radius * sine]
     }
 
-    /// Largest error of the pairs, in units of what single precision lets short ones err by: of u next to 1 it leaves 24
-    /// bits.
+    /// Largest error of the numbers, as a share of the error of single precision. Short pairs have larger errors,
+    /// because single precision stores u near 1 with only 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {
@@ -118,7 +119,7 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // All lengths, the angles as they are.
+            // The shifts make small uniform numbers, so long pairs, more frequent. The angles do not change.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");

@@ -1,5 +1,5 @@
-//! Arrays of pads on a fingertip: the pad nearest the contact reports, and its centre is the
-//! reading (1996 paper, section 4.1.3).
+//! Arrays of pads on a fingertip: the pad nearest to the contact reports, and the reading is the centre of this pad
+//! (1996 paper, section 4.1.3).
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
@@ -9,20 +9,20 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Narrowest pad, as a share of the radius: doubles do not tell places on narrower ones apart.
+/// Smallest pitch as a share of the radius. Doubles do not resolve places on smaller pads.
 const FINEST: f64 = 1e-15;
 
 /// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
-    /// A square grid in the fingertip's own arc lengths, as in the paper. It crowds away from the
-    /// middle, as arc lengths do on a sphere.
+    /// A square grid in arc lengths on the fingertip, as in the paper. On the sphere, the pads become narrower away
+    /// from the middle.
     Square,
     /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
     Uniform,
 }
 
-/// The place of the first contact on the pads.
+/// Position of the first contact on the pads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadOffset {
     /// A pad's centre.
@@ -68,9 +68,9 @@ pub struct PadPlacement(Placement);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Placement {
-    /// The first contact's offset from the nearest centre, in pitches.
+    /// Offset of the first contact from the nearest pad's centre, in pitches.
     Square(Vector2<f64>),
-    /// The turn from the contact frame to the lattice's, and the first pad that reports.
+    /// Rotation from the contact frame to the lattice's frame, and the direction of the pad at the first contact.
     Uniform {
         lattice_from_contact: UnitQuaternion<f64>,
         first_pad: Vector3<f64>,
@@ -81,8 +81,8 @@ impl Pads {
     /// Pads of `pitch` on the cap of half-angle `cap_rad` of a fingertip of `radius`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the radius is finite and positive, the pitch from 1e-15 of the radius
-    /// to all of it (1.2e-7 of a uniform lattice), and the cap in (0, π].
+    /// [`InvalidSensor`] unless the radius is finite and positive, the cap is in (0, π], and the pitch is from 1e-15 to
+    /// 1 times the radius (for a uniform lattice from 1.2e-7).
     pub fn new(
         radius: f64,
         pitch: f64,
@@ -126,7 +126,7 @@ impl Pads {
         self.pitch
     }
 
-    /// The place of the first contact on the pads.
+    /// Position of the first contact on the pads.
     pub const fn offset(&self) -> PadOffset {
         self.offset
     }
@@ -155,8 +155,8 @@ impl Pads {
                 }
             }
             (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
-                // Uniform over a disc of a few pitches: the lattice is not periodic, but over
-                // several pads every place within a pad is as likely as any other.
+                // Uniform over a disc of a few pitches. The lattice is not periodic, but over several pads every
+                // position within a pad is equally likely.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
                 let (distance, azimuth, turn) = (
                     reach * (0.5 + 0.5 * stream.symmetric_uniform()).sqrt(),
@@ -177,14 +177,14 @@ impl Pads {
         })
     }
 
-    /// The displacement (length) between the centres of the pads that report at the first contact
-    /// and after `displacement`, in the tangent basis at the first contact. It errs by at most half a
-    /// pitch along each axis of a square grid that starts centred, a whole one of any other; on a
-    /// uniform lattice by at most 1.05 pitches at each end that is not centred, stretched by θ/sin θ at an
-    /// angle θ.
+    /// The displacement (length) from the pad at the first contact to the pad after `displacement`, between their
+    /// centres, in the tangent basis at the first contact.
+    ///
+    /// Largest error on a square grid: half a pitch along each axis if the first contact is centred, else one pitch. On
+    /// a uniform lattice: 1.05 pitches for each end that is not centred, multiplied by θ/sin θ at an angle θ.
     ///
     /// # Errors
-    /// [`BeyondPads`] where the contact has left the cap.
+    /// [`BeyondPads`] if the contact has left the cap.
     pub fn read(
         &self,
         placement: &PadPlacement,
@@ -225,8 +225,7 @@ impl Pads {
 }
 
 impl Placement {
-    /// The first contact's offset on a square grid, in pitches. A placement made by other pads counts
-    /// as one on a centre.
+    /// Offset of the first contact on a square grid, in pitches. A placement on a uniform lattice counts as centred.
     fn offset(&self) -> Vector2<f64> {
         match self {
             Self::Square(offset) => *offset,

@@ -1,13 +1,13 @@
-//! Error of a sensed position.
+//! Error of a measured position.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// The axes along which a position errs.
+/// The axes along which a position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionAxes {
-    /// Along x, y and z, independently and alike.
+    /// Along x, y and z: independent errors of the same size.
     Xyz,
     /// Along z alone.
     Z,
@@ -46,7 +46,7 @@ impl PositionError {
         self.distribution
     }
 
-    /// Axes along which it errs.
+    /// Axes along which the position has an error.
     pub const fn axes(&self) -> PositionAxes {
         self.axes
     }
@@ -56,12 +56,12 @@ impl PositionError {
         self.distribution.std(self.size)
     }
 
-    /// Whether a reading draws random numbers; without, it is the point itself.
+    /// Whether a reading draws random numbers. If not, the reading is exact.
     pub fn is_random(&self) -> bool {
         self.size > 0.0
     }
 
-    /// The position that is sensed in place of `point`. Draws one number per axis that errs.
+    /// The measured position of `point`. Draws one random number per axis with an error.
     #[inline]
     pub fn read(&self, stream: &mut Stream, point: &Point3<f64>) -> Point3<f64> {
         if !self.is_random() {

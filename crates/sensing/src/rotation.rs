@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Joint encoders that round the end of a roll to the nearest step. The start of the roll is known. Its position
-/// within a step is random, and different in every roll.
+/// Joint encoders that round the end of a roll to the nearest step. The start of the roll is measured exactly. Its
+/// position within a step is random and different in every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -39,7 +39,7 @@ impl Encoder {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
             let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
-            // A step too fine to count in doubles quantises nothing.
+            // If the number of steps overflows, the step is too fine to matter: the reading is exact.
             if reported.is_finite() {
                 reported
             } else {

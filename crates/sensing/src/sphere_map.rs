@@ -2,9 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-/// The direction reached from +z by going `displacement` (in radians) along a great circle, in the
-/// tangent basis (x, y) at +z: the exponential map. Finite for displacements up to 1e150; each component
-/// errs by at most 1e-15, and what the last place of the angle makes of it.
+/// The direction after moving from +z by `displacement` (in radians) along a great circle, in the tangent basis (x, y)
+/// at +z: the exponential map. Finite for displacements up to 1e150. The error of each component is at most 1e-15 plus
+/// the effect of rounding the angle.
 pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
     let angle = displacement.norm();
     if angle == 0.0 {
@@ -15,11 +15,11 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
     Vector3::new(across.x, across.y, cos)
 }
 
-/// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`,
-/// in the tangent basis at `from` that the shortest turn carries from (x, y) at +z.
+/// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`, both unit vectors.
+/// The tangent basis at `from` is (x, y) at +z, moved there by the shortest rotation.
 ///
-/// Both are unit vectors. It errs by at most 1e-15 of itself from +z, and by 1e-15 radians from elsewhere.
-/// Between opposite directions, where every great circle is shortest, it is along x.
+/// The error is at most 1e-15 of the displacement if `from` is +z, else 1e-15 radians. Between opposite directions,
+/// where every great circle is a shortest one, the result is along x.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -48,8 +48,8 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
     across * (libm::atan2(sine, local.z) / sine)
 }
 
-/// The direction reached from a unit `direction` by going `displacement` (in radians) along a great
-/// circle, in some tangent basis there: for displacements without a preferred direction.
+/// The direction after moving from a unit `direction` by `displacement` (in radians) along a great circle. The tangent
+/// basis is arbitrary: use it only for displacements without a preferred direction.
 pub(crate) fn moved_along(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
     let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
     let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());

@@ -7,13 +7,13 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::normal_deviates::{PAIRS, normals};
 
-/// A named source of noise. Each has a stream of its own, so that adding one changes no other.
+/// A named source of noise. Each channel has its own stream, so a new channel does not change the numbers of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u64)]
 pub enum Channel {
     /// Error of the angular velocity.
     AngularVelocity = 1,
-    /// Place of the pads under the first contact.
+    /// Position of the pads under the first contact.
     PadOffset = 2,
     /// Error of the contact that a wrist sensor infers.
     WristContact = 3,
@@ -25,13 +25,13 @@ pub enum Channel {
     NormalDisplacement = 6,
     /// Error of a marker's displacement along the skin.
     TangentialDisplacement = 7,
-    /// Error of an indentation that is measured by other means than the skin.
+    /// Error of an indentation that is measured independently of the skin.
     Indentation = 8,
     /// Error of the factor on all normal displacements of a press.
     Gain = 9,
-    /// Choice of the markers that are wrong, and their errors.
+    /// Choice of the markers with a wrong reading, and their errors.
     WrongMarkers = 10,
-    /// Misalignment of a marker's discs by manufacture.
+    /// Misalignment of a marker's discs from manufacture.
     Misalignment = 11,
     /// Error of a pixel.
     Pixel = 12,
@@ -41,28 +41,28 @@ pub enum Channel {
     Centroid = 14,
     /// Error of a marker's size in the image.
     Size = 15,
-    /// Choice of the markers that are not seen.
+    /// Choice of the markers that the camera does not detect.
     LostMarkers = 16,
-    /// Departure of a sensor from what is known of it.
+    /// Difference between a sensor and its nominal parameters.
     Sensor = 17,
-    /// Place within an encoder's step at which a roll begins.
+    /// Position within an encoder's step at the start of a roll.
     EncoderPhase = 18,
     /// Error of a measured rotation.
     Rotation = 19,
 }
 
-/// The random numbers of one channel in one trial: a function of seed, trial and channel alone.
+/// The random numbers of one channel in one trial: a function of seed, trial and channel only.
 ///
-/// SplitMix64 (Steele, Lea and Flood, 2014) from a hashed key: word k is `mix(key + k STEP)`, so
-/// that words do not wait for each other. Streams are stretches of one cycle of 2^64 words: those
-/// of one seed and channel begin at different words, and the chance that any two of n streams of w
-/// words overlap is about `n² w / 2^64`, 1e-4 for ten million trials of 16 words.
+/// SplitMix64 (Steele, Lea and Flood, 2014) from a hashed key: word k is `mix(key + k STEP)`, so words can be computed
+/// in parallel. Streams are parts of one cycle of 2^64 words. Streams of one seed and channel start at different words.
+/// Any two of n streams of w words overlap with a probability of about `n² w / 2^64`: 1e-4 for ten million trials of 16
+/// words.
 ///
 /// ```
 /// use palpate_sensing::{Channel, Stream};
 ///
 /// let draw = |trial| Stream::new(1996, trial, Channel::Position).symmetric_uniform();
-/// // A trial can be replayed alone, and differs from its neighbour.
+/// // A trial can be repeated alone, and differs from the next trial.
 /// assert_eq!(draw(7), draw(7));
 /// assert_ne!(draw(7), draw(8));
 /// assert!((-1.0..1.0).contains(&draw(7)));
@@ -103,19 +103,19 @@ impl Stream {
     /// Uniform in [−1, 1), in steps of 2^−51.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // A float in [2, 4) minus the middle of that range.
+        // A double in [2, 4), minus the middle of this range.
         f64::from_bits(self.next_word() >> 12 | 2_f64.to_bits()) - 3.0
     }
 
-    /// Chooses `count` different numbers of `0..of`, each equally likely; all of them, shuffled, where there are no
-    /// more. Holds all of `0..of` in memory, and draws one random number for each number chosen.
+    /// Chooses `count` different numbers of `0..of` with equal probability; all of them in random order if `count`
+    /// exceeds `of`. Holds `0..of` in memory and draws one random number per chosen number.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();
         let count = count.min(of);
         for place in 0..count {
             let share = 0.5 * (self.symmetric_uniform() + 1.0);
             let left = of - place;
-            // Rounding may reach the end, which a share does not.
+            // `share` is below 1, but its product may be rounded up to `left`.
             let offset = ((share * left as f64) as usize).min(left - 1);
             items.swap(place, place + offset);
         }
@@ -129,8 +129,8 @@ impl Stream {
         StandardNormal.sample(self)
     }
 
-    /// Independent normal numbers with mean 0 and standard deviation 1, in single precision and at most 6.67 either way:
-    /// what vector instructions draw several times as fast as one by one. Of each two the word is one.
+    /// Independent normal numbers with mean 0 and standard deviation 1, in single precision, with absolute values up to
+    /// 6.67. Vector instructions draw them several times as fast as single draws. One random word makes two numbers.
     #[inline(always)]
     pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
         palpate_statistics::work::drew(PAIRS as u64);
@@ -145,16 +145,17 @@ impl Stream {
     pub const NORMALS: usize = 2 * PAIRS;
 }
 
-/// [`Stream`]s of `N` trials side by side, for vector instructions: to the last bit what each would say alone.
+/// The [`Stream`]s of `N` trials side by side, for vector instructions. Each has exactly the numbers of the single
+/// stream.
 ///
-/// Compiled for the vectors of whoever calls it.
+/// Functions are inlined, so they are compiled for the vector width of their caller.
 #[derive(Clone, Debug)]
 pub struct Streams<const N: usize> {
     states: [u64; N],
 }
 
 impl<const N: usize> Streams<N> {
-    /// The streams of `channel` in the trials from number `first` on.
+    /// The streams of `channel` in trials `first` to `first + N − 1`.
     #[inline(always)]
     pub fn new(seed: u64, first: u64, channel: Channel) -> Self {
         let mut states = [0; N];
@@ -250,7 +251,7 @@ mod tests {
 
     #[test]
     fn known_numbers_do_not_change() {
-        // Results are cited by seed: these may change only with a note in the changelog.
+        // Published results cite seeds: change these numbers only with a note in the changelog.
         let stream = || Stream::new(1996, 0, Channel::AngularVelocity);
         let (mut uniform, mut normal) = (stream(), stream());
         let numbers = [(); 2].map(|()| uniform.symmetric_uniform());
@@ -287,7 +288,7 @@ mod tests {
         );
     }
 
-    /// Draws of a trial, one after the other.
+    /// The first draws of a trial.
     fn draws(seed: u64, trial: u64, channel: Channel) -> [f64; 16] {
         let mut stream = Stream::new(seed, trial, channel);
         std::array::from_fn(|_| stream.symmetric_uniform())
@@ -312,18 +313,18 @@ mod tests {
                 for (i, own) in own.iter().enumerate() {
                     for (j, other) in other.iter().enumerate() {
                         products[i][j] += own * other;
-                        // Dependence that leaves the draws themselves uncorrelated.
+                        // Detects dependence even if the draws themselves are uncorrelated.
                         squares[i][j] += (own * own - 1.0 / 3.0) * (other * other - 1.0 / 3.0);
                     }
                 }
             }
-            // Standard deviations of the sums of independent draws: variances 1/3 and 4/45.
+            // Standard deviations of sums over independent draws, whose products have variances (1/3)² and (4/45)².
             let spread = (TRIALS as f64).sqrt();
             for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
                 for (j, (product, square)) in products.iter().zip(squares).enumerate() {
                     let is_itself = index == 0 && i == j;
                     let scores = [product * 3.0 / spread, square * (45.0 / 4.0) / spread];
-                    // Of 3000 scores the largest is below 5 with probability 0.998.
+                    // The largest of 3000 scores is below 5 with probability 0.998.
                     let independent = scores.iter().all(|score: &f64| score.abs() < 5.0);
                     assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
                 }

@@ -22,19 +22,19 @@ impl NormalError {
         Ok(Self { std_rad })
     }
 
-    /// Standard deviation about each tangent, rad. The total tilt has a Rayleigh distribution, whose mean square is twice the
-    /// square of this value.
+    /// Standard deviation about each tangent, rad. The total tilt has a Rayleigh distribution, whose mean square is
+    /// twice the square of this value.
     pub const fn std_rad(&self) -> f64 {
         self.std_rad
     }
 
-    /// Whether a reading draws random numbers. Otherwise it equals the normal.
+    /// Whether a reading draws random numbers. If not, the reading is exact.
     pub fn is_random(&self) -> bool {
         self.std_rad > 0.0
     }
 
-    /// The measured normal for a true unit `normal`: a unit vector. The two tilts define a great circle (exponential map), so
-    /// tilts of any size are valid. It draws two random numbers.
+    /// The measured normal for a true unit `normal`: a unit vector. The two tilts define a great circle (exponential
+    /// map), so tilts of any size are valid. Draws two random numbers.
     #[inline]
     pub fn read(&self, stream: &mut Stream, normal: &Vector3<f64>) -> Vector3<f64> {
         if !self.is_random() {

@@ -1,11 +1,10 @@
-//! A near-uniform lattice of pads on the sphere, with the nearest one found in constant time.
+//! A near-uniform lattice of pads on the sphere. The nearest pad is found in constant time.
 //!
-//! The spherical Fibonacci lattice: pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth
-//! `2π i (Φ − 1)`, Φ the golden ratio. Around any place it looks like a plane lattice spanned by
-//! the steps to `i + F_k` and `i + F_{k+1}` for Fibonacci numbers that depend on the latitude;
-//! inverting that basis gives the neighbours (Keinert, Innmann, Sänger and Stamminger, *Spherical
-//! Fibonacci Mapping*, 2015). Azimuths are kept as 64-bit fractions of a turn, so that 10¹³ pads
-//! still stand where they should.
+//! In the spherical Fibonacci lattice, pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth `2π i (Φ − 1)`, where Φ
+//! is the golden ratio. Around any place it resembles a plane lattice whose basis is the steps to `i + F_k` and
+//! `i + F_{k+1}`, with Fibonacci numbers that depend on the latitude. The inverse of this basis leads to the neighbours
+//! (Keinert, Innmann, Sänger and Stamminger, *Spherical Fibonacci Mapping*, 2015). Azimuths are 64-bit fractions of a
+//! turn, so that 10¹³ pads keep their exact places.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -35,10 +34,10 @@ const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {
-    /// A lattice with one pad per square of the angular pitch (radians).
+    /// A lattice with one pad per pitch². `pitch_rad` is the angular pitch.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the pitch leaves between 2 and 10¹⁵ pads.
+    /// [`InvalidSensor`] unless this pitch makes from 2 to 10¹⁵ pads.
     pub fn with_pitch(pitch_rad: f64) -> Result<Self, InvalidSensor> {
         let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
         let holds = pitch_rad > 0.0 && (2.0..=MOST_PADS).contains(&pads);
@@ -56,7 +55,7 @@ impl UniformLattice {
         self.pads
     }
 
-    /// Direction of pad `index`, counted from +z, which must be below [`Self::pads`].
+    /// Direction of pad `index`, which must be below [`Self::pads`]. Pads are counted from +z.
     pub fn direction(&self, index: u64) -> Vector3<f64> {
         let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
         // 1 − z² = below (2 − below), without cancellation near the pole.
@@ -65,11 +64,11 @@ impl UniformLattice {
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
     }
 
-    /// The pad nearest to a unit `direction`; of anything else some pad.
+    /// The pad nearest to a unit `direction`. The result is arbitrary if `direction` is not a unit vector.
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // Depth below the pole in pads, from whichever of z and the sine is better conditioned.
+        // Depth below the pole, in pads, from z or the sine: the one that loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -89,14 +88,14 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // Steps from pad 0, which stands at azimuth 0 and depth 0.
+            // Lattice steps from pad 0, which lies at azimuth 0 and depth 0.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
             for along in -1..=2 {
                 for across in -1..=2 {
                     let index =
                         (corner.x + f64::from(along)) * f0 + (corner.y + f64::from(across)) * f1;
-                    // Beyond a pole the lattice folds back.
+                    // Indices beyond a pole continue on its other side.
                     let index = if index < 0.0 { -1.0 - index } else { index };
                     let index = if index >= count {
                         2.0 * count - 1.0 - index
@@ -109,7 +108,7 @@ impl UniformLattice {
                 }
             }
         }
-        // Near the poles the plane picture fails; there are few pads to look at.
+        // Near the poles the lattice does not resemble a plane lattice. There are few pads, so all are compared.
         const POLAR: u64 = 12;
         if depth < POLAR as f64 {
             (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));

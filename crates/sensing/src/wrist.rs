@@ -1,11 +1,11 @@
-//! A force and moment sensor in the wrist, from which the contact on the fingertip is inferred.
+//! A force and moment sensor in the wrist. It infers the contact point on the fingertip.
 
 use nalgebra::{Vector2, Vector3};
 
 use crate::sphere_map::moved_along;
 use crate::{InvalidSensor, Stream, direction_at, displacement_between};
 
-/// A wrist sensor whose inferred contact point errs isotropically on the fingertip.
+/// A wrist sensor whose inferred contact point has an isotropic error on the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrist {
     std: f64,
@@ -21,7 +21,7 @@ impl Wrist {
     pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
         let holds = std >= 0.0 && std.is_finite();
         InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
-        // At this radius, half a turn is still a finite length.
+        // Up to this radius, half a turn is a finite length.
         let holds = radius > 0.0 && radius <= 1e300;
         InvalidSensor::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
         let holds = std / radius <= 1e150;
@@ -29,14 +29,14 @@ impl Wrist {
         Ok(Self { std, radius })
     }
 
-    /// Standard deviation of a shift: the first and the last contact err independently.
+    /// Standard deviation of a shift. The errors of the first and the last contact are independent.
     pub fn shift_std(&self) -> f64 {
         std::f64::consts::SQRT_2 * self.std
     }
 
-    /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the
-    /// first contact: at most half a turn of the fingertip, however large the error. Without an error it is
-    /// exact within 1e-15 of the radius.
+    /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the first
+    /// contact. It is at most half a turn of the fingertip, even for large errors. If the error is 0, it is exact
+    /// within 1e-15 of the radius.
     pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {

@@ -44,7 +44,7 @@ fn is_lattice(pitch_rad: f64) -> bool {
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// Returns the sensor, if any. Panics unless a sensor was made exactly if the settings are good.
+/// Returns the sensor, if any. Panics if the result is an error for valid settings, or a sensor for invalid settings.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()

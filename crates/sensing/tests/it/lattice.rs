@@ -1,4 +1,4 @@
-//! The uniform lattice against a search through all pads.
+//! Compares the uniform lattice with a search through all pads.
 
 use nalgebra::Vector3;
 use palpate_sensing::UniformLattice;
@@ -47,7 +47,7 @@ proptest! {
         let lattice = UniformLattice::with_pitch(pitch).unwrap();
         let at = direction(z, azimuth);
         let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
-        // The covering radius of the lattice is 0.83 pitches in the plane, 1 near a pole.
+        // Every place is within 0.83 pitches of a pad in the plane, and within 1 pitch near a pole.
         prop_assert!(found < 1.05 * pitch, "{found} pitches {}", found / pitch);
     }
 }

@@ -17,7 +17,7 @@ fn read(pads: &Pads, trial: u64, displacement: Vector2<f64>) -> Vector2<f64> {
 
 #[test]
 fn the_papers_reading_of_a_fifty_millimetre_sphere() {
-    // R₁ = 10 mm, R₂ = 50 mm, 0.1 rad: 0.833 mm, of which both pads make 1 mm.
+    // R₁ = 10 mm, R₂ = 50 mm, 0.1 rad: the shift is 0.833 mm. Pads of both pitches read 1 mm.
     let moved = 0.1 / (1.0 / 10.0 + 1.0 / 50.0);
     for pitch in [0.5, 1.0] {
         let pads = pads(pitch, PadLayout::Square, PadOffset::Centred);
