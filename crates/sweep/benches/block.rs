@@ -1,5 +1,5 @@
-//! Benchmark of the cost of the runner and its statistics per trial. The trials only look numbers up, so that almost
-//! nothing else is timed; each observes five quantities.
+//! Benchmark of the runner and its statistics: the cost of one trial. The trials only read numbers from a table, so
+//! almost nothing else is timed. Each trial observes five quantities.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -11,7 +11,7 @@ const QUANTITIES: usize = 5;
 const TRIALS: u64 = 1 << 20;
 const TABLE: usize = 1 << 12;
 
-/// Looks its estimates up; errors are nearly normal.
+/// Reads its estimates from a table. The errors are nearly normal.
 struct LookUp {
     table: Vec<f64>,
     std: Option<f64>,

@@ -12,7 +12,8 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches: enough for Student's t to be nearly normal, and so few that even 100 trials give each batch some.
+/// Number of batches. It is large enough for Student's t to be nearly normal, and small enough for each batch to have
+/// some of only 100 trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -36,7 +37,7 @@ const BATCHES: u64 = 32;
 /// assert_eq!(batches.trials(), 1024);
 /// let rms = batches.estimate(|all| all.quantities[0].rms_error).ok_or("all trials succeed")?;
 /// assert!((rms.value - 1.25_f64.sqrt()).abs() < 1e-12);
-/// // All batches have the same errors, so that the standard error is 0.
+/// // All batches have the same errors, so the standard error is 0.
 /// assert!(rms.std_error() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -62,7 +63,7 @@ pub struct Growth<'a, T: ?Sized> {
     pub trial: &'a T,
     /// Batches to which the trials are added.
     pub batches: &'a mut Batches,
-    /// Least number of trials that the batches have afterwards. An experiment that is not random gets one trial.
+    /// Smallest number of trials in the batches afterwards. An experiment that is not random gets one trial.
     pub trials: u64,
 }
 
@@ -73,7 +74,7 @@ pub struct Estimate {
     pub value: f64,
     /// Values without each batch; empty if the experiment is not random.
     without: Vec<f64>,
-    /// Standard deviation of a further error, which the batches do not show.
+    /// Standard deviation of an additional error that does not vary between batches.
     resolution: f64,
 }
 
@@ -163,8 +164,8 @@ impl Estimate {
         })
     }
 
-    /// The same estimate with a further error of this standard deviation, which the batches do not show, such as that
-    /// of a histogram's bins.
+    /// The same estimate with an additional error of this standard deviation, such as the error of a histogram's bins.
+    /// It does not vary between batches, so the jackknife cannot estimate it.
     #[must_use]
     pub fn with_resolution(self, resolution: f64) -> Self {
         Self { resolution, ..self }
@@ -176,7 +177,7 @@ impl Estimate {
         if count < 2.0 {
             return self.resolution;
         }
-        // Deviations from the first value, so that a small spread about a large value is not lost.
+        // Subtract the first value, so that a small spread around a large value keeps its digits.
         let origin = self.without[0];
         let deviations = self.without.iter().map(|one| one - origin);
         let scale = deviations.clone().map(f64::abs).fold(0.0, f64::max);
@@ -190,8 +191,8 @@ impl Estimate {
         libm::hypot(of_batches, self.resolution)
     }
 
-    /// Score of the statement that the true value is at most `limit`: the number of standard deviations by which it
-    /// holds, see [`normal_tail`](palpate_statistics::normal_tail).
+    /// Score of the statement that the true value is at most `limit`: the number of standard deviations by which
+    /// `limit` exceeds the value, see [`normal_tail`](palpate_statistics::normal_tail).
     pub fn at_most(&self, limit: f64) -> f64 {
         self.score(limit - self.value)
     }
@@ -246,7 +247,7 @@ impl Stored {
 }
 
 impl Runner {
-    /// Runs more trials of some cells. Their numbers follow those of the trials in the batches.
+    /// Runs more trials of some cells. Their numbers continue after the trials in the batches.
     pub fn grow<T: Trial + ?Sized>(&self, cells: Vec<Growth<'_, T>>) {
         let mut jobs: Vec<Job<'_, T>> = Vec::new();
         for growth in cells {

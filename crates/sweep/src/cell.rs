@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::partial_statistics::Partial;
 use crate::trial_record::Record;
 
-/// Trials in a block, the unit of work. The sums of the blocks of a cell are folded in their order.
+/// Number of trials in a block, the unit of work. The sums of a cell's blocks are added in the order of the blocks.
 pub const BLOCK: u64 = 1024;
 
 /// Experiment that a cell repeats.
@@ -19,10 +19,10 @@ pub trait Trial: Sync {
     /// The stable kebab-case name of the kind of failure. The observations of a failed trial are dropped.
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
 
-    /// Runs the first few of `trials` together, records the same bits as [`Trial::run`] would, and returns their number.
-    /// All of them must have succeeded. After a return of 0, the next trial is run by itself.
+    /// Runs the first few of `trials` together and returns their number. It records the same bits as [`Trial::run`],
+    /// and all these trials must have succeeded. After a return of 0, the next trial is run alone.
     ///
-    /// Implement it for trials that are quicker side by side; by default it returns 0.
+    /// Implement it for trials that run faster side by side. The default implementation returns 0.
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let _ = (trials, record);
         0
@@ -83,10 +83,10 @@ pub struct StoppingRule {
     pub quantity: usize,
     /// Statistic of the quantity.
     pub statistic: StoppingStatistic,
-    /// Relative standard error at which the cell ends. It is taken over trials: several observations of one trial count
-    /// as one.
+    /// Relative standard error at which the cell ends. It follows from the scatter between trials: several observations
+    /// of one trial count as one.
     pub relative_standard_error: f64,
-    /// Least number of trials.
+    /// Smallest number of trials.
     pub min_trials: u64,
 }
 

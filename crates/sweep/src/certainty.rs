@@ -26,8 +26,8 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     side * (shrunk * (degrees * grown).sqrt()).min(CERTAIN)
 }
 
-/// Score of the statement that a probability is at most `limit`, in (0, 1), after an event in `count` of `of` independent
-/// trials: the signed root of the deviance, with a continuity correction of half a trial; 0 without trials.
+/// Score of the statement that a probability is at most `limit`, in (0, 1), after an event in `count` of `of`
+/// independent trials: the signed root of the deviance, with a continuity correction of half a trial; 0 without trials.
 ///
 /// ```
 /// // No failure in 256 trials: P = 0.95²⁵⁶ = 2.0e-6, which is a score of 4.6.
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(student(f64::NAN, 1.0, 31.0), 0.0);
     }
 
-    /// P(X ≤ count) of a binomial number, summed up.
+    /// P(X ≤ count) of a binomial number, as a sum.
     fn binomial(count: u64, of: u64, share: f64) -> f64 {
         let (n, mut term, mut sum) = (of as f64, libm::pow(1.0 - share, of as f64), 0.0);
         for k in 0..=count {

@@ -8,8 +8,7 @@ use crate::simd_sums::Observed;
 use crate::sums::Sums;
 use crate::trial_record::{Observation, Observations};
 
-/// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
-/// least 0.
+/// Placeholder for a standard deviation that was not reported. Reported ones are at least 0.
 pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
@@ -22,7 +21,8 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations, or [`UNREPORTED`].
     stds: Vec<f64>,
-    /// Observations (by place) whose trial states whether its 50, 80 and 95 % intervals hold the truth.
+    /// Place of each observation whose trial reports coverage, and whether its 50, 80 and 95 % intervals contain the
+    /// truth.
     verdicts: Vec<(usize, [bool; 3])>,
     /// Number of observations of successful trials. Observations after these belong to the running trial.
     kept: usize,
@@ -58,7 +58,7 @@ impl Column {
         }
     }
 
-    /// Keeps the observations of the trial that ran.
+    /// Keeps the observations of the last trial.
     #[inline]
     pub(crate) fn keep(&mut self) {
         if self.estimates.len() > self.kept + 1 {
@@ -85,7 +85,7 @@ impl Column {
         self.forget();
     }
 
-    /// Drops the observations of the trial that ran.
+    /// Drops the observations of the last trial.
     pub(crate) fn forget(&mut self) {
         self.estimates.truncate(self.kept);
         self.truths.truncate(self.kept);

@@ -1,4 +1,5 @@
-//! A histogram over the bits of floating-point numbers: merging is integer addition, and bins are fine everywhere.
+//! A histogram over the bits of floating-point numbers. Bins have about the same relative width at all magnitudes, and
+//! histograms merge by integer addition.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -8,7 +9,7 @@ const BIN_BITS: u32 = 7;
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Bins per octave, for both signs together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
-/// Up to this many numbers, bins are listed one by one, which takes less time and memory than pages.
+/// Up to this many numbers, bins are listed one by one, which needs less time and memory than pages.
 const FEW: usize = 512;
 /// Numbers whose bins are computed together in vectors.
 const CHUNK: usize = 64;
@@ -99,7 +100,7 @@ impl Histogram {
         self.pages[place].get_or_insert_with(|| Box::new([0; PLACES]))
     }
 
-    /// Adds the counts of `other`; exact, so in any order.
+    /// Adds the counts of `other`. The addition is exact, so the order does not matter.
     pub(crate) fn merge(&mut self, mut other: Self) {
         if self.is_listed() && self.few.is_empty() {
             *self = other;
@@ -119,8 +120,8 @@ impl Histogram {
         }
     }
 
-    /// Quantiles of probabilities in [0, 1], linear between the order statistics 0 to n − 1 at `p (n − 1)`, each of
-    /// which is at most 0.4 % off; `None` without numbers.
+    /// Quantiles of probabilities in [0, 1]: linear interpolation at position `p (n − 1)` between order statistics (0
+    /// is the smallest number), each with an error of at most 0.4 %. `None` without numbers.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
         let ranked = Ranked::new(self);
         let most = ranked.count().checked_sub(1)?;
@@ -244,7 +245,7 @@ mod tests {
         histogram
     }
 
-    /// Histogram in pages, however few the numbers are.
+    /// Histogram in pages, even for few numbers.
     fn in_pages(values: &[f64]) -> Histogram {
         let mut histogram = of(values);
         histogram.list_no_more();
@@ -276,7 +277,7 @@ mod tests {
         left
     }
 
-    /// Linear between order statistics, from all the numbers.
+    /// Exact quantile, with linear interpolation between order statistics.
     fn exact_quantile(values: &[f64], p: f64) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Mean and spread of numbers, which can be merged, for finite numbers of any size.
+//! Mean and spread of finite numbers of any size. Moments of parts can be merged.
 
 /// Count, mean and squared deviations of some finite numbers.
 ///

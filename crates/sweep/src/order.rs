@@ -28,17 +28,17 @@ pub struct Order {
 /// Number of trials whose means are in the right order with a given probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// Found in groups of this many trials.
+    /// This many, estimated from groups of trials.
     Found(u64),
-    /// Too many for groups; computed from the normal distribution of the means.
+    /// About this many, from the normal distribution of the means. There are too few trials for groups of this size.
     About(u64),
     /// No number of trials: the means are in the wrong order, or all equal.
     Never,
-    /// So many that the number cannot be estimated from these trials.
+    /// Too many to be estimated from these trials.
     Unknown,
 }
 
-/// Least number of groups of trials from which a probability is estimated.
+/// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
 /// Number of uncertain trials at which the weight of an estimated variance is one half.
 const HALF_WEIGHT: f64 = 20.0;
@@ -46,8 +46,8 @@ const HALF_WEIGHT: f64 = 20.0;
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {
-    /// Runs trials of an experiment, and returns the means of a quantity in each. An experiment that is not random is run
-    /// once.
+    /// Runs trials of an experiment, and returns the means of a quantity in each. An experiment that is not random is
+    /// run once.
     ///
     /// ```
     /// use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial, in_order};
@@ -116,14 +116,14 @@ pub fn in_order(low: &[TrialMeans], high: &[TrialMeans]) -> Order {
     order(&estimates(low), &estimates(high))
 }
 
-/// Probability that the estimates of two experiments are both above `limit`, for example that both classify more than half
-/// of the places correctly. A failed trial counts as not above.
+/// Probability that the estimates of two experiments are both above `limit`, for example that both classify more than
+/// half of the places correctly. A failed trial counts as not above.
 pub fn both_above(one: &[TrialMeans], other: &[TrialMeans], limit: f64) -> Order {
     above(&estimates(one), &estimates(other), limit)
 }
 
-/// Number of trials of each experiment whose means are in the right order with the probability `confidence`; with `limit`,
-/// the number whose means are both above it. Means are taken over the trials that succeed.
+/// Number of trials of each experiment whose means are in the right order with the probability `confidence`. With
+/// `limit`: the number whose means are both above `limit`. Means are over the trials that succeed.
 pub fn repeats(
     one: &[TrialMeans],
     other: &[TrialMeans],
@@ -163,7 +163,7 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of repeats by the normal distribution, where there would be too few groups.
+/// Number of repeats by the normal distribution, if there are too few groups.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -174,8 +174,8 @@ fn beyond(
     let (Some(one), Some(other)) = (Moments::of(one), Moments::of(other)) else {
         return Repeats::Never;
     };
-    // Distance, standard deviation of a trial, and standard error of the distance. A distance is positive if the means
-    // are in the right order.
+    // Distance of the means, standard deviation of a trial, and standard error of the distance. The distance is positive
+    // if the means are in the right order.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -281,7 +281,7 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Number of the other experiment's trials below a value, with equal ones counted half, and of all.
+    // Number of the other experiment's trials below `value`, where equal ones count half, and number of all its trials.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -345,8 +345,8 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
     }
 }
 
-/// Probability with its interval, from the variance of the probability and the numbers of trials of each experiment.
-/// `uncertain` is the number of trials because of which the probability is neither 0 nor 1.
+/// Probability with its interval, from its variance and the numbers of trials of both experiments. `uncertain` is the
+/// smaller of two numbers: trials whose share is below 1, and trials whose share is above 0.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,
@@ -360,8 +360,8 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     if one == 1 && other == 1 {
         return order(probability, (probability, probability));
     }
-    // Number of independent trials with the same variance: at least as many as the random experiment of fewer trials
-    // has, and hardly more if only a few uncertain trials determine the variance.
+    // Number of independent trials with the same variance. It is at least the number of trials of the smaller random
+    // experiment, and hardly larger if few uncertain trials determine the variance.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

@@ -11,7 +11,7 @@ use crate::summary::{Failure, Failures};
 use crate::sums::Sums;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Accumulator of one quantity: adds up the observations of blocks of trials, and computes all statistics.
+/// Accumulator of one quantity: adds up the observations of blocks of trials. All statistics are computed from it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
     /// Errors; merging is exact in any order.

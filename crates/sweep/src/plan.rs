@@ -34,7 +34,7 @@ const TIMING_SHARE: f64 = 0.1;
 const PILOT_SHARE: f64 = 0.15;
 /// Predicted time of the run, as a share of the budget left after planning.
 const RUN_SHARE: f64 = 0.9;
-/// Least number of trials per cell of a pilot within a budget; from fewer, no error can be estimated.
+/// Smallest number of trials per cell of a pilot within a budget. With fewer, errors cannot be estimated.
 const MIN_PILOT: u64 = 32;
 /// Largest number of trials per cell of a pilot within a budget.
 const MAX_PILOT: u64 = 1024;
@@ -86,13 +86,13 @@ pub struct Goal {
 pub struct Plan {
     /// Whether the model's tolerance could be chosen.
     pub chooses_model: bool,
-    /// Whether some cell is random; if none is, one trial of each is enough.
+    /// Whether at least one cell is random. If none is, one trial of each cell is enough.
     pub is_random: bool,
-    /// Trials of each random cell that the target error needs; `None` without a target, or without time for a pilot.
+    /// Number of trials of each random cell for the target error; `None` without a target, or without time for a pilot.
     pub by_target: Option<NonZeroU64>,
-    /// Trials of each random cell that the budget has time for; `None` without a budget.
+    /// Number of trials of each random cell for the budget; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
-    /// Largest expected relative standard error of an rms error; `None` if it is not known.
+    /// Largest expected relative standard error of an rms error; `None` without an estimate.
     pub expected_error: Option<f64>,
     /// Cell and name of the quantity whose heavy-tailed errors determined `by_target`.
     pub heavy_tails: Option<(usize, &'static str)>,
@@ -134,8 +134,8 @@ pub enum PlanError<E> {
     AllFail(FailingCell),
     /// A target error needs more trials than the largest number.
     #[error(
-        "the rms error of {quantity} needs about {needed:.1e} trials, and at most {MAX_FOR_TARGET:.0e} are taken, \
-         which reach {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
+        "the rms error of {quantity} needs about {needed:.1e} trials; the maximum of {MAX_FOR_TARGET:.0e} \
+         reaches {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
     )]
     TooManyTrials {
         /// Index of the cell that needs them.
@@ -152,7 +152,8 @@ pub enum PlanError<E> {
 }
 
 impl Plan {
-    /// Trials of each random cell: the smaller number by target error and budget; `None` if no cell is random.
+    /// Number of trials of each random cell: the smaller of the numbers for target error and budget. `None` if no cell
+    /// is random.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
             (Some(error), Some(time)) => Some(error.min(time)),
@@ -208,7 +209,7 @@ pub fn plan<C: Plannable>(
     if let (Some(pilot), Some(target)) = (&pilot, goal.target_error) {
         planner.set_by_target::<C>(&mut plan, &trials, &random, pilot, target)?;
     }
-    // Time the model that the run will use.
+    // The run will use this model, so it is timed.
     plan.by_budget = planner.by_budget(&planned, &random)?;
     let trials = plan.trials();
     plan.expected_error = trials
@@ -225,7 +226,7 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Sets up the experiments of all cells; an error if that uses up the budget.
+    /// Sets up the experiments of all cells. Fails if this uses up the budget.
     fn set_up<C: Plannable>(&self, cells: &C) -> Result<Vec<C::Trial>, PlanError<C::Error>> {
         let mut trials = Vec::with_capacity(cells.cells());
         for cell in 0..cells.cells() {
@@ -234,7 +235,7 @@ impl Planner<'_> {
             if let Some(budget) = self.goal.budget
                 && elapsed >= budget
             {
-                // Planning and the run set up each cell.
+                // Each cell is set up twice: for planning and for the run.
                 let share = trials.len() as f64 / cells.cells() as f64;
                 return Err(self.does_not_fit(budget, 2.0 * elapsed.as_secs_f64() / share));
             }
@@ -242,8 +243,8 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// Pilot of the random cells, for the target error or to predict the errors within a budget; `None` without random
-    /// cells, or without time.
+    /// Pilot of the random cells: for the target error, or to predict the errors within a budget. `None` without random
+    /// cells or without time.
     fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
             return None;
@@ -268,7 +269,8 @@ impl Planner<'_> {
         Some(pilot)
     }
 
-    /// Cells in which every trial of the pilot failed; an error if these are all random cells and there is a target error.
+    /// Cells in which every trial of the pilot failed. Returns an error if these are all random cells and there is a
+    /// target error.
     fn failing<E>(
         &self,
         random: &[usize],
@@ -344,7 +346,7 @@ impl Planner<'_> {
         let Some(budget) = self.goal.budget else {
             return Ok(None);
         };
-        // The run sets up the cells once more.
+        // The run sets up the cells again.
         let before = (self.clock)();
         let trials = self.set_up(planned)?;
         let setting_up = (self.clock)().saturating_sub(before);

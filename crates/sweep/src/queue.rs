@@ -7,16 +7,17 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Approximate time of the trials of a job: long compared with the queue's own work, short compared with a run.
+/// Approximate time of a job's trials: long compared with the work of the queue, short compared with a run.
 pub(crate) const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
-/// Number of jobs by which the results of quick threads may be ahead of those of a slow thread.
+/// Number of jobs by which fast threads may be ahead of a slow thread.
 const AHEAD: u64 = 512;
 /// The same number for cells whose trials a rule may end.
 const AHEAD_WITH_RULE: u64 = 128;
 
-/// Experiment of a cell, or the error of setting it up. The first thread that needs it sets it up, the last drops it.
+/// Experiment of a cell, or the error of setting it up. The first thread that needs it sets it up; the last user drops
+/// it.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
 /// Work for one thread.
@@ -65,7 +66,7 @@ struct State<T, E> {
 }
 
 impl<T, E> State<T, E> {
-    /// Number of jobs by which quick threads may be ahead.
+    /// Number of jobs by which fast threads may be ahead.
     fn max_ahead(&self) -> u64 {
         let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
         if has_rule { AHEAD_WITH_RULE } else { AHEAD }
@@ -141,8 +142,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // The end of a task with a rule is unknown. Only for the last task do several threads run trials, some of which
-        // may be beyond the end.
+        // The end of a task with a rule is not known in advance. Threads share only the last task; some of its trials
+        // may be beyond its end.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -153,7 +154,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // Trials that run side by side are eight.
+            // A multiple of 8, because up to 8 trials run side by side.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {

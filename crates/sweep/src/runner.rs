@@ -105,7 +105,7 @@ impl Runner {
             ControlFlow::Continue(())
         };
         let never = AtomicBool::new(false);
-        // Without a cancellation, and with cells that are set up, there is no error.
+        // This run is never cancelled and its cells are set up, so there is no error.
         let _ = self.stream(&Cells(cells), &never, progress, &mut take);
         all
     }

@@ -1,9 +1,10 @@
 //! Search for the values of a field at which a target is met, from scores with noise.
 //!
-//! Every score is of trials that draw the same random numbers at every value. Fresh trials verify the answer. Together,
-//! all steps of a search err at most with the probability [`Search::wrong`]: one fifth of it is divided evenly among at
-//! most 400 looks at values, the rest among the ends of the runs, where each attempt gets half the probability of the one
-//! before. This holds for any curve. Only between the tested values, the curve may cross the limit unnoticed.
+//! Scores at all values come from trials with the same random numbers. Fresh trials verify the answer. All steps of a
+//! search together are wrong with at most the probability [`Search::wrong`]. One fifth of it is divided evenly among at
+//! most 400 tests of values, the rest among the ends of the runs. Each attempt at an end gets half the probability of
+//! the attempt before. This holds for any curve. Only between the tested values, the curve may cross the limit
+//! unnoticed.
 
 mod explore;
 mod limits;
@@ -21,8 +22,8 @@ pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Scores of the conditions of a target in one cell: the number of standard deviations by which each is met, negative if
-/// it is missed. The first is of the statistic, the second of the share of trials that fail.
+/// Scores of the two conditions of a target in one cell: the number of standard deviations by which the condition is
+/// met, negative if it is missed. The first score is for the statistic, the second for the share of trials that fail.
 pub type Scores = [f64; 2];
 
 /// Request for the scores of a cell at a value.
@@ -32,15 +33,15 @@ pub struct ScoreRequest {
     pub value: f64,
     /// Index of the cell among those that must all meet the target.
     pub cell: usize,
-    /// Least number of trials.
+    /// Smallest number of trials.
     pub trials: u64,
-    /// Whether the trials must be other ones than those of the search so far.
+    /// Whether the trials must be new: not used by this search before.
     pub fresh: bool,
 }
 
 /// Scores of some cells over the values of a field.
 ///
-/// Trials of one number must draw the same random numbers at every value, so that values compare trial by trial.
+/// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub trait Curves {
     /// Reason why a score is missing.
     type Error;
@@ -58,7 +59,7 @@ pub trait Curves {
 /// Settings of a search for values that meet a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Values among which the search looks.
+    /// Values that the search may test.
     pub among: SearchRange,
     /// Largest gap that may stay between values that meet the target and values that miss it, by [`Span::gap`].
     pub gap: f64,
@@ -66,8 +67,8 @@ pub struct Search {
     pub most_trials: u64,
     /// Time after which the search explores no more values; the scan and the verification are always done.
     pub budget: Option<Duration>,
-    /// Probability that anything in the answer is wrong, above 0 and below 1. With 0, less or NaN the answer is empty; more
-    /// than 1 counts as 1.
+    /// Probability that any part of the answer is wrong, above 0 and below 1. If it is 0, negative or NaN, the answer
+    /// is empty; a value above 1 counts as 1.
     pub wrong: f64,
 }
 
@@ -78,7 +79,8 @@ pub struct SearchResult {
     pub tested: Vec<TestedValue>,
     /// Ranges of neighbouring values on one side, ascending; values between the ranges are undecided.
     pub runs: Vec<Run>,
-    /// Number of ends of runs that fresh trials did not verify at first: each was moved, or its run was given up.
+    /// Number of ends of runs that fresh trials did not verify at the first attempt. Each was moved, or its run was
+    /// dropped.
     pub narrowed: usize,
     /// Reason why the search ended.
     pub ended: EndReason,

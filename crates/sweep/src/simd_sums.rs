@@ -8,8 +8,8 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
-/// Whether all errors of the estimates are finite, and all standard deviations finite and at least 0. May return `false`
-/// for sound observations whose sum overflows.
+/// Whether all errors of the estimates are finite, and all standard deviations finite and at least 0. May return
+/// `false` for valid observations whose sum overflows.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -29,7 +29,7 @@ impl WithSimd for AreSound<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        // A sum is finite only if all its terms are.
+        // The sum is finite only if all its terms are finite.
         let (mut sums, mut lowest) = ([0.0; LANES], [0.0; LANES]);
         let (chunks, rest) = self.estimates.as_chunks::<LANES>();
         for chunk in chunks.iter().map(<[f64; LANES]>::as_slice).chain([rest]) {
@@ -106,7 +106,8 @@ struct TotalsOf<'a> {
 /// Number of sums.
 const SUMS: usize = 12;
 
-/// Partial sums of [`Totals`]. Its methods are always inlined; otherwise vector instructions would be calls.
+/// Partial sums of [`Totals`]. Its methods are always inlined, because vector instructions would otherwise be function
+/// calls.
 struct Parts<S: Simd> {
     simd: S,
     /// First estimate, its error, and the magnitude and square of that error.

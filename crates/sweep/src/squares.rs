@@ -68,7 +68,7 @@ impl TrialSquares {
         }
     }
 
-    /// Adds the trials of `other`, which come after those summed so far.
+    /// Adds the trials of `other`, which follow the trials in these sums.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.trials == 0 {
             return;
@@ -94,7 +94,7 @@ impl TrialSquares {
         self.trials = trials;
     }
 
-    /// Changes the unit to 2^exponent, which must be no smaller than the present one.
+    /// Changes the unit to 2^exponent, which must be at least the present unit.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         let squared = factor * factor;
@@ -104,7 +104,7 @@ impl TrialSquares {
         self.square_count *= squared;
     }
 
-    /// Standard error of the rms error, to first order, as of a ratio of two means; `None` for fewer than two trials.
+    /// Standard error of the rms error: to first order, as for a ratio of two means. `None` for fewer than two trials.
     pub(crate) fn std_of_rms(&self) -> Option<f64> {
         let freedom = self.trials.checked_sub(1).filter(|&freedom| freedom > 0)?;
         let mean_square = self.square / self.count;
@@ -142,7 +142,7 @@ mod tests {
         sums(errors).squares
     }
 
-    /// Sums of squares over trials. Each range in `trials` gives the places of the errors of one trial.
+    /// Sums of squares over trials. Each range in `trials` has the places of one trial's errors.
     fn of_trials(errors: &[f64], trials: impl IntoIterator<Item = Range<usize>>) -> TrialSquares {
         let mut all = TrialSquares::default();
         for places in trials {
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn squares_of_zeros_and_ones_are_binomial() {
-        // 3 of 12 are 1: the mean square is 1/4, its variance p (1 − p)/(n − 1).
+        // 3 of 12 errors are 1: the mean square is p = 1/4, its variance p (1 − p)/(n − 1).
         let errors: Vec<f64> = (0..12).map(|i| f64::from(u8::from(i % 4 == 1))).collect();
         let std = (0.25f64 * 0.75 / 11.0).sqrt() / (2.0 * 0.5);
         assert_relative_eq!(
@@ -186,7 +186,7 @@ mod tests {
         let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
-        // If trials differ only in the number of their observations, the mean square is exact.
+        // If trials differ only in the number of their observations, the mean square has no error.
         let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }

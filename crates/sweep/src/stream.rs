@@ -1,4 +1,4 @@
-//! Sweeps whose results are passed on in the order of their tasks while later tasks still run.
+//! Sweeps that return results in the order of their tasks while later tasks still run.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -28,14 +28,14 @@ pub trait Sweep: Sync {
     /// Task of this number.
     fn task(&self, number: u64) -> Task;
 
-    /// Sets up the experiment of a cell. It is called on any thread before the first trial of the cell, and must not wait
-    /// for the threads of the run.
+    /// Sets up the experiment of a cell. It is called on any thread before the first trial of the cell, and must not
+    /// wait for the threads of the run.
     ///
     /// # Errors
     /// Reason why the cell cannot be run; it ends the run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Rule that may end the cell of a task with `may_stop`; without a rule all its trials are run.
+    /// Rule that may end the cell of a task with `may_stop`. Without a rule all its trials are run.
     fn stopping_rule(&self, trial: &Self::Trial) -> Option<StoppingRule> {
         let _ = trial;
         None
@@ -46,8 +46,8 @@ pub trait Sweep: Sync {
         false
     }
 
-    /// Appends the row of trial `number` to `text`, from its observations or the kind of its failure. It is called on any
-    /// thread, in the order of the trials of a task.
+    /// Appends the row of trial `number` to `text`, from its observations or the kind of its failure. It is called on
+    /// any thread, in the order of the trials of a task.
     fn add_trial_row(
         &self,
         trial: &Self::Trial,
@@ -72,12 +72,12 @@ pub enum SweepOutput<R> {
 }
 
 impl Runner {
-    /// Runs the tasks of a sweep and passes their results to `take`, in the order of the tasks and one at a time,
-    /// until another thread sets `cancelled` or `take` breaks. Each thread calls `progress` with the number of trials
-    /// that it has run since its last call.
+    /// Runs the tasks of a sweep and passes their results to `take`, one at a time in the order of the tasks. The run
+    /// ends early if another thread sets `cancelled` or `take` breaks. Each thread calls `progress` with the number of
+    /// trials that it has run since its last call.
     ///
-    /// Memory holds only the experiments in use and the results that wait for an earlier one, so that it grows
-    /// neither with the tasks nor with the trials. Results do not depend on how trials are divided among threads.
+    /// Memory holds only the experiments in use and the results that wait for an earlier result. It does not grow with
+    /// the number of tasks or trials. Results do not depend on the division of the trials among threads.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -180,7 +180,7 @@ struct Line<'a, S: Sweep> {
     /// Number of the job whose results come next.
     head: u64,
     open: Option<Open>,
-    /// Number of the tasks whose results have been passed on.
+    /// Number of tasks whose results have been passed on.
     tasks: u64,
     failed: Option<S::Error>,
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
@@ -200,12 +200,12 @@ struct Ran<S: Sweep> {
     /// Number of the task.
     number: u64,
     task: Task,
-    /// Number of the trial after the last of them.
+    /// Number of the trial after its last trial.
     end: u64,
-    /// Experiment; `None` if the task is complete and does not need it any more.
+    /// Experiment; `None` if the task is complete and no longer needs it.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
-    /// Their rows.
+    /// Rows of the trials.
     text: String,
 }
 
@@ -242,7 +242,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 None => break,
             }
         }
-        // Other threads may wait for results of this thread, which it drops.
+        // This thread drops its results. Stop the queue, because other threads may wait for them.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -303,8 +303,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and appends their rows to `text` if the sweep writes rows. If a rule ends the trials
-    /// early, `ran` becomes their number.
+    /// Runs the trials of a piece, and appends their rows to `text` if the sweep writes rows. If a rule ends the task,
+    /// `ran` becomes the number of trials before its end.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -358,7 +358,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Adds the results of a job to the line, and passes on those whose turn it is.
+    /// Adds the results of a job to the line, and passes on all results that are next in order.
     fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);
@@ -386,12 +386,12 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
 }
 
 impl<S: Sweep> Line<'_, S> {
-    /// Adds the trials that come next.
+    /// Adds the next trials.
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        // Trials beyond the end of a task that a rule ended.
+        // These trials are beyond the end of a task that a rule ended.
         if ran.number < self.tasks {
             return ControlFlow::Continue(());
         }

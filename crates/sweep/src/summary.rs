@@ -39,11 +39,11 @@ impl CellStatistics {
 
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
-/// An error is estimate − truth. Every number is finite, and in the quantity's unit or a ratio. A statistic is `None` if
-/// it is undefined (always so without observations) or beyond the range of `f64`. The rounding error of means, roots of
-/// mean squares and standard deviations is at most 1e-13 of the mean magnitude of the numbers that they summarise, that
-/// of standard deviations also at most 1e-12 of themselves, for numbers of any size. Below 1e-308 they are multiples of
-/// the smallest double.
+/// An error is estimate − truth. Every number is finite, and in the quantity's unit or a ratio. A statistic is `None`
+/// if it is undefined (without observations, all are) or beyond the range of `f64`. For numbers of any size, the
+/// rounding error of means, rms values and standard deviations is at most 1e-13 of the mean magnitude of the summarised
+/// numbers. For standard deviations, it is also at most 1e-12 of the result. Results below 1e-308 are multiples of the
+/// smallest double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
@@ -85,8 +85,8 @@ pub struct Summary {
     pub relative_rms_error: Option<f64>,
     /// `mean_abs_error` over the magnitude of the true value; `None` if the true value is 0 or varies.
     pub relative_mean_abs_error: Option<f64>,
-    /// 5 % quantile of the estimates, whose distance to the true value is accurate to 0.4 %; `None` if the true value
-    /// varies.
+    /// 5 % quantile of the estimates; `None` if the true value varies. Its distance to the true value is accurate to
+    /// 0.4 %.
     ///
     /// Quantiles are interpolated linearly between order statistics, the usual definition (type 7).
     pub q05: Option<f64>,
@@ -96,8 +96,8 @@ pub struct Summary {
     pub q95: Option<f64>,
     /// Mean of the reported standard deviations; `None` if none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the 50 % intervals that hold the true value. An interval is estimate ± 0.67 std, unless the trial reports
-    /// its own coverage (`interval_holds`). `None` if no trial reported either.
+    /// Share of the 50 % intervals that hold the true value. An interval is estimate ± 0.67 std, unless the trial
+    /// reports its own coverage (`interval_holds`). `None` if no trial reported either.
     pub coverage50: Option<f64>,
     /// Share of the 80 % intervals that hold the true value, estimate ± 1.28 std; otherwise as `coverage50`.
     pub coverage80: Option<f64>,
@@ -143,11 +143,11 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }
 
-/// Kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
+/// Failure kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
 pub const NOT_FINITE: &str = "not-finite";
-/// Kind of a trial that recorded a standard deviation below zero.
+/// Failure kind of a trial that recorded a standard deviation below zero.
 pub const NEGATIVE_STD: &str = "negative-std";
-/// Kind of a trial that recorded a quantity outside `0..Trial::quantities()`.
+/// Failure kind of a trial that recorded a quantity outside `0..Trial::quantities()`.
 pub const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
 /// All failures of one kind in a cell.

@@ -73,7 +73,7 @@ impl Sums {
         }
     }
 
-    /// Counts the coverage `holds` that a trial reports, instead of the coverage that follows from `std`.
+    /// Counts the coverage `holds` that a trial reports, instead of the coverage from `std`.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -83,7 +83,7 @@ impl Sums {
         }
     }
 
-    /// Adds the sums of the trials that come next.
+    /// Adds the sums of the next trials.
     pub(crate) fn merge(&mut self, other: &Self) {
         let (count, more) = (self.errors.count(), other.errors.count());
         if more == 0 {
@@ -143,7 +143,7 @@ impl Sums {
     }
 }
 
-/// Mean of numbers: `plain`, or if that overflowed, the sum of number / count. This sum overflows only by rounding.
+/// Mean of numbers: `plain`, or the sum of number / count if `plain` overflowed. This sum overflows only by rounding.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,
@@ -151,7 +151,7 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of two means, neither negative, weighted by their counts.
+/// Weighted mean of two means by their counts. Both means are at least 0.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

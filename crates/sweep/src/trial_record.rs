@@ -12,7 +12,8 @@ use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
 ///
-/// /// Has its own intervals: those of 95 % miss the true value in one trial of four, the others in two of four.
+/// /// Reports its own intervals. The 95 % interval misses the true value in one trial of four, the others in two of
+/// /// four.
 /// struct Intervals;
 /// impl Trial for Intervals {
 ///     fn quantities(&self) -> usize { 1 }
@@ -87,7 +88,7 @@ impl Observations<'_> {
     }
 }
 
-/// Collector of the observations of trials, handed to each [`Trial`](crate::Trial).
+/// Collector of the observations of trials. Each [`Trial`](crate::Trial) records its observations in it.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
@@ -113,10 +114,10 @@ impl TrialObservations<'_> {
 }
 
 impl Record {
-    /// Records an observation of a quantity in `0..Trial::quantities()`; any number of each in a trial.
+    /// Records an observation of a quantity in `0..Trial::quantities()`. A trial may record any number of observations.
     ///
-    /// An observation whose error or standard deviation is not a finite number fails the trial as [`NOT_FINITE`], a
-    /// negative standard deviation as [`NEGATIVE_STD`], a quantity out of range as [`UNKNOWN_QUANTITY`].
+    /// The trial fails as [`NOT_FINITE`] if the error or standard deviation is not finite, as [`NEGATIVE_STD`] if the
+    /// standard deviation is negative, and as [`UNKNOWN_QUANTITY`] if the quantity is out of range.
     ///
     /// ```
     /// use palpate_sweep::{Cell, NOT_FINITE, Observation, Record, RunOptions, Trial, run};
@@ -146,8 +147,8 @@ impl Record {
     /// Records the observations of trials that ran together and succeeded: one of each of the first `Q` quantities in
     /// every trial.
     ///
-    /// Returns the number of trials recorded: those before the first trial that [`Record::observe`] would fail, or that
-    /// lacks a quantity.
+    /// Returns the number of recorded trials: all trials before the first one that [`Record::observe`] would fail, or
+    /// that lacks a quantity.
     pub fn observe_together<const Q: usize>(
         &mut self,
         observations: &[Observations<'_>; Q],
@@ -170,19 +171,19 @@ impl Record {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Result of the trial that ran, or an error if the trial recorded an impossible value.
+    /// Result of the last trial; an error if the trial recorded an invalid value.
     pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
         let rejection = self.rejection.take();
         result.and_then(|()| rejection.map_or(Ok(()), Err))
     }
 
-    /// Keeps the observations of the trial that ran.
+    /// Keeps the observations of the last trial.
     #[inline]
     pub(crate) fn keep(&mut self) {
         self.columns.iter_mut().for_each(Column::keep);
     }
 
-    /// Drops the observations of the trial that ran.
+    /// Drops the observations of the last trial.
     pub(crate) fn forget(&mut self) {
         self.columns.iter_mut().for_each(Column::forget);
     }

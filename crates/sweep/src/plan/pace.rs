@@ -8,10 +8,10 @@ use crate::cell::{Cell, Trial};
 use crate::queue::JOB;
 use crate::runner::Runner;
 
-/// Longest and shortest time for which trials of a cell are timed; a single trial always runs to its end.
+/// Longest and shortest time in which trials of a cell are timed. A single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
 const SHORTEST: Duration = Duration::from_millis(1);
-/// Time above which the waking of threads no longer matters, so that a measurement is not repeated.
+/// Above this time the delay of waking threads is negligible, so the measurement is not repeated.
 const SLOW: Duration = Duration::from_millis(100);
 /// Largest number of trials of a cell that are timed together.
 const MAX_TIMED: u64 = 1 << 20;
@@ -43,8 +43,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Times a few trials of each of some cells, spread evenly over all, for about `limit`; at least one cell. Cells that
-    /// are not timed get the largest measured time.
+    /// Times a few trials of some cells, at least one cell, for about `limit`. The cells are spread evenly over all
+    /// cells. Cells that are not timed get the largest measured time.
     pub fn of<T: Trial>(runner: &Runner, cells: &[T], limit: Duration, clock: &Clock<'_>) -> Self {
         let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
         let start = clock();
@@ -67,8 +67,8 @@ impl Pace {
         self.seconds[cell]
     }
 
-    /// Bound on the seconds that a run with these trials of each cell takes on `threads` (Graham's bound on list
-    /// scheduling, 1966): no thread is idle before the last job has been handed out.
+    /// Upper bound on the time (s) of a run with these trials of each cell on `threads` (Graham's bound on list
+    /// scheduling, 1966): no thread is idle until the last job is handed out.
     pub fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
@@ -79,8 +79,8 @@ impl Pace {
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
-    /// Largest number of trials of each random cell, up to `most`, with which a run takes at most `seconds`; cells that
-    /// are not random run once. `None` if even one trial takes longer.
+    /// Largest number of trials of each random cell, up to `most`, for which a run lasts at most `seconds`. Cells that
+    /// are not random run once. `None` if even one trial lasts longer.
     pub(super) fn most_trials(
         &self,
         is_random: &[bool],
@@ -128,9 +128,9 @@ pub fn spread(count: usize) -> impl Iterator<Item = usize> {
 
 /// Seconds per trial of a cell, run by the runner on all threads at once.
 ///
-/// The number of trials doubles until they take `long_enough` or there are [`MAX_TIMED`] of them, even if the cell has
-/// fewer: with few trials the waking of the threads would count for most of the time. The last number is run twice and
-/// the shorter time counts, unless it takes longer than [`SLOW`].
+/// The number of trials doubles until they last `long_enough` or their number is [`MAX_TIMED`], even if the cell has
+/// fewer trials: for few trials, waking the threads would dominate the time. The last number is run twice and the
+/// shorter time counts, unless it is longer than [`SLOW`].
 fn seconds_per_trial(
     runner: &Runner,
     trial: &dyn Trial,
@@ -210,7 +210,7 @@ mod tests {
             seconds: vec![1.0, 10.0],
         };
         assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
-        // Two threads: at most 23/2 + 10/2, and 13 in truth.
+        // On two threads, the bound is 23/2 + 10/2 and the actual time 13.
         let two = NonZeroUsize::new(2).unwrap_or(ONE);
         assert_eq!(pace.run_seconds(&[3, 2], two), 16.5);
     }

@@ -1,8 +1,8 @@
 //! Number of trials for a given precision of the error figures, predicted from a pilot of some trials.
 //!
 //! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
-//! trial's squared error: m₄/m₂² − 1 where a trial has one error (from the fourth and second moments), 2 where that is
-//! Gaussian. The errors of one trial (those at all places of a patch) are dependent, and count as one.
+//! trial's squared error. If a trial has one error, v = m₄/m₂² − 1 from the second and fourth moments m₂ and m₄, which
+//! is 2 for Gaussian errors. The errors of one trial (at all places of a patch) are dependent, and count as one.
 //!
 //! The result of a pilot depends only on its trials.
 
@@ -11,7 +11,7 @@ use crate::cell::Trial;
 use crate::runner::Runner;
 use crate::summary::CellStatistics;
 
-/// Number of its standard errors that is added to v as a safety margin.
+/// Safety margin that is added to v, in standard errors of v.
 const MARGIN: f64 = 2.0;
 /// Relative standard error of v above which v is uncertain, because a few trials determine it.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
@@ -51,7 +51,7 @@ pub(super) struct Figure {
     pub(super) is_doubtful: bool,
 }
 
-/// Error figure that needs the most trials, and how many.
+/// The error figure that needs the most trials, and their number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Need {
     /// Index of the cell among those of the pilot.
@@ -63,9 +63,9 @@ pub(super) struct Need {
 }
 
 impl Pilot {
-    /// Runs a pilot for error figures with a relative standard error of `target`. At first each cell has twice the
-    /// trials that Gaussian errors need, between 64 and 1,024. A cell that turns out to need many trials gets more, up
-    /// to one in sixteen of its need; but at most `most`, and none where the need is above `hopeless`.
+    /// Runs a pilot for error figures with a relative standard error of `target`. Each cell starts with twice the
+    /// trials that Gaussian errors need, from 64 to 1,024. A cell that needs many trials gets more, up to a sixteenth
+    /// of its need and at most `most`. A cell whose need exceeds `hopeless` gets no more.
     pub(super) fn for_error(
         runner: &Runner,
         cells: &[&dyn Trial],
@@ -103,8 +103,8 @@ impl Pilot {
         }
     }
 
-    /// Figure that needs the most trials for all figures to have a relative standard error of at most `target`; `None`
-    /// if no estimate has an error.
+    /// The error figure that needs the most trials until all figures have a relative standard error of at most
+    /// `target`; `None` if no estimate has an error.
     pub(super) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;

@@ -1,6 +1,6 @@
 //! Choice of a model's tolerance from the shift of the estimates that it causes.
 
-/// Share of a value below which rounding decides a difference.
+/// Differences below this share of a value are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// Results of a noiseless pass of a cell with an ideal sensor.
@@ -36,12 +36,14 @@ pub struct PassValue {
 pub(super) struct Allowance {
     /// Allowed shift as a share of a quantity's rms error, or of its scale if there is no rms error.
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment, if it is known; may be shorter.
+    /// Rms error of each quantity of the cell's experiment, if estimated. The list may be shorter than the list of
+    /// quantities.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 
-/// Largest of the `tolerances`, sorted largest first, with which the model shifts no estimate by more than is allowed,
-/// compared with the pass at the smallest tolerance. Cells without a pass are left out; `None` if no cell has one.
+/// Largest of the `tolerances` (sorted, largest first) at which the model shifts no estimate by more than its
+/// allowance. Shifts are relative to the pass at the smallest tolerance. Cells without a pass do not count; `None` if
+/// no cell has one.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],

@@ -1,16 +1,16 @@
-//! Exploration of a range: a scan, then closer and closer values around each crossing of the limit.
+//! Exploration of a range: a scan, then closer values around each crossing of the limit.
 
 use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
 use super::span::Span;
 use super::{Curves, ScoreRequest};
 
-/// Values among which a search looks.
+/// Values that a search may test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchRange {
     /// Numbers of a range.
     Span(Span),
-    /// This many listed values, each by itself.
+    /// This many listed values, which are tested independently.
     Listed(usize),
 }
 
@@ -19,7 +19,7 @@ pub enum SearchRange {
 pub enum EndReason {
     /// Every gap is small enough, and the side of every tested value is decided.
     Known,
-    /// The largest number of trials or of looks at values was reached.
+    /// The largest number of trials, or of tests of values, was reached.
     Trials,
     /// The time was used up.
     Time,
@@ -27,14 +27,14 @@ pub enum EndReason {
 
 /// Share of the time for the exploration; the rest is for the verification.
 const EXPLORATION_SHARE: f64 = 0.6;
-/// Growth of the number of trials at an undecided value, and the largest growth at a crossing. If there is no time for so
-/// many trials, the growth is halved, down to the least.
+/// Growth of the number of trials at an undecided value, and the largest growth at a crossing. If there is not enough
+/// time, the growth is halved, down to the smallest growth.
 const GROWTH: f64 = 4.0;
 const MOST_GROWTH: f64 = 16.0;
 const LEAST_GROWTH: f64 = 1.5;
-/// Distance of two neighbours, as a share of a crossing's width, above which it is halved.
+/// Neighbours within a crossing are bisected if their distance is above this share of the crossing's width.
 const MAX_SPACING: f64 = 0.34;
-/// Intended extent of the values that stay undecided, as a share of the gap.
+/// Intended width of the values that stay undecided, as a share of the gap.
 const UNDECIDED_SHARE: f64 = 0.6;
 
 /// Tests values until the limits of the target are located closely enough.
@@ -50,7 +50,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
         SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
         SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // Twice, so that the second round measures the time of trials without that of setting up their scenes.
+    // Two rounds, because only the second one measures the time of trials without the time of setting up scenes.
     for trials in [FIRST / 2, FIRST] {
         let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {
@@ -119,11 +119,11 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// Neighbouring values about which something is undecided.
+/// Part of the tested values, in which a side or a crossing is undecided.
 enum Stretch {
-    /// First and last undecided value. Their neighbours are on the same side, or there is no neighbour.
+    /// First and last undecided value. The values beside them are on the same side, or the range ends there.
     Open(usize, usize),
-    /// Two values on different sides; those between them are undecided.
+    /// Two values on different sides. All values between them are undecided.
     Crossing(usize, usize),
 }
 
@@ -189,8 +189,8 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Requests values within a crossing where neighbours are far from each other, or otherwise more trials of the undecided
-/// values.
+/// Adds requests within a crossing: values between distant neighbours or, if there are none, more trials of the
+/// undecided values.
 fn closer(
     crossing: &[Point],
     span: &Span,
@@ -228,7 +228,8 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // Trials after which the values that stay undecided fit into the gap.
+    // Number of trials at which the undecided values fit into the gap. Their width decreases with the root of this
+    // number.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

@@ -1,4 +1,4 @@
-//! Limits of a search: the certainty that its answer must reach, and the trials and time that it may spend.
+//! Limits of a search: the scores that its answer must reach, and its budget of trials and time.
 
 use std::time::Duration;
 
@@ -6,13 +6,14 @@ use palpate_statistics::score_of_tail;
 
 use crate::plan::Clock;
 
-/// Share of the error probability for the exploration, which decides the side of the values between the verified ends.
+/// Share of the error probability for the exploration. The exploration decides the sides of values between verified
+/// ends.
 const EXPLORATION_SHARE: f64 = 0.2;
-/// Largest number of looks at values in a search.
+/// Largest number of tests of values in a search.
 pub(super) const MAX_LOOKS: usize = 400;
-/// Number of values in the scan: 16 + 1, so that they are at the ends, the middle, the quarters and so on.
+/// Number of values in the scan: 16 + 1, so that the ends, the middle, the quarters and so on are among them.
 pub(super) const SCANNED: usize = 17;
-/// Number of trials of each cell in the first look at a value.
+/// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
 /// Number of attempts to verify a side.
 pub(super) const ATTEMPTS: u32 = 5;
@@ -28,9 +29,9 @@ pub(super) struct Rules {
     pub(super) gap: f64,
     /// Largest number of trials of a cell at one value.
     pub(super) most_trials: u64,
-    /// Least score of all cells at a value that meets the target.
+    /// Smallest score of all cells at a value that meets the target.
     pub(super) meets: f64,
-    /// Largest score, negative, of some cell and condition at a value that misses the target.
+    /// Largest score (negative) of one cell and condition at a value that misses the target.
     pub(super) misses: f64,
 }
 
@@ -49,8 +50,8 @@ impl Rules {
         }
     }
 
-    /// Score that verifies one of `sides` sides in an attempt, counted from 0. Each attempt gets half the error probability
-    /// of the one before.
+    /// Score that verifies one of `sides` sides in an attempt. Attempts count from 0; each gets half the error
+    /// probability of the attempt before.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -96,7 +97,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of this many trials for which there is time, at most 1.
+    /// Share of this many trials that fits into the remaining time, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

@@ -16,7 +16,7 @@ pub enum Side {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
-    /// Number of looks at values: requests for one value in one round.
+    /// Number of tests of values. All requests for one value in one round count as one test.
     pub(super) looks: usize,
 }
 
@@ -58,7 +58,7 @@ impl Point {
         scores.fold(f64::INFINITY, f64::min)
     }
 
-    /// Side on which it lies; `None` if that is undecided.
+    /// Side of the target on which the value lies; `None` if undecided.
     pub(super) fn side(&self, rules: &Rules) -> Option<Side> {
         match self.score() {
             score if score >= rules.meets => Some(Side::Meets),
@@ -73,7 +73,7 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Adds requests for `factor` times the trials, in the cells that leave the value undecided.
+    /// Adds requests for `factor` times the trials in the cells for which the value is undecided.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {
@@ -90,7 +90,7 @@ impl Point {
 }
 
 impl Points {
-    /// Number of trials that some requests add.
+    /// Number of additional trials for some requests.
     pub(super) fn added(&self, asks: &[ScoreRequest]) -> u64 {
         let added = asks.iter().map(|ask| {
             let known = self.points.iter().find(|point| point.value == ask.value);
@@ -124,7 +124,7 @@ impl Points {
                     },
                 );
             }
-            // A score of NaN decides nothing.
+            // A score of NaN counts as 0, which decides nothing.
             let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
             if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
                 *cell = CellScores {

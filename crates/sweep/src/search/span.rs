@@ -1,4 +1,4 @@
-//! Range of a field in which a search looks for values.
+//! Range of a field that a search explores.
 
 /// Range of a field.
 ///
@@ -18,7 +18,7 @@ pub struct Span {
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Whether values are spaced by ratios: if both ends are positive and the larger is more than eight times the other.
+    /// Whether values are spaced by ratios: true if both ends are positive and their ratio exceeds 8.
     pub is_log: bool,
     /// Whether only whole numbers are values.
     pub is_whole: bool,
@@ -40,8 +40,8 @@ impl Span {
         }
     }
 
-    /// Distance of two values, `low` ≤ `high`: relative to the first if values are spaced by ratios, otherwise to half the
-    /// range.
+    /// Distance of two values, `low` ≤ `high`: relative to the first if values are spaced by ratios, otherwise to half
+    /// the range.
     pub fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,
@@ -64,7 +64,7 @@ impl Span {
         }
     }
 
-    /// Value at a position, rounded to the few digits that resolve gaps of this size.
+    /// Value at a position, rounded to as many digits as gaps of this size need.
     pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         let value = match self.is_log {
@@ -81,8 +81,9 @@ impl Span {
         rounded(value, size / STEPS_PER_GAP).clamp(self.from, self.to)
     }
 
-    /// `count` values spread evenly over the range with both ends, rounded to the few digits that resolve gaps of this size.
-    /// A range of fewer than twice as many whole numbers returns all of them, and none if it has none.
+    /// `count` values spread evenly over the range, including both ends, rounded to as many digits as gaps of this size
+    /// need. A range with fewer than 2 `count` whole numbers returns all of them; a range without a whole number
+    /// returns none.
     ///
     /// ```
     /// use palpate_sweep::Span;
@@ -111,8 +112,8 @@ impl Span {
         values
     }
 
-    /// Value midway between two values, rounded to the few digits that resolve gaps of this size; `None` if rounding leaves
-    /// none between them.
+    /// Value midway between two values, rounded to as many digits as gaps of this size need; `None` if no rounded value
+    /// lies between them.
     pub fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)

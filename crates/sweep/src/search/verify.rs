@@ -1,4 +1,4 @@
-//! Verification of the runs that a search has found, by fresh trials.
+//! Verification of the runs of a search with fresh trials.
 
 use super::explore::SearchRange;
 use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
@@ -27,7 +27,7 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Values to try one after the other, starting at the crossing.
+    /// Values to try one after the other, from the crossing inwards.
     places: Vec<usize>,
     attempt: u32,
     /// The verified value.
@@ -38,12 +38,12 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The run fills the range: its value with the weakest score represents it.
+    /// The run fills the whole range. The value with the smallest score represents it.
     Weakest,
 }
 
-/// Verifies the ends of all runs of values on one side. An end that fails is moved away from the crossing, and verified
-/// there. Returns the verified runs, and the number of ends that were moved or given up.
+/// Verifies the ends of all runs. An end that fails is moved away from the crossing and verified there. Returns the
+/// verified runs, and the number of ends that were moved or dropped.
 pub(super) fn verify<C: Curves + ?Sized>(
     curves: &mut C,
     points: &Points,
@@ -109,7 +109,7 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests that verify an end: of all cells if it meets the target, otherwise of the cell with the smallest score.
+/// Requests that verify an end: for all cells if it meets the target, otherwise for the cell with the smallest score.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
@@ -130,7 +130,7 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// Runs of neighbouring values on one side; listed values have no neighbours.
+/// Runs of neighbouring values on one side. Listed values have no neighbours.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {
@@ -168,7 +168,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Only values at least half a gap from each other.
+        // The places are at least half a gap from each other.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {

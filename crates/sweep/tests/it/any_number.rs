@@ -1,11 +1,11 @@
-//! Whatever the numbers: finite statistics, the same in any order of the blocks.
+//! For any numbers, statistics are finite. The order of the blocks changes them only by rounding.
 
 use palpate_sweep::{BLOCK, Observation};
 use proptest::prelude::*;
 
 use crate::{observing, run_cell};
 
-/// Any double, those of everyday size as often as all the others.
+/// Any double. Half of the numbers are between −2 and 2.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![any::<u64>().prop_map(f64::from_bits), -2.0..2.0]
 }
@@ -37,7 +37,8 @@ proptest! {
         }
     }
 
-    /// Blocks in another order are the same sample: counts and quantiles are alike, sums but for rounding.
+    /// Blocks in another order are the same sample: counts and quantiles are equal, and sums are equal except for
+    /// rounding.
     #[test]
     fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {
         let unit = 2f64.powi(power);

@@ -1,4 +1,4 @@
-//! Threads, blocks and waves leave no trace in the results.
+//! Results do not depend on the threads or the division into blocks and jobs.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use palpate_sweep::{BLOCK, Cell, Observations, Record, RunOptions, SweepError, T
 
 use crate::{Function, Tasks, normal, observation, observing, run_cell, run_with, streamed};
 
-/// Every digit of every number.
+/// All digits of all numbers.
 fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
     format!("{cells:?}")
 }
@@ -39,7 +39,7 @@ fn one_two_and_seven_threads_give_the_same_bits() {
     assert_eq!(digits(&run_with(7, &cells)), digits(&one));
 }
 
-/// Fails every seventh trial, and runs up to five together where none of them does.
+/// Fails every seventh trial, and runs up to five trials between failures together.
 struct Together;
 
 impl Trial for Together {
@@ -77,7 +77,7 @@ fn trials_that_run_together_are_those_that_run_one_by_one() {
     }
 }
 
-/// One thread needs two waves for it, two need one.
+/// The cells are long enough to be divided into many jobs.
 #[test]
 fn waves_leave_no_trace() {
     let trial = observing(|trial| observation((trial % 1009) as f64 / 7.0, 11.0, None));
@@ -138,7 +138,7 @@ fn a_cancelled_run_begins_no_more_trials_and_returns_nothing() {
         let error = streamed(threads, &sweep, &cancelled).unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
-        // A single thread stops between trials, not blocks. A second thread stops when it reads the flag.
+        // A single thread stops after a trial, not after a block. The second thread stops when it reads the flag.
         assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }
@@ -147,7 +147,7 @@ fn a_cancelled_run_begins_no_more_trials_and_returns_nothing() {
     assert_eq!(streamed(2, &sweep, &cancelled).unwrap().len(), 2);
 }
 
-/// Experiment that counts those that are alive, and the most that were.
+/// Experiment that counts its instances, and their largest number at one time.
 struct Alive<'a>(&'a [AtomicU64; 2]);
 
 impl<'a> Alive<'a> {
@@ -192,7 +192,7 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         assert!(trials_of.eq(trials.iter().copied()));
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
-        // One per thread, and those that lie in two jobs.
+        // One experiment per thread, and those whose trials are divided between two jobs.
         assert!((1..60).contains(&most), "{most}");
     }
 }

@@ -1,4 +1,4 @@
-//! The runner as its users see it.
+//! Tests of the runner through its public interface.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
@@ -19,7 +19,7 @@ use palpate_sweep::{
     SweepOutput, Task, Trial,
 };
 
-/// A trial made of a function.
+/// A trial defined by a function.
 struct Function<F> {
     quantities: usize,
     function: F,
@@ -68,7 +68,7 @@ fn runner(threads: usize) -> Runner {
         threads,
         ..RunOptions::default()
     })
-    .expect("a machine that gives threads")
+    .expect("threads can be started")
 }
 
 fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
@@ -77,7 +77,7 @@ fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
     cells.remove(0)
 }
 
-/// Tasks whose experiments a function of the cell sets up.
+/// Tasks whose experiments are set up by a function of the cell.
 struct Tasks<F> {
     tasks: Vec<Task>,
     set_up: F,
@@ -126,7 +126,7 @@ impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Ta
     }
 }
 
-/// Results of all tasks, which come in their order.
+/// Results of all tasks. Asserts that they come in order.
 fn streamed<S: Sweep<Result = CellStatistics>>(
     threads: usize,
     sweep: &S,

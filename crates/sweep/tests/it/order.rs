@@ -1,4 +1,4 @@
-//! Probabilities of right order against closed forms, and the coverage of their intervals.
+//! Compares probabilities of the right order with closed forms, and tests the coverage of their intervals.
 
 use palpate_statistics::normal_tail;
 use palpate_sweep::{Order, Repeats, TrialMeans, both_above, in_order, repeats};
@@ -23,7 +23,7 @@ fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
 
 #[test]
 fn intervals_hold_the_probability_in_95_of_100() {
-    // Of normal numbers that are d apart: P = Φ(d/√2).
+    // For normal numbers whose means are d apart: P = Φ(d/√2).
     for (distance, trials) in [
         (0.0, 100),
         (0.5, 100),
@@ -93,7 +93,7 @@ fn repeats_are_those_of_normal_means() {
     assert!(found.abs_diff(541) < 200, "{found}");
     assert_eq!(repeats_of(5, 1000, [1.0, 0.0], None), Repeats::Never);
     assert_eq!(repeats_of(7, 100, [0.0; 2], None), Repeats::Unknown);
-    // Both above the limit: Φ(√n d)² ≥ 0.95.
+    // Both means are above the limit if Φ(√n d)² ≥ 0.95.
     let found = repeats_of(9, 40_000, [0.5; 2], Some(0.0));
     assert!(matches!(found, Repeats::Found(14..=17)), "{found:?}");
 }

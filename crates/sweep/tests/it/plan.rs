@@ -1,4 +1,4 @@
-//! Plans from a target error or a budget, by a clock that counts trials.
+//! Plans for a target error or a budget, with a clock that counts trials.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -12,10 +12,11 @@ use palpate_sweep::{
 
 use crate::{normal, observation};
 
-/// Trials run by all cells; each takes a microsecond.
+/// Number of trials in all cells. Each trial counts as a microsecond.
 type Run = AtomicU64;
 
-/// Cells that estimate 1 with normal errors of 0.1, a model's error on top; of each cell so many trials of ten succeed.
+/// Cells that estimate 1 with normal errors of 0.1 plus the model's error. `successes` is the number of successful
+/// trials of ten, per cell.
 #[derive(Clone, Debug)]
 struct Cells<'a> {
     run: &'a Run,
@@ -82,7 +83,7 @@ impl<'a> Plannable for Cells<'a> {
     }
 }
 
-/// Model error and plan of cells of which so many trials of ten succeed.
+/// Model error and plan of cells with these numbers of successful trials of ten.
 fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infallible>> {
     let run = Run::default();
     let cells = Cells {
@@ -117,12 +118,12 @@ const fn budget(seconds: u64) -> Goal {
 
 #[test]
 fn a_target_decides_trials_and_tolerance() {
-    // Normal errors need 1/(2 · 0.02²) = 1250 trials, twice as many where half of them fail, and the margin adds to that.
+    // Normal errors need 1/(2 · 0.02²) = 1250 trials, twice as many if half of them fail, plus the margin.
     for (successes, least) in [(10, 1250), (5, 2500)] {
         let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
         let trials = plan.trials().unwrap().get();
         assert!((least..least * 3 / 2).contains(&trials), "{trials}");
-        // A tenth of 0.02 of the rms error of 0.1 is 2e-4.
+        // The allowed shift is 0.1 · 0.02 of the rms error of 0.1, which is 2e-4.
         assert_eq!((model_error, plan.by_budget), (1e-4, None));
         assert!(plan.expected_error.unwrap() <= 0.02);
     }
@@ -132,7 +133,8 @@ fn a_target_decides_trials_and_tolerance() {
 fn a_budget_leaves_time_for_planning() {
     let (model_error, plan) = planned(&[10, 10], budget(10)).unwrap();
     let trials = plan.trials().unwrap().get();
-    // Two cells of a microsecond per trial in nine tenths of what planning leaves of ten seconds.
+    // Planning leaves most of the ten seconds. Nine tenths of the rest are divided between two cells, at a microsecond
+    // per trial.
     assert!((3_500_000..4_500_000).contains(&trials), "{trials}");
     assert_eq!((model_error, plan.by_target), (0.0, None));
     let both = Goal {

@@ -1,4 +1,4 @@
-//! Searches along curves whose crossings are known in closed form, through the noise of real trials.
+//! Searches along curves whose crossings have closed forms, with the noise of real trials.
 
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -12,7 +12,7 @@ use palpate_sweep::{
 
 use crate::{normal, observation, runner, uniform};
 
-/// Trials that err by a normal number times `scale` and fail with the probability `fails`.
+/// Trials whose error is a normal number times `scale`, and which fail with the probability `fails`.
 struct Noisy {
     seed: u64,
     scale: f64,
@@ -36,7 +36,7 @@ impl Trial for Noisy {
 /// Scale and share of failures at a value.
 type Curve = fn(f64) -> (f64, f64);
 
-/// Curve of the rms error of such trials, which is to be at most 1 with at most 5 % of them failing.
+/// Curve of the rms error of such trials. The target is an rms error of at most 1 and at most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
@@ -119,7 +119,7 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// Sides of the runs, and whether the ends of each are right.
+/// Sides of the runs, and whether the ends of all runs are right.
 fn judged(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -150,7 +150,7 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // It mostly stands, else it would have been said too early.
+    // If many ends were narrowed, the exploration would decide sides too early.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }
@@ -189,7 +189,7 @@ fn every_crossing_is_found() {
 #[test]
 fn failures_belong_to_the_target() {
     let runner = runner(2);
-    // The survivors never err by much.
+    // Errors are always small, so only the failures can miss the target.
     let curve: Curve = |x| (0.1, x);
     let mut curve = Noise::new(&runner, 2, &[curve]);
     let found = searched(&mut curve, span(0.001, 1.0), MOST);
@@ -220,7 +220,7 @@ fn the_worst_cell_decides() {
     let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
     let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
-    // Cells that tell nothing are not asked again.
+    // Cells that cannot change the side get no more trials.
     let easy = curve
         .known
         .iter()
@@ -253,7 +253,7 @@ fn all_or_nothing_and_a_single_value() {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
         assert_eq!(found.runs, [Run { from, to, side }]);
-        // Fresh trials said so, too.
+        // Fresh trials verified it.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
     }
 }
@@ -299,7 +299,7 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Fresh trials meet the target only below 0.5, the others below 1; and the latter at most below `most`.
+    /// Fresh trials meet the target below `fresh_below`, the others below 1.
     struct Disagreeing {
         fresh_below: f64,
     }
@@ -331,7 +331,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // Too far to be moved: what meets is given up.
+    // All attempts fail, so the run that meets the target is dropped.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
     assert_eq!(lost.runs[0].side, Side::Misses);
@@ -349,9 +349,9 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
             self.0.cells()
         }
         fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
-            let told = self.0.scores(requests);
+            let scores = self.0.scores(requests);
             self.1.store(self.0.trials, Ordering::Relaxed);
-            told
+            scores
         }
     }
     let mut gaps = Vec::new();

@@ -1,4 +1,4 @@
-//! Statistics against closed forms, brute force and the ends of the floats.
+//! Compares statistics with closed forms and brute force, also at the limits of doubles.
 
 use approx::assert_relative_eq;
 use palpate_sweep::{BLOCK, Failure, NOT_FINITE, Observation, Record, Summary};
@@ -39,7 +39,8 @@ fn an_arithmetic_sequence_has_its_closed_forms() {
 
 #[test]
 fn rms_errors_scatter_as_they_say() {
-    // Trials of one observation, of three that err alike, and of one to three beside a bias.
+    // Trials with one observation, with three equal observations and a bias, and with one to three observations and a
+    // bias.
     let observe = |kind: u64, trial: u64, record: &mut Record| {
         let (count, bias) = [(1, 0.0), (3, 0.5), (1 + trial % 3, 2.0)][kind as usize];
         let shared = normal(2 * trial);
@@ -76,7 +77,7 @@ fn rms_errors_scatter_as_they_say() {
             .map(|(rms, _)| (rms - mean).powi(2))
             .sum::<f64>();
         let stated = found.iter().map(|(_, std)| std * std).sum::<f64>() / sets;
-        // A standard deviation of 400 is known to 3.5 %.
+        // The standard deviation of 400 numbers has a relative standard error of 3.5 %.
         let scattered = (square / (sets - 1.0)).sqrt();
         assert_relative_eq!(scattered, stated.sqrt(), max_relative = 0.14);
     }
@@ -89,7 +90,7 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
     let trial = observing(|trial| observation(truth + std * normal(trial), truth, Some(std)));
     let summary = run_cell(trials, &trial).quantities[0];
 
-    // Four standard errors of each.
+    // Four standard errors of the mean and of the spread.
     let four_sigma = 4.0 / (trials as f64).sqrt();
     assert!(summary.bias.unwrap().abs() < four_sigma * std);
     assert_relative_eq!(summary.std.unwrap(), std, max_relative = four_sigma);
@@ -105,7 +106,7 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
             "{share}"
         );
     }
-    // σ/√(2n), itself as exact as the fourth moment.
+    // σ/√(2n), with the accuracy of the fourth moment.
     let of_rms = std / (2.0 * trials as f64).sqrt();
     assert_relative_eq!(
         summary.rms_error_std.unwrap(),
@@ -153,7 +154,7 @@ fn a_truth_of_zero_has_no_relative_errors() {
 
 #[test]
 fn a_varying_truth_leaves_the_errors_and_the_estimates() {
-    // The truth varies between blocks, and in another cell within them; the errors are ±0.5.
+    // The truth varies between blocks, and in the second cell within blocks. The errors are ±0.5.
     for run_length in [BLOCK, 1] {
         let truth = |trial: u64| (trial / run_length % 2) as f64 * 4.0;
         let trial = observing(|trial| {
@@ -206,7 +207,7 @@ fn many_observations_in_a_trial_all_count() {
 
 #[test]
 fn a_trial_may_judge_its_own_interval() {
-    // Errors of 1 with a standard deviation of 1 are covered, those with one of 0.1 or none are not.
+    // All errors are 1. A standard deviation of 1 covers them; 0.1 or none does not.
     let judged = |stds: [Option<f64>; 4], holds: [Option<[bool; 3]>; 4]| {
         let trial = observing(move |trial| {
             let kind = (trial % 4) as usize;
@@ -221,9 +222,9 @@ fn a_trial_may_judge_its_own_interval() {
     let third = |thirds: f64| Some(thirds / 3.0);
     let (none, all) = (Some([false; 3]), Some([true; 3]));
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
-    // One standard deviation is outside of the middle half.
+    // The 50 % interval is narrower than one standard deviation.
     assert_eq!(judged(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
-    // Turned against the standard deviation in two of four.
+    // Two of four trials report the opposite of the standard deviation.
     assert_eq!(
         judged(stds, [None, none, all, None]),
         [1.0, 2.0, 2.0].map(third)
@@ -232,7 +233,7 @@ fn a_trial_may_judge_its_own_interval() {
         judged(stds, [None, none, None, None]),
         [0.0, 1.0, 1.0].map(third)
     );
-    // An interval needs no standard deviation.
+    // A trial without a standard deviation may report coverage.
     let wide = Some([false, true, true]);
     assert_eq!(
         judged(stds, [None, None, None, wide]),

@@ -1,4 +1,4 @@
-//! Tasks: slices of blocks, and cells that end when a statistic is precise enough.
+//! Tasks: slices of blocks, and cells that a stopping rule ends.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ use palpate_sweep::{
 
 use crate::{Tasks, normal, observation, runner, streamed};
 
-/// Several quantities, varied truths, verdicts and failures; each trial takes a while.
+/// Several quantities, varying truths, reported coverage and failures. Each trial lasts `wait`.
 struct Rich {
     wait: Duration,
     places: u64,
@@ -78,7 +78,7 @@ fn rich(
 #[test]
 fn slices_of_blocks_leave_no_trace() {
     for places in [1, 9] {
-        // Most blocks of quick trials are whole, those of slow ones are divided into slices of some 40 trials.
+        // Most blocks of fast trials are whole. Blocks of slow trials are divided into slices of about 40 trials.
         let whole = statistics(1, &rich(0, places, 2500));
         for threads in [1, 3] {
             let sliced = statistics(threads, &rich(100, places, 2500));
@@ -120,7 +120,7 @@ fn an_experiment_that_is_not_random_has_one_trial() {
     }
 }
 
-/// Gaussian errors at several places, which are the same or differ.
+/// Gaussian errors at several places, equal or independent.
 struct Places {
     places: u64,
     are_same: bool,
@@ -146,7 +146,7 @@ impl Trial for Places {
     }
 }
 
-/// Trials that a cell of these has until the rule ends it.
+/// Number of trials until a rule ends a cell of [`Places`].
 fn trials(
     statistic: StoppingStatistic,
     places: u64,
@@ -198,7 +198,7 @@ fn a_cell_ends_when_its_statistic_is_known() {
     );
 }
 
-/// Cells of at most `trials` trials, each of which a rule may end.
+/// Cells of at most `trials` trials, each with this stopping rule.
 fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Tasks<F> {
     let mut sweep = Tasks::new(&vec![trials; cells], set_up);
     sweep.tasks.iter_mut().for_each(|task| task.may_stop = true);
@@ -206,7 +206,7 @@ fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Task
     sweep
 }
 
-/// Such cells, which a rule ends at this relative standard error of the rms error.
+/// Cells that end at this relative standard error of the rms error.
 fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
     let rule = StoppingRule {
         quantity: 0,
@@ -222,14 +222,15 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
-        // More observations than are kept until the end of a block.
+        // More observations than are stored until the end of a block.
         (9, 1_000_000, 0.02),
-        // No rule ends it, at the end of a block, within one and within the first.
+        // The rule ends no cell. The last trial is at the end of a block, within a later block, or within the first
+        // block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),
         (1, 700, 0.0),
     ] {
-        // The cells before the last are run by one thread each.
+        // Each cell except the last is run by one thread.
         let rich = |wait_us| {
             let wait = Duration::from_micros(wait_us);
             move |_| Ok(Rich { wait, places })
@@ -249,7 +250,7 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
 
 #[test]
 fn threads_share_a_cell_with_a_rule() {
-    // Sleeping trials, so that processors are no matter.
+    // Sleeping trials, so that the number of processors does not matter.
     struct Sleeps;
     impl Trial for Sleeps {
         fn quantities(&self) -> usize {
@@ -285,7 +286,7 @@ fn observations_of_one_trial_count_as_one_where_they_go_together() {
         trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
         8 * BLOCK
     );
-    // Independent ones tell more: 1/√(2 · 16 N).
+    // Independent errors need fewer trials: 1/√(2 · 16 N).
     assert_eq!(
         trials(StoppingStatistic::RmsError, 16, false, 1.0, 0),
         BLOCK
