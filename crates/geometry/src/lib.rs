@@ -16,7 +16,6 @@ mod fundamental;
 mod level_set;
 mod meridian;
 mod placed_surface;
-mod shape;
 mod surface;
 pub mod surfaces;
 
@@ -28,8 +27,8 @@ pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use placed_surface::PlacedSurface;
-pub use shape::{Shape, Visitor};
 pub use surface::Surface;
+pub use surfaces::{Shape, Visitor};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,68 +1,150 @@
-//! The surfaces: the plane is in this file, every other family in a file of its own.
+//! The surfaces, each family in its own file, and a surface of any type.
 
 mod cylinder;
 mod ellipsoid;
 mod graph;
+mod plane;
 mod sphere;
 mod torus;
 
 pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
 pub use graph::{Graph, Height, HeightField, HeightJet, Paraboloid, Saddle};
+pub use plane::Plane;
 pub use sphere::{Dish, Sphere};
 pub use torus::Torus;
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
-use crate::error::is_within_reach;
-use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{
+    ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
+};
 
-/// The plane z = 0, solid below. Chart `(u, v, 0)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Plane;
+/// A surface of any of the types in [`crate::surfaces`].
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "each variant is the surface of the same name")]
+pub enum Shape {
+    Sphere(Sphere),
+    Dish(Dish),
+    Plane(Plane),
+    Cylinder(Cylinder),
+    Ellipsoid(Ellipsoid),
+    Torus(Torus),
+    Paraboloid(Graph<Paraboloid>),
+    Saddle(Graph<Saddle>),
+    HeightField(Graph<HeightField>),
+}
 
-impl Surface for Plane {
-    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
-        let at = at.unless_out_of_reach()?;
-        Ok(ChartJet {
-            point: Point3::new(at.u, at.v, 0.0),
-            du: Vector3::x(),
-            dv: Vector3::y(),
-            duu: Vector3::zeros(),
-            duv: Vector3::zeros(),
-            dvv: Vector3::zeros(),
-        })
+/// Calls the method of the surface inside a [`Shape`].
+macro_rules! delegate {
+    ($shape:expr, $surface:ident => $call:expr) => {
+        match $shape {
+            Shape::Sphere($surface) => $call,
+            Shape::Dish($surface) => $call,
+            Shape::Plane($surface) => $call,
+            Shape::Cylinder($surface) => $call,
+            Shape::Ellipsoid($surface) => $call,
+            Shape::Torus($surface) => $call,
+            Shape::Paraboloid($surface) => $call,
+            Shape::Saddle($surface) => $call,
+            Shape::HeightField($surface) => $call,
+        }
+    };
+}
+
+/// A computation that is compiled for each type of surface. It is faster than the use of [`Shape`] as a [`Surface`],
+/// which selects the type at every call.
+pub trait Visitor {
+    /// Result of the computation.
+    type Out;
+
+    /// Computes on one surface.
+    fn visit<S: Surface>(self, surface: &S) -> Self::Out;
+}
+
+impl Shape {
+    /// The result of a computation on the surface.
+    #[inline]
+    pub fn visited_by<V: Visitor>(&self, visitor: V) -> V::Out {
+        delegate!(self, surface => visitor.visit(surface))
     }
 
+    /// Whether the surface is a graph z = f(x, y).
+    pub fn is_graph(&self) -> bool {
+        fn of<S: Surface>(_: &S) -> bool {
+            S::IS_GRAPH
+        }
+        delegate!(self, surface => of(surface))
+    }
+
+    /// The kebab-case name used in configs.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere(_) => "sphere",
+            Self::Dish(_) => "dish",
+            Self::Plane(_) => "plane",
+            Self::Cylinder(_) => "cylinder",
+            Self::Ellipsoid(_) => "ellipsoid",
+            Self::Torus(_) => "torus",
+            Self::Paraboloid(_) => "paraboloid",
+            Self::Saddle(_) => "saddle",
+            Self::HeightField(_) => "height-field",
+        }
+    }
+}
+
+impl Surface for Shape {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        delegate!(self, surface => surface.chart(at))
+    }
+
+    #[inline]
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
-        self.contact_at(point.x, point.y)?;
-        Ok(LevelSet {
-            normal: Vector3::z(),
-            second_form: Matrix3::zeros(),
-        })
+        delegate!(self, surface => surface.level_set(point))
+    }
+
+    #[inline]
+    fn tangent_form(
+        &self,
+        point: &Point3<f64>,
+        x: &Vector3<f64>,
+    ) -> Result<TangentForm, SurfaceError> {
+        delegate!(self, surface => surface.tangent_form(point, x))
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {
-        Parameters::new(point.x, point.y)
+        delegate!(self, surface => surface.parameters(point))
     }
 
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
-        if is_within_reach(point.x, point.y) && point.z.is_finite() {
-            Ok(Point3::new(point.x, point.y, 0.0))
-        } else {
-            Err(SurfaceError::no_closest_point(point))
-        }
+        delegate!(self, surface => surface.closest_point(point))
+    }
+
+    fn closest_point_from(
+        &self,
+        point: &Point3<f64>,
+        start: Vector2<f64>,
+    ) -> Result<Point3<f64>, SurfaceError> {
+        delegate!(self, surface => surface.closest_point_from(point, start))
+    }
+
+    fn may_touch_twice(&self, radius: f64) -> bool {
+        delegate!(self, surface => surface.may_touch_twice(radius))
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
-        if is_within_reach(x, y) {
-            Ok(Point3::new(x, y, 0.0))
-        } else {
-            Err(SurfaceError::OffDomain { x, y })
-        }
+        delegate!(self, surface => surface.contact_at(x, y))
+    }
+
+    fn default_contact(&self) -> (f64, f64) {
+        delegate!(self, surface => surface.default_contact())
+    }
+
+    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+        delegate!(self, surface => surface.meridian(apex))
     }
 
     fn constant_curvature(&self) -> Option<CurvatureForm> {
-        Some(CurvatureForm::isotropic(0.0))
+        delegate!(self, surface => surface.constant_curvature())
     }
 }
