@@ -24,10 +24,54 @@ pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};
 pub use rotation::{AngularVelocityError, Encoder};
 pub use sphere_map::{direction_at, displacement_between};
-pub use stream::{Channel, Stream, Streams};
+pub use stream::{Stream, Streams};
 pub use surface_normal::NormalError;
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;
+
+/// A named source of noise. Each channel has its own stream, so a new channel does not change the numbers of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u64)]
+pub enum Channel {
+    /// Error of the angular velocity.
+    AngularVelocity = 1,
+    /// Position of the pads under the first contact.
+    PadOffset = 2,
+    /// Error of the contact that a wrist sensor infers.
+    WristContact = 3,
+    /// Error of a sensed position.
+    Position = 4,
+    /// Error of a sensed normal.
+    Normal = 5,
+    /// Error of a marker's displacement along the skin's normal.
+    NormalDisplacement = 6,
+    /// Error of a marker's displacement along the skin.
+    TangentialDisplacement = 7,
+    /// Error of an indentation that is measured independently of the skin.
+    Indentation = 8,
+    /// Error of the factor on all normal displacements of a press.
+    Gain = 9,
+    /// Choice of the markers with a wrong reading, and their errors.
+    WrongMarkers = 10,
+    /// Misalignment of a marker's discs from manufacture.
+    Misalignment = 11,
+    /// Error of a pixel.
+    Pixel = 12,
+    /// Error of a marker's mean hue.
+    Hue = 13,
+    /// Error of a marker's centroid in the image.
+    Centroid = 14,
+    /// Error of a marker's size in the image.
+    Size = 15,
+    /// Choice of the markers that the camera does not detect.
+    LostMarkers = 16,
+    /// Difference between a sensor and its nominal parameters.
+    Sensor = 17,
+    /// Position within an encoder's step at the start of a roll.
+    EncoderPhase = 18,
+    /// Error of a measured rotation.
+    Rotation = 19,
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
