@@ -109,11 +109,7 @@ fn of_object(
         ObjectConfig::Plane {} => 0.0,
         ObjectConfig::Paraboloid { c } => 2.0 * c.abs(),
         ObjectConfig::Saddle { a } => 2.0 * a.abs(),
-        ObjectConfig::Ellipsoid { .. }
-        | ObjectConfig::Torus { .. }
-        | ObjectConfig::HeightField { .. } => {
-            return Err("an object that is neither a ball nor near a quadric".to_owned());
-        }
+        _ => return Err("an object that is neither a ball nor near a quadric".to_owned()),
     };
     limits.curvature_within(curvature, [0.0, MAX_CURVATURE / length]);
     Ok("quadric and waves")

@@ -123,7 +123,7 @@ fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'st
                 }
             }
         }
-        _ if rotations > 0.0 => Ok(name),
+        RollSensorConfig::Ideal {} | RollSensorConfig::Wrist { .. } if rotations > 0.0 => Ok(name),
         _ => Err("no noise".to_owned()),
     }
 }
