@@ -178,7 +178,7 @@ impl CellScene {
     /// Whether a camera reads the press. Then its markers are at other depths than in a direct reading.
     fn has_camera(&self) -> bool {
         let scene = &self.config.scene;
-        matches!(scene, SceneConfig::Press(press) if !matches!(press.sensor, PressSensorConfig::Direct { .. }))
+        matches!(scene, SceneConfig::Press(press) if press.sensor.camera().is_some())
     }
 }
 

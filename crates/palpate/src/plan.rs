@@ -213,7 +213,7 @@ pub(crate) fn with_ideal_sensor(scene: &SceneConfig) -> SceneConfig {
         }
         SceneConfig::Press(press) => {
             press.noise = Default::default();
-            if !matches!(press.sensor, PressSensorConfig::Direct { .. }) {
+            if press.sensor.camera().is_some() {
                 press.sensor = PressSensorConfig::default();
             }
         }

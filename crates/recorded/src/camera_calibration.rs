@@ -13,9 +13,7 @@ pub(super) use layout_matching::{CAMERA, CONTRADICTED, SIGNIFICANCE_LEVEL};
 pub(super) use nominal_sensor::{CameraGeometry, NominalSensor};
 
 use palpate_press::Seen;
-use palpate_study::config::{
-    CameraConfig, LengthUnit, PressConfig, PressSensorConfig, SceneConfig, StudyConfig,
-};
+use palpate_study::config::{CameraConfig, LengthUnit, PressConfig, SceneConfig, StudyConfig};
 use palpate_tracking::Found;
 
 use super::error::RecordedError;
@@ -116,12 +114,12 @@ pub(super) fn sensor(scene: &SceneConfig) -> Result<(&PressConfig, &CameraConfig
 
 /// The camera of a press.
 pub(super) fn camera_of(press: &PressConfig) -> Result<&CameraConfig, FieldError> {
-    match &press.sensor {
-        PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => Ok(camera),
-        PressSensorConfig::Direct { .. } => {
-            Err(FieldError::at("scene.sensor", "must have a camera"))
-        }
-    }
+    let none = || FieldError::at("scene.sensor", "must have a camera");
+    press
+        .sensor
+        .camera()
+        .map(|(camera, _)| camera)
+        .ok_or_else(none)
 }
 
 /// Rejects frames of another size than the camera's, and frames too dark or too bright to distinguish colours.

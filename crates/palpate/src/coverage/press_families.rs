@@ -35,7 +35,8 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> FamilyMatch {
     check_motion(press, radius, &mut limits)?;
     let PressSensorConfig::Direct { tangential, frames } = press.sensor else {
         return Err(
-            "displacements from a camera, whose errors the estimator is not told".to_owned(),
+            "displacements that are not read directly, whose errors the estimator is not told"
+                .to_owned(),
         );
     };
     let noise = &press.noise;

@@ -15,7 +15,6 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
     CameraConfig, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig,
-    PressSensorConfig,
 };
 
 use super::camera_calibration::RestFrames;
@@ -40,7 +39,7 @@ impl PressScene {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
         let geometry = PressGeometry::new(config, sphere.radius)?;
-        let camera = camera_config(&config.sensor);
+        let camera = config.sensor.camera();
         let rungs = PressRungs::new(&config.model, &sphere, camera.is_some())?;
         let choice = rungs.choice(&markers, &geometry)?;
         let tables = layer_with_tables(config, &choice, places.len());
@@ -49,12 +48,7 @@ impl PressScene {
             None => Body::solved_layer(thickness, depth),
         };
         let body = SoftBody::new(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
-        let (has_tangential, frames) = match &config.sensor {
-            PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
-            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
-                (camera.tangential, camera.frames)
-            }
-        };
+        let (has_tangential, frames) = config.sensor.displacements();
         let noise = PressNoise::new(&config.noise, frames, places.len(), seed)?;
         let setup = PressSetup {
             config,
@@ -96,15 +90,6 @@ impl PressScene {
             markers,
             body,
         })
-    }
-}
-
-/// The camera of a config, and whether it renders frames; `None` if the markers are read directly.
-const fn camera_config(config: &PressSensorConfig) -> Option<(&CameraConfig, bool)> {
-    match config {
-        PressSensorConfig::Direct { .. } => None,
-        PressSensorConfig::Projected(camera) => Some((camera, false)),
-        PressSensorConfig::Rendered(camera) => Some((camera, true)),
     }
 }
 
@@ -232,7 +217,7 @@ impl PressSetup<'_> {
         if let Err(PressFitError::Setting(error)) = fit {
             return Err(body_error("scene.estimator", error));
         }
-        let images = match (camera, camera_config(&self.config.sensor)) {
+        let images = match (camera, self.config.sensor.camera()) {
             (Some(sensor), Some((config, _))) => {
                 let frames = RestFrames::new(&sensor.camera, config.calibration.rest_frames);
                 self.image_estimator(&sensor.camera, &frames)?

@@ -9,7 +9,6 @@ use palpate_press::{
 use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
 use palpate_study::config::{
     Indentation, LengthUnit, PressConfig, PressEstimatorConfig, PressObjectConfig,
-    PressSensorConfig,
 };
 use palpate_study::{FieldError, MapTable, Quantity};
 
@@ -250,9 +249,9 @@ impl PressScene {
 
     /// Quantities that the press of a config observes.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
-        let all: &[Quantity] = match config.sensor {
-            PressSensorConfig::Direct { .. } => &DIRECT_QUANTITIES,
-            PressSensorConfig::Projected(_) | PressSensorConfig::Rendered(_) => &CAMERA_QUANTITIES,
+        let all: &[Quantity] = match config.sensor.camera() {
+            None => &DIRECT_QUANTITIES,
+            Some(_) => &CAMERA_QUANTITIES,
         };
         match config.object {
             PressObjectConfig::Plane {} => &all[..all.len() - 1],

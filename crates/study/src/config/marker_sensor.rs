@@ -155,6 +155,25 @@ impl Default for PressSensorConfig {
     }
 }
 
+impl PressSensorConfig {
+    /// The camera, and whether it renders frames; `None` if the markers are read directly.
+    pub const fn camera(&self) -> Option<(&CameraConfig, bool)> {
+        match self {
+            Self::Projected(camera) => Some((camera, false)),
+            Self::Rendered(camera) => Some((camera, true)),
+            _ => None,
+        }
+    }
+
+    /// Whether displacements along the skin are read, and how many readings are averaged.
+    pub const fn displacements(&self) -> (bool, u32) {
+        match self {
+            Self::Direct { tangential, frames } => (*tangential, *frames),
+            Self::Projected(camera) | Self::Rendered(camera) => (camera.tangential, camera.frames),
+        }
+    }
+}
+
 /// The camera and the way from its pictures to displacements. The lens is a fisheye, equidistant unless it has odd terms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -60,8 +60,8 @@ impl PressConfig {
                 "how a layer moves sideways is not modelled: must be 0, or the model a half-space",
             ));
         }
-        let has_camera = !matches!(self.sensor, PressSensorConfig::Direct { .. });
-        if matches!(self.estimator, PressEstimatorConfig::Image { .. }) && !has_camera {
+        let is_image = matches!(self.estimator, PressEstimatorConfig::Image { .. });
+        if is_image && self.sensor.camera().is_none() {
             return Err((
                 "scene.estimator",
                 "a fit of pictures needs a camera: let `scene.sensor` be `projected` or `rendered`",
@@ -117,12 +117,12 @@ impl PressConfig {
             let stray = rules.iter().find(|(_, is_given)| *is_given);
             stray.map_or(Ok(()), |(path, _)| Err((*path, message)))
         };
-        match &self.sensor {
-            PressSensorConfig::Direct { .. } => refuse(
+        match self.sensor.camera() {
+            None => refuse(
                 &[&of_pictures[..], &[of_frames, lost, of_sensor]].concat(),
-                "a direct sensor has no camera; `projected` and `rendered` have",
+                "this sensor has no camera; `projected` and `rendered` have",
             ),
-            PressSensorConfig::Projected(camera) => refuse(
+            Some((camera, false)) => refuse(
                 &[
                     of_frames,
                     ("scene.sensor.light_at_rim", camera.light_at_rim != 1.0),
@@ -131,7 +131,7 @@ impl PressConfig {
                 ],
                 "a projected sensor has no pixels; a `rendered` one has",
             ),
-            PressSensorConfig::Rendered(camera) => {
+            Some((camera, true)) => {
                 refuse(
                     &of_pictures,
                     "a rendered sensor errs by its pixels, `noise.pixel`; a `projected` one has this",
