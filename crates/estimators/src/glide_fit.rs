@@ -20,23 +20,23 @@ pub enum GlideFit {
 
 impl Method for GlideFit {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        match self {
-            Self::Penalised(method) => method.fit(patch),
-            Self::TwoPass(method) => method.fit(patch),
-            Self::Quadric(method) => method.fit(patch),
-        }
+        self.method().fit(patch)
     }
 
     fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        match self {
-            Self::Penalised(method) => method.agreement(patch),
-            Self::TwoPass(method) => method.agreement(patch),
-            Self::Quadric(method) => method.agreement(patch),
-        }
+        self.method().agreement(patch)
     }
 }
 
 impl GlideFit {
+    fn method(&self) -> &dyn Method {
+        match self {
+            Self::Penalised(method) => method,
+            Self::TwoPass(method) => method,
+            Self::Quadric(method) => method,
+        }
+    }
+
     /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
     /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {

@@ -80,21 +80,7 @@ pub(super) fn noise(
     estimator: &GlideEstimatorConfig,
     unit: LengthUnit,
 ) -> Vec<Warning> {
-    let mut estimator = estimator.clone();
-    let (GlideEstimatorConfig::Penalised {
-        position_std,
-        normal_std_deg,
-        ..
-    }
-    | GlideEstimatorConfig::Quadric {
-        position_std,
-        normal_std_deg,
-        ..
-    }) = &mut estimator
-    else {
-        return Vec::new();
-    };
-    let stated = [position_std.take(), normal_std_deg.take()];
+    let (estimator, stated) = estimator.clone().without_noise();
     if stated == [None; 2] {
         return Vec::new();
     }

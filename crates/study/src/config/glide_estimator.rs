@@ -129,39 +129,48 @@ impl GlideEstimatorConfig {
         }
     }
 
+    /// The settings of stated noise: of positions as a length and as a fraction of the inter-finger distance, and of
+    /// normals; `None` for a method without them.
+    const fn noise(&mut self) -> Option<[&mut Option<f64>; 3]> {
+        match self {
+            Self::Penalised {
+                position_std,
+                position_fraction_of_ifd,
+                normal_std_deg,
+                ..
+            }
+            | Self::Quadric {
+                position_std,
+                position_fraction_of_ifd,
+                normal_std_deg,
+            } => Some([position_std, position_fraction_of_ifd, normal_std_deg]),
+            Self::TwoPass { .. } => None,
+        }
+    }
+
     /// The estimator with a noise of positions that is a fraction of the inter-finger distance as a length.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
-        if let Self::Penalised {
-            position_std,
-            position_fraction_of_ifd,
-            ..
-        }
-        | Self::Quadric {
-            position_std,
-            position_fraction_of_ifd,
-            ..
-        } = &mut self
-            && let Some(fraction) = position_fraction_of_ifd.take()
+        if let Some([position_std, fraction, _]) = self.noise()
+            && let Some(fraction) = fraction.take()
         {
             *position_std = Some(fraction * inter_finger_distance);
         }
         self
     }
 
+    /// The estimator without its stated noise, and this noise: of positions as a length, and of normals.
+    #[must_use]
+    pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
+        let stated = self
+            .noise()
+            .map(|[position, _, normal]| [position.take(), normal.take()]);
+        (self, stated.unwrap_or_default())
+    }
+
     /// Noise of positions as a fraction of the inter-finger distance, where it is stated so.
-    pub const fn position_fraction_of_ifd(&self) -> Option<f64> {
-        match *self {
-            Self::Penalised {
-                position_fraction_of_ifd,
-                ..
-            }
-            | Self::Quadric {
-                position_fraction_of_ifd,
-                ..
-            } => position_fraction_of_ifd,
-            Self::TwoPass { .. } => None,
-        }
+    pub fn position_fraction_of_ifd(&self) -> Option<f64> {
+        self.clone().noise().and_then(|[_, fraction, _]| *fraction)
     }
 
     /// Name of the kind, as configs have it.
