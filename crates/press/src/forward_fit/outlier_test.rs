@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use palpate_statistics::{Explained, LEFT, least_likely};
 
-use super::minimise::{EXACTLY, minimise};
 use super::problem::{Problem, State};
+use super::{EXACTLY, minimise};
 use crate::PressError;
 use crate::score::{Noise, matters};
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};

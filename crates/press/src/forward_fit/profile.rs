@@ -1,6 +1,6 @@
 //! Intervals of the relative curvature by profile likelihood.
 
-use super::minimise::minimise;
+use super::minimise;
 use super::problem::{Problem, State};
 use crate::Interval;
 use crate::unknowns::{CURVATURE, INDENTATION, Sums};

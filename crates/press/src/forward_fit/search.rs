@@ -4,13 +4,12 @@ use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::contact_detection::{detect, on_markers};
-use super::minimise::{EXACTLY, minimise};
 use super::outcome::outcome;
 use super::problem::{BASELINE, GAIN, Problem, RobustSum, State, WRONG};
 use super::profile::{Profile, profile};
 use super::start::{RADII, Shapes, median, starts};
 use super::undetected_contacts::UndetectedContacts;
-use super::{ForwardFit, Prior, Reading};
+use super::{EXACTLY, ForwardFit, Prior, Reading, minimise};
 use crate::cholesky::inverse;
 use crate::unknowns::{ACROSS, INDENTATION, Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::contact_detection::on_markers;
-use super::minimise::minimise;
+use super::minimise;
 use super::problem::{Problem, State};
 use super::start::{Shapes, median};
 use crate::Interval;
