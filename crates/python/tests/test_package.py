@@ -3,10 +3,12 @@
 import importlib.metadata
 import inspect
 import re
+import runpy
 import subprocess
 import sys
 
 import palpate
+import pytest
 from conftest import EXAMPLES
 
 
@@ -32,24 +34,19 @@ def test_every_argument_is_described():
             assert section in document, f"{name}: {section}"
 
 
+def test_texts_of_settings_follow_from_the_schema():
+    texts = runpy.run_path(str(EXAMPLES.parent / "crates/python/settings.py"))["texts"]
+    for path, text in texts(palpate.schema()).items():
+        assert path.read_text() == text, f"{path.name} is old: palpate schema | python crates/python/settings.py"
+
+
 def test_settings_of_estimators_are_arguments():
     """A setting that a config has is an argument too."""
-    schema = palpate.schema()
-    renamed = {"kind": "method", "normals": "tangent_normals"}
-    scenes = {
-        variant["properties"]["kind"]["const"]: variant["properties"]
-        for variant in schema["properties"]["scene"]["oneOf"]
-    }
-    for scene, function in [
-        ("roll", palpate.estimate_roll),
-        ("glide", palpate.estimate_glide),
-        ("press", palpate.estimate_press),
-    ]:
-        arguments = inspect.signature(function).parameters
-        estimator = scenes[scene]["estimator"]
-        for variant in estimator.get("oneOf", [estimator]):
-            for key in variant["properties"]:
-                assert renamed.get(key, key) in arguments, f"{scene}: {key}"
+    settings = runpy.run_path(str(EXAMPLES.parent / "crates/python/settings.py"))["settings"]
+    for scene, function in [("glide", palpate.estimate_glide), ("press", palpate.estimate_press)]:
+        for name in settings(palpate.schema(), scene):
+            with pytest.raises(TypeError, match=f"argument '{name}'"):
+                function([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], **{name: object()})
 
 
 def test_metadata():

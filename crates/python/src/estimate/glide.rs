@@ -190,6 +190,7 @@ impl Map {
     }
 }
 
+#[doc = include_str!("glide_signature.txt")]
 /// Curvature of a patch all over it, from contacts of fingers that glide over the object.
 ///
 /// Parameters
@@ -200,9 +201,6 @@ impl Map {
 ///     CameraReading normals out of the object, of any length.
 /// fingers : array, (n,), optional
 ///     Number of the finger of each contact, from 0; without, all are of one finger.
-/// method : str, optional
-///     "penalised" (the default): one bicubic spline through heights and slopes, with its uncertainty;
-///     "two-pass": the 1996 paper's smoothing splines; "quadric": least squares.
 /// grid : int, optional
 ///     Places along each side of the map, from 1 to 1000; 30 by default.
 /// at_contacts : bool
@@ -217,30 +215,6 @@ impl Map {
 ///     Magnitudes below which a curvature counts as zero, 1/length² and 1/length; by default from the patch's size.
 /// inter_finger_distance : float, optional
 ///     Length in which the settings of two-pass count; by default the mean distance between neighbouring fingers.
-/// intervals : int, optional
-///     Of penalised: intervals of the spline along each side, from 1 to 24; by default as many as the contacts bear.
-/// criterion : str, optional
-///     Of penalised: how the penalty is chosen, "robust-gcv" (the default), "gcv" or "reml".
-/// gamma : float, optional
-///     Of robust-gcv: how much stronger it smooths than gcv, from 1 to 100; 1.4 by default.
-/// position_std : float, optional
-///     Of penalised and quadric: standard deviation of a position along each axis, length; else found.
-/// position_fraction_of_ifd : float, optional
-///     Of penalised and quadric: that deviation as a share of the distance between fingers; not with `position_std`.
-/// normal_std_deg : float, optional
-///     Of penalised and quadric: standard deviation of a normal's tilt about each tangent, degrees; else found.
-/// first_degree, second_degree : int, optional
-///     Of two-pass: degrees of its splines, from 1 to 5; 2 and 3 by default.
-/// weight : float, optional
-///     Of two-pass: factor on residuals; 100 by default.
-/// smoothing, second_smoothing : float, optional
-///     Of two-pass: sums of squared weighted residuals that its splines aim at; 1000 by default.
-/// tangent_step : float, optional
-///     Of two-pass: step to either side along the tangent; 0.05 by default.
-/// tangent_normals : str, optional
-///     Of two-pass: whose normals the tangents are of, "measured" (the default) or "first-fit".
-/// passes : int, optional
-///     Of two-pass: 1 stops after the first spline; 2 by default.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -249,6 +223,7 @@ impl Map {
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
 ///     Threads that a batch is worked on by; by default one per processor.
+#[doc = include_str!("glide_settings.txt")]
 ///
 /// Returns
 /// -------
@@ -269,12 +244,7 @@ impl Map {
 #[pyfunction]
 #[pyo3(signature = (points, normals=None, fingers=None, *, at_contacts=false, length_unit=None, like=None, cell=0,
     threads=None, **settings),
-    text_signature = "(points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=False, \
-    tip_radius=None, reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, \
-    inter_finger_distance=None, intervals=None, criterion=None, gamma=None, position_std=None, \
-    position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None, \
-    smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None, passes=None, length_unit=None, \
-    like=None, cell=0, threads=None)")]
+    text_signature = None)]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_glide<'py>(
     py: Python<'py>,

@@ -26,6 +26,7 @@ impl Made for recorded::PressReport {
     }
 }
 
+#[doc = include_str!("press_signature.txt")]
 /// Curvature of an object, from the displacements of the markers of a soft sphere that is pressed onto it.
 ///
 /// Parameters
@@ -40,8 +41,6 @@ impl Made for recorded::PressReport {
 ///     Radius of the skin, length; needed unless `like` tells it.
 /// depth : float, optional
 ///     Depth of the markers under the skin, length; 0 by default.
-/// method : str, optional
-///     "half-space" (the default), "bonded-layer" or "gaussian", the 2020 paper's.
 /// indentation : float, optional
 ///     Indentation, where it is known from elsewhere, length; else it is fitted.
 /// indentation_std : float, optional
@@ -52,21 +51,6 @@ impl Made for recorded::PressReport {
 ///     Factor on the positions; 1 by default.
 /// young : float, optional
 ///     Young's modulus of the soft body, force per length²: gives `force` and `peak_pressure`.
-/// poisson : float, optional
-///     Of half-space: Poisson's ratio, from 0 to 0.5, which is the default.
-/// thickness : float, optional
-///     Of bonded-layer: thickness of the layer, length.
-/// c, window : float, optional
-///     Of gaussian: its c, by default calibrated at the indentation; and the distance from the contact, length, within
-///     which markers count.
-/// baseline : str, optional
-///     "known" (the default), or "fitted" where all normal displacements may have an offset.
-/// gain_std : float, optional
-///     Standard deviation of a factor on all normal displacements; 0 by default.
-/// shift_std : float, optional
-///     Of image, which `track` knows: standard deviation of a sideways move of the object, along either axis, length.
-/// noise : str, optional
-///     "stated" (the default), or "found" from the residuals although `like` states it.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -75,6 +59,7 @@ impl Made for recorded::PressReport {
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
 ///     Threads that a batch is worked on by; by default one per processor.
+#[doc = include_str!("press_settings.txt")]
 ///
 /// Returns
 /// -------
@@ -94,10 +79,7 @@ impl Made for recorded::PressReport {
 /// color-interference of a marker array, ICRA 2020; K. Johnson, Contact Mechanics, 1985, chapters 3 and 4.
 #[pyfunction]
 #[pyo3(signature = (positions, displacements, *, length_unit=None, like=None, cell=0, threads=None, **settings),
-    text_signature = "(positions, displacements, *, sensor_radius=None, depth=None, method=None, indentation=None, \
-    indentation_std=None, normal_std=None, tangential_std=None, radial_scale=None, young=None, poisson=None, \
-    thickness=None, c=None, window=None, baseline=None, gain_std=None, shift_std=None, noise=None, length_unit=None, \
-    like=None, cell=0, threads=None)")]
+    text_signature = None)]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_press<'py>(
     py: Python<'py>,
