@@ -1,4 +1,4 @@
-//! Time that pictures of the sensor's markers take: without pixels, and as frames.
+//! Benchmarks of the marker images: projection without pixels, and rendering of frames.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;
@@ -10,7 +10,7 @@ use palpate_chromatouch::{
 };
 use palpate_sensing::{Channel, Stream};
 
-/// The published sensor, its discs misaligned at most by this share of their diameter.
+/// Optics of the published sensor. `misalignment` is the largest misalignment of the discs, relative to their diameter.
 fn published(size_px: u32, misalignment: f64, blemishes: Blemishes) -> Optics {
     let places = Layout::published().places(20.0).unwrap();
     let discs = Discs {

@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Why there is no such layout of markers.
+/// Reason why a layout of markers is impossible.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum LayoutError {
@@ -22,7 +22,7 @@ pub enum LayoutError {
         /// Polar angle of the last marker, degrees.
         reach_deg: f64,
     },
-    /// More markers than can be worked with.
+    /// The layout has more markers than the limit.
     #[error(
         "there would be {markers:.0} markers; at most {limit} are possible",
         markers = Number(*markers)

@@ -27,8 +27,8 @@ pub const MOST_MARKERS: usize = 100_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
-    /// One marker at the apex and rows of markers in each of several equal gores, as the skin is cut to be folded onto
-    /// the sphere.
+    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces that the
+    /// skin is cut into and that are folded onto the sphere.
     Gores {
         /// Number of gores per turn.
         gores: u32,
@@ -37,23 +37,23 @@ pub enum Layout {
         /// Polar angle between neighbouring rows, degrees.
         row_spacing_deg: f64,
     },
-    /// Even density over a cap around the apex: one marker per square of the pitch.
+    /// Even density over a cap around the apex: one marker per area of pitch².
     Lattice {
         /// Distance between neighbouring markers, length.
         pitch: f64,
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
-    /// Equally spaced on a great circle along x, the apex in their middle.
+    /// Equally spaced markers on a great circle along x; the apex is in the middle.
     Line {
-        /// How many.
+        /// Number of markers.
         markers: u32,
         /// Distance from the first marker to the last along the skin, length.
         length: f64,
     },
-    /// Equally spaced along +x, the first at the apex.
+    /// Equally spaced markers along +x; the first is at the apex.
     Radius {
-        /// How many.
+        /// Number of markers.
         markers: u32,
         /// Distance from the first marker to the last along the skin, length.
         length: f64,
@@ -71,9 +71,9 @@ impl Layout {
         }
     }
 
-    /// Chart coordinates (x, y) of the markers on the skin of a sensor of this radius, length: the logarithm map from
-    /// the apex, so that a marker lies √(x² + y²) along the skin in the direction (x, y). From the apex outward, or
-    /// along +x.
+    /// Chart coordinates (x, y) of the markers on the skin of a sensor of this radius, length. The chart is the
+    /// logarithm map at the apex: a marker lies at the distance √(x² + y²) along the skin from the apex, in the
+    /// direction (x, y). The order is from the apex outward; for a [`Layout::Line`] it is along +x.
     ///
     /// # Errors
     /// [`LayoutError`].
@@ -148,7 +148,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     let good = cap_deg > 0.0 && cap_deg <= 180.0;
     LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
     let half_cap = 0.5 * cap_deg.to_radians();
-    // The cap's share of the sphere is sin²(cap/2).
+    // The cap is a share of sin²(cap/2) of the sphere.
     let share = libm::sin(half_cap) * libm::sin(half_cap);
     let good = pitch > 0.0 && pitch.is_finite();
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
@@ -178,7 +178,8 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// Equal steps from 0 to `length`. The farthest place, `reach` from the apex, must be less than half a turn away.
+/// Coordinates in equal steps from 0 to `length`. `reach` is the distance of the farthest marker from the apex; it must
+/// be less than half a turn.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -264,7 +265,8 @@ mod tests {
                 );
             }
         }
-        // The only marker of a gore's first row is in its middle, the seven of the last every 90/7 degrees.
+        // The first row of a gore has one marker, in the middle of the gore. The last row has seven, 90/7 degrees
+        // apart.
         let azimuth =
             |marker: usize| libm::atan2(places[marker][1], places[marker][0]).to_degrees();
         assert_relative_eq!(azimuth(1), 45.0, max_relative = 1e-12);
@@ -278,7 +280,8 @@ mod tests {
         let (radius, pitch) = (20.0, 1.0);
         let layout = |cap_deg| Layout::Lattice { pitch, cap_deg };
         let places = layout(60.0).places(radius).unwrap();
-        // Markers within an angle of the apex: area over pitch², 2πR²(1 − cos).
+        // Expected number of markers within an angle θ of the apex: the cap's area over pitch², 2πR²(1 − cos θ) /
+        // pitch².
         for cap_deg in [15.0_f64, 30.0, 45.0, 60.0] {
             let angle = cap_deg.to_radians();
             let within = places
@@ -299,7 +302,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min)
         });
         assert!(nearest.fold(f64::INFINITY, f64::min) > 0.7 * pitch);
-        // The whole sphere.
+        // A cap of 180° is the whole sphere.
         let all = layout(180.0).places(radius).unwrap();
         assert_relative_eq!(
             all.len() as f64,

@@ -55,7 +55,7 @@ pub struct Optics {
     colours: Colours,
     blemishes: Blemishes,
     contrasts: Contrasts,
-    /// Pose of the camera; `None` exactly in the centre with the axis through the apex.
+    /// Pose of the camera; `None` if the camera is exactly in the centre and its axis passes through the apex.
     pose: Option<Pose>,
 }
 
@@ -64,8 +64,8 @@ pub struct Optics {
 pub struct SeenMarker {
     /// Centroid of the image with the weights of `size_px2`, px.
     pub centroid_px: [f64; 2],
-    /// Mean hue in turns, from 0 (red) to below 1: the hue, as in HSV, of the summed light of the image, so that each point
-    /// has its chroma as weight. 0 if there is no chroma.
+    /// Hue, as in HSV, of the summed light of the image, in turns, from 0 (red) to below 1. It is the mean hue, in
+    /// which each point has its chroma as weight. 0 if there is no chroma.
     pub hue_turns: f64,
     /// Sum over the image of the absorbed shares of the white layer's green and blue light, px². A disc that absorbs all of
     /// one of them contributes its area.
@@ -95,8 +95,9 @@ impl Optics {
         })
     }
 
-    /// These optics with another pose of the camera. The image of a disc is then that of a circular cap with the same solid
-    /// angle, to first order in it; seams and the decrease of light stay those at the centre.
+    /// Returns these optics with another pose of the camera. To first order in its solid angle, the image of a disc is
+    /// that of a circular cap with the same solid angle. Seams and the decrease of light toward the rim are computed as
+    /// for a camera at the centre.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times the
@@ -121,7 +122,7 @@ impl Optics {
         &self.blemishes
     }
 
-    /// The markers as they were made.
+    /// The markers of the sensor.
     pub const fn array(&self) -> &MarkerArray {
         &self.array
     }

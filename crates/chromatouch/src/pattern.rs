@@ -1,9 +1,9 @@
 //! The flat pattern of a hemispherical skin: polyconic gores, as globes are made (the 2020 paper, section III-B,
 //! Fig. 3).
 //!
-//! Of n gores on a sphere of radius R, each is |x| ≤ (πR/n) cos φ wide at the height Rφ above the equator; its outline
-//! is drawn by chords between m equal steps of the quarter circle. The gores are turned about their common apex. They
-//! never overlap: a gore spans the angle 2 atan(π/n) at the apex, less than its share 2π/n of the turn.
+//! A sphere of radius R is cut into n gores. At the height Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its
+//! outline is drawn as chords between m equal steps of the quarter circle. The gores are arranged around their common
+//! apex. They never overlap: a gore spans the angle 2 atan(π/n) at the apex, less than its share 2π/n of the turn.
 
 mod drawing;
 mod error;
@@ -36,7 +36,7 @@ pub const MOST_SAMPLES: u32 = 1000;
 /// let pattern = Pattern::new(4, 8, 20.0)?;
 /// let [right, height] = pattern.gore()[0];
 /// assert!((right - 5.0 * std::f64::consts::PI).abs() < 1e-12 && height == 0.0);
-/// // At 45° from +x lies the middle of the first gore.
+/// // The middle of the first gore is at 45° from +x.
 /// let flat = pattern.flatten([3.0, 3.0])?;
 /// assert_eq!(flat.gore, 0);
 /// assert!(flat.across.abs() < 1e-12);
@@ -216,7 +216,7 @@ mod tests {
             let outline = Pattern::new(gores, samples, radius).unwrap().gore();
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let (area, _) = area_and_length(&outline);
-            // Chords leave out a share 1 − (h/2) cot(h/2) of the area under a sine.
+            // The chords enclose less area than the curve of the sine, by a share of 1 − (h/2) cot(h/2).
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);
@@ -272,7 +272,7 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // On the sheet, too, a gore lies in its share of the turn.
+                // On the flat sheet, too, a gore lies in its share of the turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(
                     libm::hypot(x, y),

@@ -11,7 +11,7 @@ use super::sines::sinc_and_cosine;
 use crate::layout::too_close;
 use crate::{Discs, MOST_MARKERS};
 
-/// Lengths that can be multiplied a few times without leaving the range of doubles.
+/// Allowed lengths: products of a few of them neither overflow nor underflow.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Smallest ratio of a disc's radius to its distance from the centre.
@@ -20,7 +20,7 @@ const MIN_HALF_WIDTH: f64 = 1e-9;
 /// Depths of the two discs of each marker under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
-    /// Depth of the inner disc, nearer the camera; at least that of the yellow one.
+    /// Depth of the inner disc, which is nearer to the camera; at least the depth of the yellow disc.
     pub magenta: f64,
     /// Depth of the outer disc, at least 0.
     pub yellow: f64,
@@ -31,8 +31,8 @@ pub struct DiscDepths {
 pub struct DiscMotion {
     /// Displacement toward the sensor's centre, length.
     pub normal: f64,
-    /// Displacement along the skin: the disc's arc around the centre, length, in the axes of the apex carried along
-    /// the meridian to the marker's place.
+    /// Displacement along the skin: length of the disc's arc around the centre. The components are along the axes of
+    /// the apex after parallel transport along the meridian to the marker.
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter by the strain of the skin; the disc remains a circle.
     pub stretch: f64,
@@ -63,7 +63,7 @@ pub(super) struct Layer {
     name: &'static str,
     /// Distance of the discs from the sensor's centre at rest, length.
     pub(super) distance: f64,
-    /// Radius of a disc over that distance.
+    /// Radius of a disc, relative to that distance.
     half_width: f64,
 }
 
@@ -73,19 +73,19 @@ pub(super) struct Stand {
     pub(super) direction: Vector3<f64>,
     pub(super) x_axis: Vector3<f64>,
     pub(super) y_axis: Vector3<f64>,
-    /// Displacement of the yellow disc against the magenta one along the skin, as an angle at the centre, rad, along
-    /// the axes.
+    /// Displacement of the yellow disc from the magenta one along the skin, along both axes, as angles at the centre,
+    /// rad.
     pub(super) misalignment: [f64; 2],
 }
 
-/// Image of a disc on the unit sphere around the centre: all directions within an angle of its middle.
+/// Image of a disc on the unit sphere around the centre: all directions within an angle of the direction of its middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     /// Unit vector to the middle.
     pub(super) direction: Vector3<f64>,
     /// Sine of the angular radius, which is less than 90°.
     pub(super) sine: f64,
-    /// Its cosine.
+    /// Cosine of the angular radius.
     pub(super) cosine: f64,
 }
 
@@ -97,13 +97,13 @@ pub(super) struct MarkerSight {
 }
 
 impl MarkerArray {
-    /// Markers at places on the skin of a sensor, in chart coordinates as those of
+    /// Markers at `places` on the skin of a sensor, in the chart coordinates of
     /// [`Layout::places`](crate::Layout::places), with these discs at these depths.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `radius`, `magenta_diameter`, `yellow_diameter`; [`OpticsError::BadDepth`]
     /// unless radius > magenta ≥ yellow ≥ 0; [`OpticsError::OffTheSkin`]; [`OpticsError::TooManyMarkers`];
-    /// [`OpticsError::DiscsOverlap`] where the discs of two markers would cover each other as seen from the centre.
+    /// [`OpticsError::DiscsOverlap`] if discs of two markers overlap in the view from the centre.
     pub fn new(
         sensor_radius: f64,
         places: &[[f64; 2]],
@@ -164,9 +164,9 @@ impl MarkerArray {
         })
     }
 
-    /// The markers with random misalignments from manufacture: the yellow disc of each is displaced along the skin against the
-    /// magenta one by a vector that is uniform over a circle whose radius is `most` times the yellow diameter. An earlier
-    /// misalignment is replaced.
+    /// Returns the markers with random misalignments from manufacture. The yellow disc of each marker is displaced
+    /// along the skin from the magenta one by a vector that is uniform over a circle; the radius of the circle is
+    /// `most` times the yellow diameter. An earlier misalignment is replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -174,17 +174,18 @@ impl MarkerArray {
         self.misaligned_in(most, seed, 0)
     }
 
-    /// Markers with the misalignments of trial number `trial`.
+    /// Returns the markers with the misalignments of trial number `trial`.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `misalignment`, as of [`MarkerArray::misaligned`].
+    /// [`OpticsError::BadSetting`] for `misalignment`, as in [`MarkerArray::misaligned`].
     pub fn misaligned_in(mut self, most: f64, seed: u64, trial: u64) -> Result<Self, OpticsError> {
         let good = (0.0..=1.0).contains(&most);
         OpticsError::unless(good, "misalignment", most, "from 0 to 1")?;
         let most_rad = most * 2.0 * self.yellow.half_width;
         let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
-            // A uniform share of the disc's area is within the square of the share of its radius.
+            // A radius r holds a share r² of the circle's area, so the root of a uniform number gives a uniform
+            // density.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
@@ -199,8 +200,8 @@ impl MarkerArray {
         self.stands.iter().map(|stand| stand.misalignment).collect()
     }
 
-    /// The markers with these misalignments, rad, see [`MarkerArray::misalignments`]. If there are fewer than markers, the
-    /// remaining markers keep theirs.
+    /// Returns the markers with these misalignments, rad, see [`MarkerArray::misalignments`]. If there are fewer
+    /// misalignments than markers, the remaining markers keep theirs.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.
@@ -215,8 +216,8 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// The markers with other depths, changed by these lengths, and other diameters, changed by these relative amounts, of the
-    /// magenta and the yellow discs.
+    /// Returns the markers with changed discs, magenta and yellow: `deeper` is added to the depths, length; `wider` is
+    /// the relative change of the diameters.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] as [`MarkerArray::new`].
@@ -249,7 +250,7 @@ impl MarkerArray {
         self.places.len()
     }
 
-    /// Whether there are none.
+    /// Whether the array has no markers.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
@@ -309,12 +310,13 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// Image of a disc of the layer, with this offset from its marker's place, rad. The error is an impossible motion.
+    /// Image of a disc of the layer, with this offset from its marker's place, rad. The error value is the impossible
+    /// motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
         let [x, y] = motion.tangential.map(|along| along / self.distance);
-        // NaN fails both.
+        // Both comparisons are false for NaN.
         let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
         if !shorter {
             return Err(motion.normal);
@@ -336,8 +338,8 @@ impl Layer {
         })
     }
 
-    /// Radius of a disc after a motion, relative to the disc's distance from the centre at rest. The error is the motion of the
-    /// edge of an impossible disc.
+    /// Radius of a disc after a motion, relative to the disc's distance from the centre at rest. The error value is the
+    /// motion of the disc's edge if the stretch is impossible.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         let is_disc = motion.stretch.abs() < 1.0;
@@ -348,8 +350,9 @@ impl Layer {
         }
     }
 
-    /// Image of a disc for a camera outside the centre, from its image at the centre: the circular cap of the same solid angle,
-    /// to first order in it. The error is an impossible motion, which moves the disc behind the camera.
+    /// Image of a disc for a camera outside the centre, from its image at the centre. It is the circular cap of the
+    /// same solid angle, to first order in the solid angle. The error value is an impossible motion: one that moves the
+    /// disc behind the camera.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
@@ -397,10 +400,10 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Rejects discs of a layer that overlap as seen from the centre.
+/// Rejects discs of a layer that overlap in the view from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
-    // Two caps of an angle touch where their middles' chord is twice the angle's sine.
+    // Two caps of the angular radius α touch if the chord between their middles is 2 sin α.
     let reach = 2.0 * layer.half_width / libm::hypot(layer.half_width, 1.0);
     match too_close(&directions, reach, 1e-9) {
         None => Ok(()),

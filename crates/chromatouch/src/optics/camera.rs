@@ -13,14 +13,14 @@ pub const LARGEST_FRAME: u32 = 8192;
 
 /// A camera in the sensor's centre, looking at the apex, with a square image.
 ///
-/// The middle of the first pixel has the coordinates (0, 0); the first counts columns to the right, which is the
-/// sensor's x, the second rows downward, which is against the sensor's y.
+/// Image coordinates are (column, row), px, with (0, 0) in the middle of the first pixel. Columns count to the right,
+/// along the sensor's x axis. Rows count downward, against its y axis.
 ///
 /// ```
 /// use nalgebra::Vector3;
 /// use palpate_chromatouch::{Camera, Lens};
 ///
-/// // 70° from the apex is seen at the rim, 320 px from the image's centre; r = f θ, so 35° is seen half-way to it.
+/// // The rim, 320 px from the image's centre, is 70° from the apex. With r = f θ, 35° is half-way to the rim.
 /// let camera = Camera::new(Lens::Fisheye, 640, 70.0)?;
 /// let (sine, cosine) = libm::sincos(35.0_f64.to_radians());
 /// let place = camera.image(&Vector3::new(sine, 0.0, cosine)).ok_or("outside the image circle")?;
@@ -38,28 +38,29 @@ pub struct Camera {
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
-    /// Place of the image circle's centre from the middle of the frame, columns and rows.
+    /// Offset of the image circle's centre from the middle of the frame: columns and rows, px.
     offset_px: [f64; 2],
 }
 
-/// Direction that a pixel looks in. A pixel (x, y) from the image's centre, px, y up, looks along the unit vector (x
+/// Direction of the light at a pixel. For a pixel at (x, y) from the image's centre, px, y up, it is the unit vector (x
 /// `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
-    /// Angle that it spans around the axis, rad: on the sphere, not of the azimuth.
+    /// Angle that the pixel spans around the axis, rad: an arc on the unit sphere, not a difference of azimuths.
     pub(super) lateral_rad: f64,
     /// Cosine of the polar angle.
     pub(super) cosine: f64,
 }
 
 impl Camera {
-    /// A camera with a square image of so many pixels a side. The largest circle in it is the image; what is seen at
-    /// its rim is `field_deg` from the apex.
+    /// A camera with a square image of `size_px` pixels a side. The image circle is the largest circle in the square;
+    /// its rim shows the directions `field_deg` from the apex.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to [`LARGEST_FRAME`], and for `field_deg` unless
-    /// it is at least 1e-6 and at most 180, or less than 90 through a pinhole; for `k3` and `k5` unless each is from -100
-    /// to 100. [`OpticsError::FoldedLens`] where with these the image turns back within the field.
+    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to [`LARGEST_FRAME`], for `field_deg` unless it is
+    /// from 1e-6 to 180, or to 89.9999 through a pinhole, and for `k3` and `k5` unless each is from -100 to 100.
+    /// [`OpticsError::FoldedLens`] if the distance from the image's centre does not grow with the angle over the whole
+    /// field.
     pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
         let good = (1..=LARGEST_FRAME).contains(&size_px);
         OpticsError::unless(good, "size_px", f64::from(size_px), "from 1 to 8192")?;
@@ -84,8 +85,9 @@ impl Camera {
         })
     }
 
-    /// This camera with the centre of its image circle so many columns to the right and rows down from the middle of
-    /// the frame, and with other pixels per radian; the circle keeps its size, so that its rim shows another angle.
+    /// Returns this camera with the image circle's centre at `offset_px` (columns to the right, rows down) from the
+    /// middle of the frame, and with other pixels per radian. The circle keeps its size, so that the angle at its rim
+    /// changes.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `centre_px` unless the centre lies in the frame, and for `px_per_rad` unless it is
@@ -128,8 +130,8 @@ impl Camera {
         })
     }
 
-    /// This camera with other odd terms of its fisheye. The image circle and the pixels per radian at its middle stay, so
-    /// that its rim shows another angle.
+    /// Returns this camera with other odd terms of its fisheye. The image circle and the pixels per radian at its
+    /// middle do not change, so that the angle at the rim changes.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to 100, and
@@ -159,12 +161,13 @@ impl Camera {
         self.size_px
     }
 
-    /// Pixels per radian at the image's centre, the focal length; everywhere along the radius for an equidistant fisheye.
+    /// Pixels per radian at the image's centre: the focal length, px. For an equidistant fisheye, the radial scale is
+    /// the same everywhere.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
 
-    /// The image's centre, where the apex is seen.
+    /// Centre of the image circle, on the camera's axis: column and row, px.
     pub fn centre_px(&self) -> [f64; 2] {
         let middle = 0.5 * (f64::from(self.size_px) - 1.0);
         self.offset_px.map(|offset| middle + offset)
@@ -175,8 +178,8 @@ impl Camera {
         0.5 * f64::from(self.size_px)
     }
 
-    /// Place in the image at which a direction from the sensor's centre, of any length, is seen; `None` outside the
-    /// image circle.
+    /// Image coordinates (column, row) of a direction from the sensor's centre, a vector of any length; `None` outside
+    /// the image circle.
     pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
         let across = libm::hypot(direction.x, direction.y);
         let polar = libm::atan2(across, direction.z);
@@ -195,7 +198,7 @@ impl Camera {
         Some([column + radius * x, row - radius * y])
     }
 
-    /// The direction from the sensor's centre that is seen at a place in the image; `None` outside the image circle.
+    /// Direction from the sensor's centre of the image point (column, row); `None` outside the image circle.
     pub fn direction(&self, [column, row]: [f64; 2]) -> Option<UnitVector3<f64>> {
         let centre = self.centre_px();
         let (x, y) = (column - centre[0], centre[1] - row);
@@ -218,11 +221,12 @@ impl Camera {
         )))
     }
 
-    /// Image area of a disc of this angular radius whose middle lies at this polar angle, rad; px². `None` unless it
-    /// is all in the image circle and less than 90° in radius.
+    /// Image area, px², of a disc of this angular radius whose middle lies at this polar angle, rad. `None` unless the
+    /// whole disc is in the image circle and its angular radius is less than 90°.
     ///
-    /// Exact through a pinhole. Through a fisheye to second order in the angular radius α beyond the solid angle, which
-    /// is exact: what is left out is a share of the order of α⁴, below 1e-5 for α = 0.05 and at most 70° from the axis.
+    /// Exact through a pinhole. Through a fisheye, the solid angle is exact and the scale of the lens is expanded to
+    /// second order in the angular radius α. The relative error is of the order of α⁴, below 1e-5 for α = 0.05 and at
+    /// most 70° from the axis.
     pub fn disc_area(&self, angular_radius: f64, polar: f64) -> Option<f64> {
         let good = angular_radius > 0.0
             && angular_radius < FRAC_PI_2
@@ -237,7 +241,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance from the image's centre at which a polar angle in the field is seen, px.
+    /// Distance of a polar angle in the field from the image's centre, px.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -246,20 +250,20 @@ impl Camera {
         }
     }
 
-    /// The lens around a polar angle, rad, with this sine and cosine.
+    /// Derivatives of the lens at a polar angle, rad, with this sine and cosine.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
     }
 
-    /// The lens around a direction, a unit vector; at the rim, for one beyond.
+    /// Derivatives of the lens at a direction, a unit vector; those at the rim if the direction lies beyond it.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Bound on the pixels per radian, in any direction, up to a polar angle in the field.
+    /// Upper bound of the pixels per radian, in any direction, up to a polar angle in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -277,7 +281,7 @@ impl Camera {
         }
     }
 
-    /// Bound from below on the pixels per radian, in any direction, anywhere in the field.
+    /// Lower bound of the pixels per radian, in any direction, anywhere in the field.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -285,7 +289,7 @@ impl Camera {
         }
     }
 
-    /// Polar angle that is seen at a distance from the image's centre over the focal length, from its square; its square.
+    /// Square of the polar angle, from the square of its distance from the image's centre over the focal length.
     #[inline]
     pub(super) fn polar_square(&self, square: f64) -> f64 {
         match self.lens {
@@ -295,7 +299,7 @@ impl Camera {
         }
     }
 
-    /// Ray of the place (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
+    /// Ray of the image point (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
     #[inline]
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let [ray] = self.rays(x, y);
@@ -329,7 +333,7 @@ impl Camera {
         }
     }
 
-    // What follows is apart, for the loops over pixels of other lenses to stay small.
+    // The functions of odd lenses are not inlined, so that the pixel loops of the other lenses stay small.
 
     #[inline(never)]
     fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {
@@ -355,7 +359,7 @@ impl Camera {
         1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
     }
 
-    /// Angle that a pixel spans away from the axis, rad.
+    /// Angle that a pixel spans in the radial direction, rad.
     #[inline]
     pub(super) fn radial_rad(&self, ray: &Ray) -> f64 {
         match self.lens {

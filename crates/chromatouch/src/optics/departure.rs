@@ -46,7 +46,7 @@ impl Departure {
 }
 
 impl Camera {
-    /// This camera with these numbers added to the odd terms of its lens.
+    /// Returns this camera with these numbers added to the odd terms of its lens.
     fn departed(self, [k3, k5]: [f64; 2]) -> Result<Self, OpticsError> {
         if [k3, k5] == [0.0; 2] {
             return Ok(self);
@@ -60,8 +60,9 @@ impl Camera {
 }
 
 impl Optics {
-    /// The optics of a sensor with this departure. Transmittances may lie a little outside the range from 0 to 1, because a
-    /// fit needs features that are smooth at these limits; [`Optics::possible`] limits a departure to physical sensors.
+    /// Returns the optics of a sensor with this departure. Transmittances may lie a little outside the range from 0 to
+    /// 1, because a fit needs features that are smooth at these limits; [`Optics::possible`] limits a departure to
+    /// physical sensors.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
@@ -119,7 +120,7 @@ impl Optics {
         }
     }
 
-    /// The optics of this sensor with other misalignments of its markers, see
+    /// Returns the optics of this sensor with other misalignments of its markers, see
     /// [`MarkerArray::with_misalignments`](super::MarkerArray::with_misalignments).
     ///
     /// # Errors

@@ -1,22 +1,24 @@
-//! Sensors that no camera can look at, and motions that no marker can make.
+//! Errors of the optics: impossible sensors and impossible motions of markers.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest size of an odd term of a lens.
+/// Largest absolute value of an odd term of a lens.
 pub(super) const MOST_TERM: f64 = 100.0;
 
-/// Why a camera sees nothing.
+/// Reason why there is no image of the markers.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// A lens whose odd terms let the image turn back within its field: angles beyond would be seen twice.
+    /// With these odd terms, the distance from the image's centre decreases with the angle within the field, so that
+    /// two angles would have the same image.
     #[error(
-        "with k3 = {} and k5 = {} the lens sees angles once up to {reach_deg:.4} degrees from its axis, and its field ends at {field_deg:.4}; {}",
+        "with k3 = {} and k5 = {} the image radius grows only up to {reach_deg:.4} degrees from the axis, and \
+         the field ends at {field_deg:.4}; {}",
         Number(*k3), Number(*k5), remedy(*least_k3)
     )]
     FoldedLens {
@@ -24,11 +26,11 @@ pub enum OpticsError {
         k3: f64,
         /// Term of the fifth power.
         k5: f64,
-        /// Angle up to which the image grows, degrees.
+        /// Largest angle up to which the image radius grows, degrees.
         reach_deg: f64,
-        /// Angle that its rim is meant to show, degrees.
+        /// Angle at the rim of the image circle, degrees.
         field_deg: f64,
-        /// Least term of the third power with which the image grows up to there.
+        /// Smallest k3 with which the image radius grows up to the rim.
         least_k3: f64,
     },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
@@ -46,26 +48,26 @@ pub enum OpticsError {
         /// Allowed depths, in words.
         expected: &'static str,
     },
-    /// A marker would lie half a turn or more from the apex, or at no number.
+    /// A marker would lie half a turn or more from the apex, or its place is not finite.
     #[error("marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",
         Number(place[0]), Number(place[1]), limit = Number(*limit))]
     OffTheSkin {
-        /// Which marker, from 0.
+        /// Index of the marker, from 0.
         marker: usize,
-        /// Its place, length.
+        /// Place of the marker, length.
         place: [f64; 2],
         /// Half the way around the skin, length.
         limit: f64,
     },
-    /// More markers than can be worked with.
+    /// There are more markers than the limit.
     #[error("there would be {markers} markers; at most {limit} are possible")]
     TooManyMarkers {
-        /// How many there would be.
+        /// Number of markers.
         markers: usize,
-        /// The most that there may be.
+        /// Largest allowed number.
         limit: usize,
     },
-    /// Two discs cover each other as seen from the centre.
+    /// Two discs overlap in the view from the centre.
     #[error(
         "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
         diameter = Number(*diameter), distance = Number(*distance)
@@ -77,28 +79,28 @@ pub enum OpticsError {
         second: usize,
         /// Distance between the centres of their discs, length.
         distance: f64,
-        /// Diameter of those discs, length: the pair that looks larger from the centre.
+        /// Diameter of those discs, length. Only the discs of the colour with the larger angular size are compared.
         diameter: f64,
     },
-    /// The number of motions is not that of the markers.
+    /// The number of motions differs from the number of markers.
     #[error("there are motions of {motions} markers, and {markers} markers")]
     WrongCount {
-        /// How many motions there are.
+        /// Number of motions.
         motions: usize,
-        /// How many markers.
+        /// Number of markers.
         markers: usize,
     },
-    /// A disc would move by its distance from the centre or more, or by no number.
+    /// The motion of a disc is as long as its distance from the centre or longer, or is not finite.
     #[error(
         "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre",
         motion = Number(*motion), distance = Number(*distance)
     )]
     ImpossibleMotion {
-        /// Which marker, from 0.
+        /// Index of the marker, from 0.
         marker: usize,
-        /// Which of its discs.
+        /// Colour of the disc.
         disc: &'static str,
-        /// The normal or tangential motion, or that of its edge, length.
+        /// Normal motion, tangential motion, or motion of the disc's edge, length.
         motion: f64,
         /// The disc's distance from the centre at rest, length.
         distance: f64,
@@ -120,7 +122,7 @@ impl OpticsError {
         self.into()
     }
 
-    /// The setting that is wrong, as in the config, if it is one.
+    /// Name of the wrong setting in the config, if a setting is the reason.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {
             Self::BadSetting(BadSetting { setting, .. }) => Some(setting),
@@ -131,13 +133,13 @@ impl OpticsError {
     }
 }
 
-/// Advice on the term of the third power that would be right, rounded up so that it is.
+/// Advice on the smallest valid k3. It is rounded up, so that the printed value is valid too.
 fn remedy(least_k3: f64) -> String {
     match least_k3 <= MOST_TERM {
         true => format!(
-            "for this field k3 must be at least {:.4} beside this k5",
+            "with this k5 and this field, k3 must be at least {:.4}",
             (least_k3 * 1e4).ceil() / 1e4
         ),
-        false => "for this field no k3 is large enough beside this k5".to_owned(),
+        false => "with this k5 and this field, no k3 is large enough".to_owned(),
     }
 }

@@ -15,9 +15,10 @@ pub enum Lens {
     Pinhole,
 }
 
-/// The derivatives of a lens at a polar angle θ: a place θ from the axis is seen r(θ) from the image's centre.
+/// Derivatives of a lens at a polar angle θ. The lens maps the angle θ from the axis to the distance r(θ) from the
+/// image's centre.
 ///
-/// With g = r / sin θ, the scale around the axis, a solid angle dΩ has the image area J dΩ, J = r′ g.
+/// With g = r / sin θ, the scale around the axis, a solid angle dΩ has the image area J dΩ, where J = r′ g.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local {
     /// r, px.
@@ -30,7 +31,7 @@ pub(super) struct Local {
     pub(super) lateral: f64,
     /// g′.
     pub(super) lateral_slope: f64,
-    /// r′ cot θ − r / sin² θ: how the radial coordinate bends around the axis.
+    /// r′ cot θ − r / sin² θ: second derivative of the radial image coordinate around the axis.
     pub(super) bend: f64,
     /// J.
     pub(super) area: f64,
@@ -38,12 +39,13 @@ pub(super) struct Local {
     pub(super) area_slope: f64,
     /// J″.
     pub(super) area_curve: f64,
-    /// J′ cot θ, the second derivative around the axis.
+    /// J′ cot θ: second derivative of J around the axis.
     pub(super) area_bend: f64,
 }
 
-/// A region of the image: its area, px², and the first moment of the area about the image of the direction that the
-/// region was looked at from, px³, away from the image's centre and around it (toward growing azimuth).
+/// A region of the image: its area, px², and the first moment of the area, px³. The moment is about the image of the
+/// direction at which the lens was expanded. Its components point away from the image's centre and around it, toward
+/// growing azimuth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) area: f64,
@@ -51,7 +53,7 @@ pub(super) struct Region {
 }
 
 impl Lens {
-    /// Fisheye with these odd terms: the equidistant one where both are 0.
+    /// Fisheye with these odd terms: the equidistant one if both are 0.
     pub fn fisheye(terms: OddTerms) -> Self {
         if terms == OddTerms::default() {
             Self::Fisheye
@@ -60,7 +62,7 @@ impl Lens {
         }
     }
 
-    /// Odd terms of a fisheye; `None` of another lens.
+    /// Odd terms of a fisheye; `None` for another lens.
     pub fn odd_terms(self) -> Option<OddTerms> {
         match self {
             Self::Fisheye => Some(OddTerms::default()),
@@ -70,7 +72,8 @@ impl Lens {
     }
 }
 
-/// q = θ / sin θ, how much an equidistant lens stretches the way around its axis, and its derivatives.
+/// q = θ / sin θ, the ratio of the scale around the axis to the radial scale of an equidistant lens, and the
+/// derivatives of q.
 struct Stretch {
     /// q.
     value: f64,
@@ -88,7 +91,7 @@ impl Stretch {
     #[inline]
     fn new(polar: f64, sine: f64, cosine: f64) -> Self {
         if polar < 0.05 {
-            // Power series; what is left out is below 1e-13.
+            // Power series; the truncation error is below 1e-13.
             let square = polar * polar;
             let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
             let value =
@@ -115,7 +118,7 @@ impl Stretch {
 }
 
 impl Local {
-    /// Derivatives of a lens of this focal length, px, at a polar angle, rad, with this sine and cosine.
+    /// Derivatives of a lens of the focal length `focal`, px, at a polar angle, rad, with this sine and cosine.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -145,7 +148,7 @@ impl Local {
         }
     }
 
-    /// With m = r / (f θ) and n = m r′ / f, polynomials in u = θ²: g = f q m, J = f² q n.
+    /// Let m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ². Then g = f q m and J = f² q n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;
@@ -206,8 +209,8 @@ impl Local {
     }
 }
 
-/// The image of all directions within an angle α of the direction that a lens was looked at in; of the angle, sine and
-/// cosine.
+/// Image of all directions within an angle α of the direction at which `local` was computed; `sine` and `cosine` are
+/// those of α.
 #[inline]
 pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
@@ -216,8 +219,8 @@ pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// The mean of a function over a cap of height h = 1 − cos α is the function in its middle plus h/4 times its Laplacian
-/// there, to second order in α.
+/// To second order in α, the mean of a function over a cap of height h = 1 − cos α is the function in its middle plus
+/// h/4 times its Laplacian there.
 #[inline]
 fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);
@@ -230,11 +233,11 @@ fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// An ellipse, exactly: with k = sin² α / cos² θ its area is π f² sin² α cos α / (cos² θ (1 − k))^(3/2), and its middle
-/// lies f tan θ / (1 − k) from the image's centre.
+/// The image is exactly an ellipse. With k = sin² α / cos² θ its area is π f² sin² α cos α / (cos² θ (1 − k))^(3/2),
+/// and its middle lies f tan θ / (1 − k) from the image's centre.
 #[inline]
 fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
-    // f / cos² θ over f / cos θ is 1 / cos θ.
+    // The ratio of f / cos² θ and f / cos θ is 1 / cos θ.
     let secant = local.radial / local.lateral;
     let share = sine * sine * secant * secant;
     let rest = 1.0 - share;

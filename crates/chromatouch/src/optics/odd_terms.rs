@@ -4,14 +4,17 @@ use std::f64::consts::PI;
 
 use super::error::{MOST_TERM, OpticsError};
 
-/// Least slope of a lens, as a share of that on its axis: where it is less, no picture tells angles.
+/// Smallest slope dr/dθ of a valid lens, relative to its slope on the axis. With a smaller slope, the image does not
+/// resolve angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Steps of Newton's method; halving the bracket, as it does in between, has found the last digit after these.
+/// Number of steps of Newton's method. A step that leaves the bracket is replaced by a bisection; this many bisections
+/// reach the last digit of a double.
 const STEPS: usize = 64;
 
-/// Odd terms of a fisheye beyond the equidistant one: an angle θ from the axis is seen f (θ + k3 θ³ + k5 θ⁵) from the
-/// image's centre. Both are 0 of an equidistant lens; k3 is -1/24 of an equisolid one, 1/12 of a stereographic and -1/6 of an
-/// orthographic one (Kannala and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
+/// Odd terms of a fisheye beyond the equidistant one: r = f (θ + k3 θ³ + k5 θ⁵), where θ is the angle from the axis, r
+/// the distance from the image's centre and f the focal length. Both terms are 0 for an equidistant lens. k3 is -1/24
+/// for an equisolid lens, 1/12 for a stereographic one and -1/6 for an orthographic one (Kannala and Brandt, *A generic
+/// camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OddTerms {
     /// Term of the third power, per rad².
@@ -21,13 +24,13 @@ pub struct OddTerms {
 }
 
 impl OddTerms {
-    /// Distance from the image's centre over the focal length at which an angle from the axis is seen.
+    /// Map of the lens, r / f: distance from the image's centre over the focal length, of an angle from the axis.
     #[inline]
     pub(super) fn map(self, polar: f64) -> f64 {
         polar * self.stretch(polar * polar)
     }
 
-    /// The map over the angle, from the angle's square.
+    /// The map divided by the angle, from the angle's square.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
@@ -39,8 +42,8 @@ impl OddTerms {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
     }
 
-    /// The angle from the axis that is seen at a distance over the focal length, from 0 up. Beyond `rim`, up to which the map
-    /// grows, it goes on as it ends there.
+    /// Inverse of [`Self::map`]: the angle from the axis of a distance over the focal length, at least 0. The map must
+    /// grow up to the angle `rim`; beyond it, the map is continued as a straight line.
     #[inline]
     pub(super) fn angle(self, scaled: f64, rim: f64) -> f64 {
         let beyond = scaled - self.map(rim);
@@ -70,9 +73,10 @@ impl OddTerms {
         angle
     }
 
-    /// Largest angle, at most half a turn, up to which the map grows everywhere by [`LEAST_SLOPE`] at least.
+    /// Largest angle, at most half a turn, up to which the slope of the map is at least [`LEAST_SLOPE`] everywhere.
     pub(super) fn reach(self) -> f64 {
-        // a u² + b u + c with u = θ²: the least positive root, without cancellation.
+        // With u = θ², the slope minus the limit is a u² + b u + c. Its smallest positive root, computed without
+        // cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -84,7 +88,7 @@ impl OddTerms {
         positive.fold(PI * PI, f64::min).sqrt().min(PI)
     }
 
-    /// Least slope from the axis to an angle.
+    /// Smallest slope of the map between the axis and the angle `rim`.
     pub(super) fn least_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         let ends = self.slope(square).min(1.0);
@@ -96,13 +100,13 @@ impl OddTerms {
         }
     }
 
-    /// Bound on the slope and on the map over the angle, from the axis to an angle.
+    /// Upper bound of the slope, and of the map divided by the angle, between the axis and the angle `rim`.
     pub(super) fn most_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
     }
 
-    /// Least k3 with which the map grows up to an angle, beside this k5.
+    /// Smallest k3 with which the map grows up to the angle `rim`, for this k5.
     fn least_k3(self, rim: f64) -> f64 {
         let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);
         let k5 = 5.0 * self.k5;
@@ -111,7 +115,7 @@ impl OddTerms {
         -(constant / at + k5 * at) / 3.0
     }
 
-    /// These terms, where a lens can have them that sees up to an angle, rad.
+    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
             OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;
@@ -134,7 +138,7 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Terms of lenses that grow up to 1.5 rad: projections of textbooks, and others at their limits.
+    /// Terms of lenses whose map grows up to 1.5 rad: textbook projections, and terms near their limits.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {
@@ -160,7 +164,7 @@ mod tests {
             terms.checked(1.5).unwrap();
             for step in 0..=160 {
                 let angle = 0.01 * f64::from(step);
-                // Beyond the rim the map is a line.
+                // Beyond the rim the map is a straight line.
                 let beyond = (angle - 1.5_f64).max(0.0);
                 let mapped = terms.map(angle.min(1.5)) + beyond * terms.slope(2.25);
                 let back = terms.angle(mapped, 1.5);
@@ -188,7 +192,7 @@ mod tests {
 
     #[test]
     fn lenses_fold_where_their_slope_ends() {
-        // 1 − 3·0.2 u = 0.01 at u = 1.65; 1 − u + 0.24 u² at its lesser root.
+        // The slope 1 − 3·0.2 u is 0.01 at u = 1.65; the slope 1 − u + 0.24 u² at its smaller root.
         let terms = OddTerms { k3: -0.2, k5: 0.0 };
         assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
         let terms = OddTerms {
@@ -219,11 +223,11 @@ mod tests {
             at_least(least_k3 + 1e-9).unwrap();
             at_least(least_k3 - 1e-9).unwrap_err();
             let said = OpticsError::to_string(&OddTerms { k3, k5 }.checked(1.2).unwrap_err());
-            let told = said
+            let printed = said
                 .split("at least ")
                 .nth(1)
                 .and_then(|rest| rest.split(' ').next());
-            at_least(told.unwrap().parse().unwrap()).unwrap();
+            at_least(printed.unwrap().parse().unwrap()).unwrap();
         }
         for k3 in [f64::NAN, f64::INFINITY, 101.0] {
             let refused = OddTerms { k3, k5: 0.0 }.checked(1.0);

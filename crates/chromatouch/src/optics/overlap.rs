@@ -1,8 +1,8 @@
-//! Overlap of two discs, as seen from the centre.
+//! Overlap of two discs in the view from the centre.
 //!
-//! Discs are caps of the sphere of directions. Stereographic projection from a direction keeps them circles; around
-//! what they share, areas on the sphere are those on the plane times 1 − p²/2, to second order in the distance p. What
-//! two circles share is a segment of each, with moments in closed form.
+//! Discs are caps on the sphere of directions. A stereographic projection maps them to circles in a plane. To second
+//! order in the distance p from the point of projection, an area on the sphere is the area in the plane times 1 − p²/2.
+//! The overlap of two circles consists of one segment of each; the moments of a segment have closed forms.
 
 use nalgebra::Vector3;
 
@@ -17,14 +17,14 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// Overlap of two discs whose edges cross: its moments about a direction within it.
+/// Overlap of two discs whose edges cross, as moments about a direction within it.
 pub(super) struct Part {
     /// Unit vector.
     pub(super) direction: Vector3<f64>,
     /// Unit tangent there, from the middle of the magenta disc to that of the yellow one.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
-    /// Half-angles of the segments of the magenta and the yellow disc that make it up.
+    /// Half-angles of the two segments that form the overlap: of the magenta disc and of the yellow one.
     pub(super) angles: [HalfAngle; 2],
 }
 
@@ -37,7 +37,7 @@ struct Moments {
     second_across: f64,
 }
 
-/// Half-angle of a segment, with its sine and cosine times any positive number.
+/// Half-angle of a segment. `sine` and `cosine` have a common positive factor.
 #[derive(Clone, Copy)]
 pub(super) struct HalfAngle {
     angle: f64,
@@ -54,7 +54,7 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle of these, which is likely near to this one.
+    /// Half-angle with this sine and cosine. A short series is enough if it is near this half-angle.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -62,7 +62,7 @@ impl HalfAngle {
         ];
         if across.abs() < 1e-3 * along {
             let tangent = across / along;
-            // To a relative error of 1e-13.
+            // Series of the arctangent, with a relative error of 1e-13.
             let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
             return Self {
                 angle: self.angle + step,
@@ -74,7 +74,7 @@ impl HalfAngle {
     }
 }
 
-/// Area that the discs of a marker share; `near` are the half-angles of both segments of a pair that is likely near.
+/// Overlap of the discs of a marker. `near` are the half-angles of both segments of a similar pair; they save time.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -100,7 +100,7 @@ pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle;
     Overlap::Part(part(magenta, yellow, &step, square, near))
 }
 
-/// Chord of an angle in (−180°, 180°), of which sine and cosine are given: 2 sin(angle/2).
+/// Chord 2 sin(angle/2) of an angle in (−180°, 180°), from its sine and cosine.
 #[inline]
 fn chord_of(sine: f64, cosine: f64) -> f64 {
     sine * (2.0 / (1.0 + cosine)).sqrt()
@@ -115,7 +115,7 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // About half-way between the edges that bound what is shared; any direction near it would do.
+    // A direction about half-way between the two edges of the overlap. It need not be exact.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;
@@ -123,7 +123,7 @@ fn part(
     let scale = 1.0 / (1.0 - share * rest * square).sqrt();
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
-    // Sine of the angle between the middles, and of its parts.
+    // Sine of the angle between the middles. The circles lie at parts of this angle.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
         let cosine = (1.0 - 0.5 * away * square) * scale;
@@ -172,8 +172,9 @@ fn lens(
     (moments, angles)
 }
 
-/// Moments about a circle's centre of its segment of a half-angle, with its half-length and its chord's distance from the
-/// centre for sine and cosine; the segment is farther along.
+/// Moments of a segment of a circle about the circle's centre. The sine and cosine of the half-angle are scaled by the
+/// radius: half the length of the chord, and its distance from the centre. The segment lies at positive coordinates of
+/// the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
     let &HalfAngle {
@@ -195,7 +196,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the area mirrored, the axis turned round.
+    /// Moments of the mirrored area: the axis points the other way.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,
@@ -203,7 +204,7 @@ impl Moments {
         }
     }
 
-    /// Moments about the origin, from those about a point of the axis.
+    /// Moments about the origin; these are about a point on the axis.
     fn about(self, point: f64) -> Self {
         Self {
             area: self.area,
@@ -215,8 +216,8 @@ impl Moments {
 }
 
 impl Part {
-    /// Its image through a lens, of which the derivatives at the direction are given; the axis has these components
-    /// away from the lens's axis and around it.
+    /// Image of the area through a lens with these derivatives at the reference direction. The axis of symmetry has the
+    /// components `outward`, away from the lens's axis, and `around`.
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
         let Moments {

@@ -1,16 +1,17 @@
-//! Stand of a camera that is not in the sensor's very centre.
+//! Pose of a camera that is not exactly in the sensor's centre.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::OpticsError;
 
-/// Step of a turn by which slopes are found, rad.
+/// Step of the turn for finite differences, rad.
 const TURN: f64 = 1e-5;
 
-/// Stand of a camera: where it is and how it is turned. By default it is in the sensor's centre and looks at the apex.
+/// Pose of a camera: its position and rotation. By default the camera is in the sensor's centre and its axis passes
+/// through the apex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Place from the sensor's centre, length: along the apex's x and y axes, and toward the apex.
+    /// Position from the sensor's centre, length: along the apex's x and y axes, and toward the apex.
     pub place: Vector3<f64>,
     /// Turn of the camera as a rotation vector along the same axes, rad.
     turn: Vector3<f64>,
@@ -25,11 +26,12 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// A camera at a place, length, turned by a rotation vector, rad, along the apex's x and y axes and toward the apex.
+    /// A camera at a position, length, with a rotation vector, rad; both are along the apex's x and y axes and toward
+    /// the apex.
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);
         let angle = turn.norm();
-        // Rodrigues, by functions that are the same on every host.
+        // Rodrigues' formula with the functions of libm, which give the same result on every host.
         let (sine, cosine) = libm::sincos(angle);
         let to_camera = if angle > 0.0 {
             let axis = turn / angle;
@@ -52,14 +54,14 @@ impl Pose {
         self.turn.into()
     }
 
-    /// This stand moved and turned by a little more.
+    /// This pose with a small further displacement and turn.
     pub(super) fn moved(&self, place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let place = self.place + Vector3::from(place);
         let turn = self.turn + Vector3::from(turn_rad);
         Self::new(place.into(), turn.into())
     }
 
-    /// `None` for the very centre, looking at the apex.
+    /// Returns `None` for the default pose.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();
         let good = distance <= farthest;
@@ -77,7 +79,7 @@ impl Pose {
         Ok((!is_central).then_some(self))
     }
 
-    /// Slopes of the rotation to the camera's axes by the turn of the camera, per rad.
+    /// Derivatives of the rotation to the camera's axes with respect to the turn of the camera, per rad.
     pub(super) fn per_turn(&self) -> [Matrix3<f64>; 3] {
         std::array::from_fn(|axis| {
             let turned = |step: f64| {
@@ -89,7 +91,7 @@ impl Pose {
         })
     }
 
-    /// A direction in the sensor's axes, in the camera's.
+    /// Converts a direction from the sensor's axes to the camera's.
     #[inline]
     pub(super) fn turned(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.to_camera * direction

@@ -19,8 +19,8 @@ impl Optics {
     /// The image of each disc has the accuracy of [`Camera::disc_area`]; the overlap of two discs is computed to second order
     /// in their angular radius α. The error is of the order of α⁴ relative to the size, and to the focal length for the
     /// centroid. For the published markers, at most 60° from the apex, it is less than 0.004 px of 2048, 2e-5 turns and
-    /// 2e-4 of the size; a pinhole magnifies it.
-    ///
+    /// centroid. For the published markers, at most 60° from the apex, it is less than 0.004 px in a frame of 2048 px,
+    /// 2e-5 turns and 2e-4 of the size; through a pinhole it is larger.
     /// # Errors
     /// [`OpticsError::WrongCount`] unless there is one motion per marker; [`OpticsError::ImpossibleMotion`] for a motion
     /// that is not shorter than the distance of its disc from the centre.
@@ -57,7 +57,7 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// The same for another direction, which is probably near this one.
+    /// The same for another direction; this is faster if it is near the present one.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
@@ -197,7 +197,7 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
 }
 
 /// Image of the overlap of a marker's discs, near the direction `aim`, and the half-angles of its segments if the edges
-/// cross; `near` are the half-angles of a marker that is probably near.
+/// cross. `near` are the half-angles of a similar marker.
 #[inline(always)]
 fn shared(
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! Slopes of a disc's direction and angular size by its motion and by the sensor, in closed form.
+//! Derivatives of a disc's direction and angular size with respect to its motion and to the sensor, in closed form.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -6,8 +6,8 @@ use super::array::{Layer, MarkerArray, MarkerSight, Sight, Stand};
 use super::sines::sinc_and_cosine;
 use super::{DiscMotion, MarkerMotion, Pose};
 
-/// Columns of [`SightSlopes::by`]: motion inward and along both axes of the skin, depth, logarithm of the diameter, place and
-/// turn of the camera.
+/// Columns of [`SightSlopes::by`]: motion inward and along both axes of the skin, depth, logarithm of the diameter,
+/// position and turn of the camera.
 pub(super) const INWARD: usize = 0;
 pub(super) const X: usize = 1;
 pub(super) const DEEPER: usize = 3;
@@ -18,14 +18,15 @@ pub(super) const COLUMNS: usize = 11;
 
 /// Slopes of a disc's image on the unit sphere around the camera.
 pub(super) struct SightSlopes {
-    /// Unit vectors perpendicular to the direction of its middle.
+    /// Unit vectors perpendicular to the direction of the disc's middle.
     across: [Vector3<f64>; 2],
-    /// Slopes of the direction along these vectors, and of the logarithm of the tangent of its angular radius.
+    /// Rows: slopes of the direction along these two vectors, and of the logarithm of the tangent of the angular
+    /// radius.
     pub(super) by: SMatrix<f64, 3, COLUMNS>,
 }
 
 impl SightSlopes {
-    /// The marker with one disc, magenta (0) or yellow (1), changed by a step of one of the three numbers.
+    /// Changes one disc of the marker, magenta (0) or yellow (1), by a step of one of the three numbers of its image.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,
@@ -98,7 +99,7 @@ impl Layer {
         let direction = sight.direction;
         let across = across(&direction);
         let mut by = SMatrix::zeros();
-        // A step of the ray, with one of the disc's normal.
+        // Sets a column from the derivatives of the ray and of the disc's normal.
         let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
             let nearer = towards.dot(&ray);
             let step = (ray - towards * nearer) / distance;
@@ -113,7 +114,7 @@ impl Layer {
         for axis in 0..2 {
             let turned = by_angles[axis] / self.distance;
             set(X + axis, turned * away, turned);
-            // Nearer to the centre, a way along the skin is a larger angle.
+            // For a disc nearer to the centre, the same displacement along the skin is a larger angle.
             deeper += turned * aside[axis];
         }
         set(DEEPER, deeper * away - normal, deeper);
@@ -133,7 +134,8 @@ impl Layer {
 }
 
 impl Stand {
-    /// Direction these angles away from the marker's place, rad, along its axes, with its slopes by both.
+    /// Direction at the angles `x` and `y`, rad, from the marker's place along its axes, and its derivatives with
+    /// respect to both.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);
@@ -154,7 +156,7 @@ impl Stand {
     }
 }
 
-/// Unit vectors across a unit vector and each other.
+/// Two unit vectors perpendicular to a unit vector and to each other.
 fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let axis = if direction.x.abs() < 0.5 {
         Vector3::x()

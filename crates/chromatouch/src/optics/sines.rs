@@ -21,8 +21,8 @@ const fn series(odd: usize) -> [f64; TERMS] {
     coefficients
 }
 
-/// sin θ / θ and cos θ of an angle up to half a turn, from θ². Even functions: no root is needed. From the power
-/// series at θ/2, whose first term left out is below 1e-12.
+/// sin θ / θ and cos θ of an angle up to half a turn, from θ². Both are even functions, so that no square root is
+/// needed. They are computed from the power series at θ/2; the first omitted term is below 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;
@@ -35,7 +35,7 @@ pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     (sinc * cosine, 1.0 - 2.0 * half_squared * sinc * sinc)
 }
 
-/// The angle of a sine between −0.1 and 0.1: the power series, of which what is left out is below 1e-15.
+/// Arcsine of a number between −0.1 and 0.1 by its power series; the truncation error is below 1e-15.
 #[inline]
 pub(super) fn small_angle(sine: f64) -> f64 {
     let square = sine * sine;

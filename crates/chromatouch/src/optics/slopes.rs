@@ -1,7 +1,7 @@
-//! Derivatives of the markers' features by the departure of the sensor and by the motions of the discs.
+//! Derivatives of the markers' features with respect to the departure of the sensor and to the motions of the discs.
 //!
-//! The direction and the angular radius of a disc (three numbers) have derivatives in closed form by its motion and by the
-//! sensor. The derivatives of the features by the six numbers of both discs are differences.
+//! The direction and the angular radius of a disc (three numbers) have derivatives in closed form. The derivatives of
+//! the features with respect to the six numbers of both discs are finite differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
 
@@ -11,11 +11,11 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Step of directions, rad, and of the logarithm of the width of a disc.
+/// Finite-difference step of directions, rad, and of the logarithm of the width of a disc.
 const STEP: f64 = 1e-7;
-/// Step of transmittances.
+/// Finite-difference step of transmittances.
 const SHARE: f64 = 1e-6;
-/// Step of the odd terms of a lens.
+/// Finite-difference step of the odd terms of a lens.
 const ODD: f64 = 1e-6;
 
 /// Index of the first transmittance and of the first odd term among the numbers of a [`Departure`].
@@ -28,12 +28,14 @@ const ODD_TERMS: usize = 19;
 pub struct MarkerSlopes {
     /// The features.
     pub seen: SeenMarker,
-    /// Slopes by the numbers of the [`Departure`], one column each; 0 for numbers that were not requested.
+    /// Derivatives with respect to the numbers of the [`Departure`], one column each; 0 for numbers that were not
+    /// requested.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
-    /// Slopes by the misalignment of the discs, per rad, see
+    /// Derivatives with respect to the misalignment of the discs, per rad, see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments).
     pub by_misalignment: Matrix4x2<f64>,
-    /// Slopes by the motions of the magenta and of the yellow disc, per length: inward, and along both axes of the skin.
+    /// Derivatives with respect to the motions of the magenta and the yellow disc, per length: inward, and along both
+    /// axes of the skin.
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
@@ -150,7 +152,7 @@ impl Shared<'_> {
         Some(slopes)
     }
 
-    /// Slopes by depths, diameters, and the parameters of the camera.
+    /// Derivatives with respect to depths, diameters and the parameters of the camera.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();

@@ -17,7 +17,7 @@ const YELLOW: &str = "YELLOW";
 /// Layers with the numbers of their colours in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Least and largest radius of a sphere in a drawing, mm: the files have coordinates in steps of 1e-6 mm.
+/// Smallest and largest radius of a sphere in a drawing, mm. The coordinates in the files have steps of 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::{FEWEST_GORES, MOST_GORES};
 use crate::LayoutError;
 
-/// Why there is no such flat pattern.
+/// Reason why a flat pattern is impossible.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PatternError {
@@ -15,37 +15,38 @@ pub enum PatternError {
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// Nothing to fold, or gores so wide that folding would stretch them to more than twice their length.
+    /// There are fewer gores than the limit. Folding would stretch gores that are so wide to more than twice their
+    /// length.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
-        /// How many were asked for.
+        /// Requested number of gores.
         gores: u32,
-        /// Greatest strain of folding so few gores; `None` of no gore.
+        /// Largest strain of folding this number of gores; `None` for 0 gores.
         strain: Option<f64>,
     },
-    /// More gores than can be cut.
+    /// There are more gores than the limit.
     #[error("gores is {gores}; a pattern has at most {MOST_GORES}")]
     TooManyGores {
-        /// How many were asked for.
+        /// Requested number of gores.
         gores: u32,
     },
     /// A place beyond the equator, where the gores end.
     #[error("marker {marker} lies {polar_deg:.4} degrees from the apex; the gores end at 90")]
     BeyondTheEquator {
-        /// Which marker of the layout, from 0.
+        /// Index of the marker in the layout, from 0.
         marker: usize,
         /// Its polar angle, degrees.
         polar_deg: f64,
     },
-    /// Two discs lie on each other.
+    /// Two discs overlap.
     #[error(
         "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
-        /// One marker of the layout, from 0.
+        /// Index of one marker in the layout, from 0.
         first: usize,
-        /// The other.
+        /// Index of the other marker.
         second: usize,
         /// Distance between the centres of their discs on the flat pattern, length.
         distance: f64,
@@ -58,24 +59,24 @@ pub enum PatternError {
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscAcrossEdge {
-        /// Which marker of the layout, from 0.
+        /// Index of the marker in the layout, from 0.
         marker: usize,
         /// Distance from the disc's centre to the nearest edge of the gore, length.
         distance: f64,
         /// Diameter of the larger disc of a marker, length.
         diameter: f64,
     },
-    /// A drawing too small or too large for a file in millimetres.
+    /// The drawing is too small or too large for a file in millimetres.
     #[error(
-        "the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}",
+        "the sphere's radius would be {radius_mm} mm; a drawing needs from {least} to {most}",
         radius_mm = Number(*radius_mm), least = Number(*least), most = Number(*most)
     )]
     NotDrawable {
         /// Radius of the sphere, mm.
         radius_mm: f64,
-        /// The least that can be drawn, mm.
+        /// Smallest radius of a drawing, mm.
         least: f64,
-        /// The most that can be drawn, mm.
+        /// Largest radius of a drawing, mm.
         most: f64,
     },
 }
@@ -83,7 +84,7 @@ pub enum PatternError {
 fn stretched(strain: Option<f64>) -> String {
     strain.map_or_else(String::new, |strain| {
         format!(
-            " (folding would stretch so wide a gore by up to {:.0} %)",
+            " (folding would stretch such a wide gore by up to {:.0} %)",
             100.0 * strain
         )
     })

@@ -6,7 +6,7 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.
+/// Diameters of the two discs that each marker is made of, length. They are drawn as circles; folding shears them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
     /// Diameter of the inner disc, nearer the camera.
@@ -39,11 +39,11 @@ pub struct CuttingSheet {
 
 impl Pattern {
     /// The assembled pattern with both discs of each marker of the layout. The disc at the apex, where all gores meet,
-    /// is drawn whole; the gaps between the gores take the rest of it away.
+    /// is drawn as a full circle, although its parts in the gaps between the gores are cut off.
     ///
     /// # Errors
-    /// [`PatternError`], for a layout or discs that cannot be, or that do not fit the gores: markers beyond the
-    /// equator, discs that overlap or cross an edge.
+    /// [`PatternError`] for an impossible layout, for impossible discs, and for markers that do not fit the gores:
+    /// beyond the equator, or with discs that overlap or cross an edge.
     pub fn sheet(&self, layout: &Layout, discs: Discs) -> Result<CuttingSheet, PatternError> {
         for (setting, diameter) in [("magenta", discs.magenta), ("yellow", discs.yellow)] {
             let good = diameter > 0.0 && diameter.is_finite();
@@ -73,8 +73,8 @@ impl Pattern {
         outline.map(|place| self.assembled(gore, place)).collect()
     }
 
-    /// The middle meridian; and on both seams, a third and two thirds of the way to the equator, marks a twentieth
-    /// of the half-width long. Those of neighbouring gores meet when folded.
+    /// The middle meridian, and marks on both seams at a third and two thirds of the way from the apex to the equator.
+    /// A mark is a twentieth of the half-width long. The marks of neighbouring gores meet after folding.
     fn marks(&self, gore: u32) -> Vec<[[f64; 2]; 2]> {
         let equator = self.radius * FRAC_PI_2;
         let mut marks = vec![[[0.0, 0.0], [0.0, equator]]];
@@ -95,7 +95,7 @@ impl Pattern {
         inner + (outer - inner) * steps.fract()
     }
 
-    /// Whether the discs keep inside the drawn outline, which is convex; one at the apex may cross the seams.
+    /// Checks that the discs lie inside the drawn outline, which is convex. A disc at the apex may cross the seams.
     fn within_edges(&self, places: &[FlatPlace], diameter: f64) -> Result<(), PatternError> {
         let chords: Vec<[[f64; 2]; 2]> = (0..self.samples)
             .map(|step| [self.edge(step), self.edge(step + 1)])
@@ -120,13 +120,13 @@ impl Pattern {
     }
 }
 
-/// How far (across, from the apex) lies inside the line through a chord of the right edge.
+/// Distance of the point (across, from the apex) inside the line through a chord of the right edge.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Whether all places are at least the diameter apart.
+/// Checks that all centres are at least the diameter apart.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {
         None => Ok(()),

@@ -1,25 +1,25 @@
-//! How much a flat gore stretches when it is folded onto the sphere.
+//! Strain of a flat gore that is folded onto the sphere.
 //!
-//! A gore holds |x| ≤ (πR/n) cos φ at the height y = Rφ above the equator. Folded, the point (x, y) comes to the
-//! latitude φ = y/R and, from the gore's middle meridian, to the longitude λ = x/(R cos φ): heights and widths keep
-//! their lengths. From R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
+//! A gore covers |x| ≤ (πR/n) cos φ at the height y = Rφ above the equator. Folding maps the point (x, y) to the
+//! latitude φ = y/R and to the longitude λ = x/(R cos φ) from the gore's middle meridian: heights and widths keep their
+//! lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
 //!
 //! ```text
 //! ds² = (R cos φ dλ)² + (R dφ)² = (dx + s dy)² + dy²,    s = λ sin φ:
 //! ```
 //!
-//! a simple shear by s. It keeps areas, so that the principal stretches are σ and 1/σ, where σ − 1/σ = s:
+//! This is a simple shear by s. It keeps areas, so that the principal stretches are σ and 1/σ, where σ − 1/σ = s:
 //!
 //! ```text
 //! σ = s/2 + √(1 + s²/4).
 //! ```
 //!
-//! The strain is σ − 1. It is greatest where the seams meet the apex, |λ| = π/n and φ = π/2, and vanishes on the
-//! middle meridian and on the equator. Over the gore's area R² cos φ dλ dφ, sin φ and nλ/π are independent and uniform,
-//! so that mean squares are integrals over a square.
+//! The strain is σ − 1. It is greatest where the seams meet the apex, |λ| = π/n and φ = π/2, and vanishes on the middle
+//! meridian and on the equator. Over the gore's area R² cos φ dλ dφ, sin φ and nλ/π are independent and uniform.
+//! Therefore the mean square is an integral over a square.
 //!
-//! This is the strain of the construction: parallels and the middle meridian keep their lengths. A skin left to slide
-//! on the sphere would relax to less elastic energy.
+//! In this construction the parallels and the middle meridian keep their lengths. A skin that can slide on the sphere
+//! would relax to a lower elastic energy.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::num::NonZeroUsize;
@@ -29,10 +29,11 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Nodes per direction: from three gores on, the nearest singularity (s = 2i) makes the error less than 1e-20.
+/// Quadrature nodes per direction. For three gores or more, the nearest singularity (s = 2i) makes the error less than
+/// 1e-20.
 const NODES: usize = 16;
 
-/// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch less 1.
+/// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch minus 1.
 ///
 /// ```
 /// use palpate_chromatouch::FoldStrain;
@@ -53,7 +54,7 @@ pub struct FoldStrain {
 }
 
 impl FoldStrain {
-    /// Strain of the gores of a sphere with this many of them per turn, whatever its radius.
+    /// Strain of the gores of a pattern with this number of gores per turn. It does not depend on the radius.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`] for less than three.
@@ -66,7 +67,7 @@ impl FoldStrain {
         })
     }
 
-    /// Greatest strain over the gore: that at its edges by the apex.
+    /// Greatest strain of the gore, at its edges next to the apex.
     pub const fn greatest(&self) -> f64 {
         self.greatest
     }
@@ -76,8 +77,8 @@ impl FoldStrain {
         self.rms
     }
 
-    /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
-    /// principal strain is that of 1/(1 + strain).
+    /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, rad. The other
+    /// principal stretch is 1/(1 + strain).
     ///
     /// # Errors
     /// [`LayoutError::BadSetting`] for a place that is not on the gore.
@@ -140,7 +141,7 @@ mod tests {
         }
     }
 
-    /// The fold itself, in space, for a sphere of radius 1.
+    /// Point in space after folding, for a sphere of radius 1.
     fn fold([x, y]: [f64; 2]) -> [f64; 3] {
         let longitude = x / libm::cos(y);
         [
@@ -209,7 +210,7 @@ mod tests {
             let series = mean_square_by_series(gores).sqrt();
             assert_relative_eq!(strain.rms(), series, max_relative = 1e-11);
 
-            // Cells of the flat gore itself, weighed by their areas.
+            // Cells of the flat gore, weighted by their areas.
             let cells = 400;
             let (mut area, mut sum) = (0.0, 0.0);
             for row in 0..cells {

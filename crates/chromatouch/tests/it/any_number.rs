@@ -1,5 +1,4 @@
-//! Sensors that can be made have markers, patterns and pictures; whatever the numbers, a finite answer or the error that
-//! is due.
+//! Possible sensors have markers, patterns and images. For any numbers, the result is finite or the correct error.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -8,7 +7,7 @@ use palpate_chromatouch::{
 };
 use proptest::prelude::*;
 
-/// Any double, those of everyday size as often as all the others.
+/// Any double; the ranges of ordinary size have most of the weight.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -29,7 +28,7 @@ fn layout() -> impl Strategy<Value = Layout> {
             rows,
             row_spacing_deg: 30.0 * spacing,
         }),
-        // Pitches so wide that the test is quick.
+        // Wide pitches, so that the test is fast.
         (any_number(), any_number()).prop_map(|(pitch, cap)| Layout::Lattice {
             pitch: pitch + 0.1,
             cap_deg: 180.0 * cap,
@@ -75,8 +74,8 @@ fn is_sound(seen: &SeenMarker) -> bool {
         && (0.0..1.0).contains(&seen.hue_turns)
 }
 
-/// Layouts of a sensor of radius 1 that have places, all within a quarter turn, and how many: of none but a lattice is
-/// the number left open.
+/// Possible layouts of a sensor of radius 1 with all markers within a quarter turn of the apex, and the expected number
+/// of markers; `None` for a lattice.
 fn good_layout() -> impl Strategy<Value = (Layout, Option<usize>)> {
     let rows = prop::collection::vec(0..5_u32, 0..4);
     prop_oneof![
@@ -100,7 +99,7 @@ fn good_layout() -> impl Strategy<Value = (Layout, Option<usize>)> {
     ]
 }
 
-/// The layout of a sensor so many times larger.
+/// The same layout for a sensor that is `scale` times as large.
 fn times(layout: Layout, scale: f64) -> Layout {
     match layout {
         Layout::Gores { .. } => layout,
@@ -226,7 +225,7 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
-    /// Four discs a third of a radian apart, which move by up to a hundredth of the radius, are all seen.
+    /// Four discs, a third of a radian apart, that move by up to a hundredth of the radius, are all visible.
     #[test]
     fn markers_that_move_little_are_all_seen(
         lens in lens(),

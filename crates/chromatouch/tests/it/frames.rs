@@ -1,4 +1,4 @@
-//! Frames, and what is measured of them.
+//! Rendered frames, and the features that are measured in them.
 
 use image::RgbImage;
 use palpate_chromatouch::{
@@ -9,7 +9,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// Each region of a marker has whole levels.
+/// Colours with which each region of a marker has whole levels.
 const WHOLE_LEVELS: Colours = Colours {
     white: [240.0 / 255.0; 3],
     magenta: [0.95, 0.40, 0.60],
@@ -66,11 +66,11 @@ fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
 }
 
-/// Largest differences between the rungs: of centroid, px; hue, turns; size, as a share.
+/// Largest differences between the projected and the rendered features: centroid, px; hue, turns; size, relative.
 fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64; 3] {
     let polar = [0.0_f64, 0.02, 20.0, 40.0, 60.0, 60.0];
     let azimuth = [0.0_f64, 0.0, 100.0, 200.0, 300.0, 45.0];
-    // The first two are each in a frame of its own.
+    // The first two markers would overlap, so that each is rendered in a frame of its own.
     let places: Vec<[f64; 2]> = std::iter::zip(polar, azimuth)
         .map(|(polar, azimuth)| {
             let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -106,7 +106,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let [column, row] = marker.centroid_px;
             let [middle, _] = camera.centre_px();
             let from_centre = libm::hypot(column - middle, row - middle) / camera.px_per_rad();
-            // Half a side that holds a marker and not its neighbours, over the focal length.
+            // Half the side of a square that contains the marker and none of its neighbours, over the focal length.
             let half_side = match lens {
                 Lens::Fisheye | Lens::Odd(_) => 0.16,
                 Lens::Pinhole => 0.15 * (1.0 + from_centre * from_centre),
@@ -129,7 +129,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // The overlap of two discs is magnified most by a pinhole, which is off by up to 2e-4 focal lengths at 60°.
+    // A pinhole magnifies the error of the overlap most: up to 2e-4 focal lengths at 60°.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -145,8 +145,9 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 std::iter::zip(large, bounds).all(|(one, bound)| one < bound),
                 "{large:?}"
             );
-            // Errors of the centroid are compared as shares of the frame, those of the hue and the size as they are. A
-            // pinhole's centroids differ mostly by what the overlap's second order leaves out, in frames of any size.
+            // Errors of the centroid are compared relative to the frame's size, those of the hue and the size are not.
+            // The centroids of a pinhole differ mostly by the second-order error of the overlap, which does not depend
+            // on the frame's size.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -179,7 +180,7 @@ fn levels_are_those_of_frames_before_they_are_rounded() {
 
 #[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
-    // Markers so many that each lies at another place within its pixel.
+    // Many markers, so that their positions within a pixel differ.
     let layout = Layout::Lattice {
         pitch: 0.4,
         cap_deg: 35.0,
@@ -260,7 +261,8 @@ fn the_image_circle_is_cut_out_of_what_surrounds_it() {
         let sum: f64 = frame.pixels().map(|pixel| f64::from(pixel.0[1])).sum();
         let area = std::f64::consts::PI * f64::from(size_px).powi(2) / 4.0;
         let error = (sum / 240.0 - area) / f64::from(size_px);
-        // One pixel is whole: its middle is half a pixel from the rim.
+        // A circle in few pixels has a large error: a single pixel counts as whole, because its middle is in the
+        // circle.
         assert!(
             error.abs() < if size_px < 3 { 0.3 } else { 0.05 },
             "{size_px}: {error}"
@@ -282,7 +284,7 @@ fn light_falls_with_the_square_of_the_polar_angle() {
         let found = level(&frame, column, 100);
         assert!((found - expected).abs() <= 0.5, "{found} {expected}");
     }
-    // Through a pinhole, tan θ is what grows along the image.
+    // Through a pinhole, the distance in the image is proportional to tan θ.
     let camera = Camera::new(Lens::Pinhole, 201, 60.0).unwrap();
     let optics = Optics::new(array(&[], 0.0), camera, WHOLE_LEVELS, blemishes).unwrap();
     let frame = optics.render(&[], None).unwrap();
@@ -307,7 +309,7 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
         };
         for polar_deg in [20.0_f64, 60.0] {
             let polar = polar_deg.to_radians();
-            // Across the seam along +x; a seam takes half the light.
+            // Across the seam along +x; a seam absorbs half the light.
             let column = (500.0 + focal * polar).round() as u32;
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
@@ -339,8 +341,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
         optics.render(&at_rest(&optics), None).unwrap()
     });
     assert!((sum(&soft) / sum(&sharp) - 1.0).abs() < 1e-3);
-    // The edge of a straight seam half the field wide: a step of an error function. Its value 0.5, 1 and 2 standard
-    // deviations away, from tables.
+    // The edge of a straight seam that is half the field wide. Its blur is an error function, with tabulated values at
+    // 0.5, 1 and 2 standard deviations from the edge.
     let wide = Seams {
         gores: 1,
         width: 20.0,
@@ -391,7 +393,7 @@ fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
     let optics = optics(published(), 265, Blemishes::default());
     let frame = optics.render(&vec![None; 77], None).unwrap();
     assert!(frame == empty(265, Blemishes::default(), None));
-    // Its middle on the rim, 70° from the apex: half of it is seen.
+    // The marker's middle is on the rim, 70° from the apex: half of the marker is visible.
     let reach = 20.0 * 70.0_f64.to_radians();
     let camera = Camera::new(Lens::Fisheye, 801, 70.0).unwrap();
     let rim = Optics::new(

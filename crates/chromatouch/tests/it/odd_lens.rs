@@ -12,7 +12,8 @@ use palpate_chromatouch::{
 use crate::optics::{DISCS, depths};
 
 const FIELD: f64 = 65.0;
-/// Terms of an equisolid and a stereographic lens, of one that is distorted either way, and of one near to its fold.
+/// Terms of an equisolid and a stereographic lens, of two lenses with terms of opposite signs, and of one near its
+/// fold.
 const TERMS: [[f64; 2]; 5] = [
     [-1.0 / 24.0, 1.0 / 1920.0],
     [1.0 / 12.0, 1.0 / 120.0],
@@ -41,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // The rim shows the field whatever the terms.
+        // The rim is at the edge of the field for all terms.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -59,7 +60,7 @@ fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
                 camera.px_per_rad() * map(polar.to_radians()),
                 epsilon = 1e-10
             );
-            // The very rim may round to outside.
+            // The rim itself may round to outside the circle.
             if step < 130 {
                 let back = camera.direction(place).unwrap();
                 assert!(
@@ -73,7 +74,8 @@ fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
 
 #[test]
 fn an_equisolid_lens_shows_all_directions_alike() {
-    // 2 sin(θ/2) without the term of the seventh power, whose area is below 1e-6 at half a radian.
+    // The terms are the series of 2 sin(θ/2) without the seventh power, whose effect on the area is below 1e-6 at 0.5
+    // rad.
     let camera = camera(TERMS[0]);
     let square = camera.px_per_rad().powi(2);
     for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
@@ -96,7 +98,7 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The circle keeps its size and its pixels per radian, so that its rim shows another angle.
+        // The circle keeps its size and its pixels per radian, so that the angle at its rim changes.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let rim = other.direction([639.4, 319.5]).unwrap();
@@ -112,7 +114,7 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             let angle = libm::hypot(place[0], place[1]) / 20.0;
             let map = angle + k3 * angle.powi(3) + k5 * angle.powi(5);
             let radius = libm::hypot(seen.centroid_px[0] - 319.5, seen.centroid_px[1] - 319.5);
-            // Discs of finite width are seen a little farther in or out.
+            // The centroid of a disc of finite width is not exactly the image of its middle.
             let error = radius - other.px_per_rad() * map;
             assert!(error.abs() < 0.5, "marker {marker}: {error}");
         }
@@ -129,7 +131,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
 
 #[test]
 fn derivatives_of_pictures_are_differences() {
-    // Centroids of small discs are the images of their middles, and sizes go as the area between neighbouring rays.
+    // The centroid of a small disc is the image of its middle. Its size is proportional to the image area per solid
+    // angle.
     let places: Vec<[f64; 2]> = (0..12).map(|step| [1.8 * f64::from(step), 0.3]).collect();
     let discs = Discs {
         magenta: 0.02,
@@ -178,7 +181,7 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
     let refused = made(-0.5, 0.0, 65.0).unwrap_err();
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();
-    // 1 - 1.5 θ² falls to 0.01 at 46.55°; -0.99 / (3 θ²) at 65°.
+    // The slope 1 − 1.5 θ² falls to 0.01 at 46.55°. For a field of 65°, the smallest k3 is −0.99 / (3 θ²).
     for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
         assert!(said.contains(word), "{word}: {said}");
     }
@@ -200,7 +203,7 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
             .with_odd_terms(OddTerms { k3: 0.1, k5: 0.0 })
             .is_err()
     );
-    // With terms that fold, no rim is as far out as it was.
+    // With these terms, the image radius stops growing before it reaches the rim.
     let wide = Camera::new(Lens::Fisheye, 640, 120.0).unwrap();
     assert!(wide.with_odd_terms(OddTerms { k3: -0.2, k5: 0.0 }).is_err());
 }

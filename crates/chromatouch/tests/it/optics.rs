@@ -9,7 +9,7 @@ use palpate_chromatouch::{
     MarkerArray, MarkerMotion, Optics, OpticsError, Pose, SeenMarker,
 };
 
-/// Discs that take nothing but green and nothing but blue.
+/// Colours with which a magenta disc absorbs only green light and a yellow disc only blue light.
 pub(crate) const PURE: Colours = Colours {
     white: [1.0; 3],
     magenta: [1.0, 0.0, 1.0],
@@ -49,7 +49,7 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
     }
 }
 
-/// The only marker.
+/// Features of the only marker.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
 }
@@ -60,8 +60,8 @@ pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
 
-/// ∫ θ 2Δφ dθ over a cap that does not hold the axis, where the circle of polar angle θ crosses the cap's edge at
-/// azimuths ±Δφ: θ = θ₀ − α cos t, midpoints.
+/// Image area of a cap that does not contain the axis: ∫ θ 2Δφ dθ, where the circle of polar angle θ crosses the cap's
+/// edge at the azimuths ±Δφ. Midpoint rule in t, with θ = θ₀ − α cos t.
 fn fisheye_area(radius: f64, polar: f64) -> f64 {
     let steps = 20_000;
     let step = PI / f64::from(steps);
@@ -90,7 +90,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
         let area = fisheye.disc_area(radius, 0.0).unwrap();
         assert_relative_eq!(area, PI * square * radius * radius, max_relative = 2e-6);
     }
-    // A cone cuts the image plane of a pinhole in an ellipse.
+    // The image of a cone through a pinhole is an ellipse.
     let pinhole = Camera::new(Lens::Pinhole, 640, 70.0).unwrap();
     let square = pinhole.px_per_rad().powi(2);
     for polar_deg in [0.0_f64, 30.0, 60.0] {
@@ -105,7 +105,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
 
 #[test]
 fn series_at_the_axis_and_closed_forms_off_it_meet() {
-    // 0.05 rad is where one takes over from the other.
+    // At 0.05 rad the code switches from the series to the closed form.
     let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
     let area = |polar| camera.disc_area(0.05, polar).unwrap();
     let step = 1e-6;
@@ -130,7 +130,7 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         );
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
-        // Red in the middle and a ring of magenta around: red of both, blue of the ring.
+        // The middle is red, and the ring around it magenta: both contribute red light, only the ring contributes blue.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
@@ -171,7 +171,7 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
             Lens::Fisheye,
             Colours::default(),
         );
-        // From magenta, at −1/6, over red, at 0, to yellow, at 1/6.
+        // The hue changes from magenta, at −1/6, over red, at 0, to yellow, at 1/6.
         let hue = |magenta, yellow| {
             let turns = seen(&optics, moved(inward(magenta), inward(yellow))).hue_turns;
             if turns > 0.5 { turns - 1.0 } else { turns }
@@ -188,7 +188,8 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
 
 #[test]
 fn markers_move_along_the_carried_axes() {
-    // 10 along the meridian from a place on it, and around it by the arc of a disc's own sphere.
+    // The marker is at azimuth 90°, where the carried axes are around the meridian and along it. Arcs are on the sphere
+    // of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
     let along = |tangential| DiscMotion {
@@ -197,7 +198,7 @@ fn markers_move_along_the_carried_axes() {
         ..DiscMotion::default()
     };
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
-    // y is up, rows go down.
+    // The y axis points up, rows count downward.
     assert!(rest[1] < 319.5 - 0.5 * focal * 30.0_f64.to_radians());
     let outward = seen(&optics, moved(along([0.0, 1.0]), along([0.0, 1.0]))).centroid_px;
     assert_relative_eq!(outward[0], rest[0], epsilon = 1e-9);
@@ -267,7 +268,7 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         yellow: 0.2,
     };
     let array = MarkerArray::new(20.0, &places, small, depths(1.0, 1.0)).unwrap();
-    // Only the yellow discs are seen.
+    // Only the yellow discs are visible.
     let yellow = Colours {
         magenta: [1.0; 3],
         ..PURE
@@ -294,7 +295,7 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         .collect();
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
-    // Within half a diameter; of its disc, a quarter lies within half the radius.
+    // All shifts are within half a diameter of 0.2; a quarter of them lies within half that radius.
     let within = |radius: f64| shifts.iter().filter(|shift| shift.norm() < radius).count() as f64;
     assert_eq!(within(0.1001), count);
     assert_relative_eq!(
@@ -358,7 +359,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
     let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
     assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
     assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
-    // A camera beside the centre sees them so too.
+    // The same holds for a camera beside the centre.
     let beside = |optics: Optics| {
         optics
             .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))

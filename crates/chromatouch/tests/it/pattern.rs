@@ -245,7 +245,8 @@ fn seam_marks_begin_on_the_drawn_edges() {
                 .map(|(from, to)| off_segment(*start, *from, *to))
                 .fold(f64::INFINITY, f64::min);
             assert!(nearest < 1e-12, "{samples}: {nearest}");
-            // At a third or two thirds of the quarter circle along the middle meridian, here at 60°.
+            // The marks are at a third and two thirds of the quarter circle along the middle meridian, which here is at
+            // 60° from +x.
             let (sin, cos) = libm::sincos(PI / 3.0);
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
             let across = |[x, y]: [f64; 2]| y * cos - x * sin;
@@ -264,7 +265,7 @@ fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
     libm::hypot(x - u - along * (s - u), y - v - along * (t - v))
 }
 
-/// Discs may be as large as the nearest two are apart, by comparing all.
+/// The largest allowed diameter is the distance of the two nearest discs, found by comparing all pairs.
 #[test]
 fn discs_overlap_from_the_least_distance_on() {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
@@ -306,7 +307,8 @@ fn sheets_that_do_not_fit_are_named() {
         (Layout::published(), alike(0.0), "bad-setting"),
         (Layout::published(), alike(f64::NAN), "bad-setting"),
         (Layout::published(), alike(f64::INFINITY), "bad-setting"),
-        // Sevens are 3.87 mm apart, the outer of the first three 1.71 mm from the edge.
+        // In a row of seven, markers are 3.87 mm apart. In the first row of three, the outer ones are 1.71 mm from the
+        // edge.
         (Layout::published(), alike(4.2), "discs-overlap"),
         (Layout::published(), alike(1e300), "discs-overlap"),
         (Layout::published(), alike(3.43), "disc-across-edge"),
@@ -317,7 +319,7 @@ fn sheets_that_do_not_fit_are_named() {
         ),
         (gores(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (gores(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The middle of a half is the seam of two quarters.
+        // The middle of one of two gores is a seam of the pattern with four gores.
         (gores(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (gores(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (gores(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

@@ -6,7 +6,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// Frame of nothing but light of these levels.
+/// Frame without markers, with uniform light of these levels.
 fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]) -> RgbImage {
     let array = MarkerArray::new(20.0, &[], DISCS, depths(3.0, 1.0)).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
@@ -59,7 +59,7 @@ fn bytes_are_levels_with_a_normal_error_rounded_and_clipped() {
                 255 => 1.0,
                 byte => below((byte as f64 + 0.5 - level) / std),
             };
-            // Bytes that are expected too seldom count together.
+            // Bytes with a small expected count are pooled.
             let (mut square, mut freedom) = (0.0, -1.0);
             let (mut seldom, mut expected_seldom) = (0.0, 0.0);
             let mut compare = |count: f64, expected: f64| {
@@ -105,7 +105,7 @@ fn pixels_outside_the_circle_are_as_they_are() {
             assert!(inside.contains(&column) || !is_changed, "{column}, {row}");
         }
     }
-    // All but one in 10⁵.
+    // Noise of 20 levels changes nearly every pixel; a pixel is unchanged only if all three channels round to 0.
     assert!(f64::from(changed) > 0.999 * 71_000.0, "{changed}");
 }
 
@@ -125,8 +125,8 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Scores of what two rows of errors have in common `down` rows and `on` numbers apart: of the errors, and of their
-/// squares, which tell of dependence that leaves the errors uncorrelated. Each is normal where they are independent.
+/// Correlation scores of two frames' errors, `down` rows and `on` numbers apart: of the errors, and of their squares,
+/// which reveal dependence of uncorrelated errors. Each score is normal if the errors are independent.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
     for (row, below) in one.iter().zip(&other[down..]) {
@@ -145,7 +145,7 @@ fn no_pixel_tells_of_another() {
     let noise = |key| errors(&frame(401, [128.0; 3], 8.0, key));
     let own = noise([1, 0]);
     let mut scores = Vec::new();
-    // Numbers of a row: channels of a pixel, its neighbours and further ones; and rows below.
+    // Offsets within a row: channels of the same pixel, its neighbours and further ones. Then offsets to rows below.
     scores.extend((1..=64).map(|on| common(&own, &own, 0, on)));
     scores.extend(
         (1..=3)

@@ -1,4 +1,4 @@
-//! Cameras that are not in the very centre, and sensors that depart from a known one, against closed forms.
+//! Cameras outside the centre, and sensors that depart from a nominal one, compared with closed forms.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -50,7 +50,7 @@ fn a_camera_in_the_centre_is_the_default() {
     assert_eq!(central.departed(&Departure::default()).unwrap(), central);
 }
 
-/// Small markers are seen where the ray from the camera to them goes, and as large as they are near and face it.
+/// Small markers appear along the rays from the camera, and their size follows from their distance and inclination.
 #[test]
 fn markers_are_seen_along_the_rays_from_the_camera() {
     let at = [1.5, -0.5, 4.0];
@@ -68,7 +68,8 @@ fn markers_are_seen_along_the_rays_from_the_camera() {
                 "{found} {expected:?}"
             );
         }
-        // Solid angles go with the cosine and the inverse square of the distance; the lens magnifies by θ/sin θ.
+        // The solid angle is proportional to the cosine of the inclination and to the inverse square of the distance.
+        // The lens magnifies by θ/sin θ.
         let stretch = |ray: &Vector3<f64>| {
             let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
             if angle > 0.0 {
@@ -93,14 +94,14 @@ fn a_turned_camera_sees_markers_turned() {
         [Pose::default(), pose].map(|pose| seen(&optics(&PLACES, 2.0).seen_from(pose).unwrap()));
     let (sine, cosine) = libm::sincos(turn);
     for (before, after) in central.iter().zip(&turned) {
-        // Rows count downward; what the camera turns one way its picture turns the other.
+        // Rows count downward, and the image turns in the opposite direction to the camera.
         let [x, y] = before.centroid_px.map(|place| place - 349.5);
         let [found_x, found_y] = after.centroid_px.map(|place| place - 349.5);
         assert!((found_x - (x * cosine - y * sine)).abs() < 1e-9);
         assert!((found_y - (x * sine + y * cosine)).abs() < 1e-9);
         assert!((after.size_px2 - before.size_px2).abs() < 1e-9);
     }
-    // About x, the apex is seen along y.
+    // A turn about x shifts the image of the apex along y.
     let pose = Pose::new([0.0; 3], [0.1, 0.0, 0.0]);
     let tilted = seen(&optics(&[[0.0; 2]], 0.02).seen_from(pose).unwrap());
     let focal = Camera::new(Lens::Fisheye, 700, 80.0).unwrap().px_per_rad();
@@ -129,7 +130,7 @@ fn departures_are_what_they_say() {
         }
         assert!((larger.size_px2 / before.size_px2 / (1.01 * 1.01) - 1.0).abs() < 1e-9);
     }
-    // Wider discs that lie deeper are discs made so.
+    // A departure of depth and diameter is the same as an array made with these depths and diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

@@ -1,4 +1,4 @@
-//! Slopes of pictures, against central differences of the pictures.
+//! Derivatives of the features, compared with central differences.
 
 use nalgebra::Vector4;
 use palpate_chromatouch::{
@@ -11,10 +11,10 @@ use crate::optics::depths;
 
 const RADIUS: f64 = 20.0;
 const MARKERS: usize = 77;
-/// Step of all differences.
+/// Step of all central differences.
 const STEP: f64 = 1e-5;
 
-/// A sensor whose markers moved, and that departs from the one that is known.
+/// A sensor with moved markers and with a departure from its nominal parameters.
 struct Scene {
     known: Optics,
     departure: [f64; Departure::NUMBERS],
@@ -80,7 +80,7 @@ impl Scene {
         departed.project(&self.motions()).unwrap()
     }
 
-    /// Slopes by what `change` does with a step, of the markers that are seen.
+    /// Central differences of the features of the visible markers, with respect to the parameter that `change` steps.
     fn differences(&mut self, change: impl Fn(&mut Self, f64)) -> Vec<Option<Vector4<f64>>> {
         change(self, STEP);
         let more = self.seen();
@@ -102,7 +102,7 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares columns of slopes with differences; a marker whose edges touch within a step may be apart.
+    /// Compares columns of slopes with differences for all markers that are visible before and after the step.
     fn compare(
         &mut self,
         what: &str,

@@ -108,8 +108,8 @@ impl DiscRaster {
         (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
-    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. v·n grows linearly with the solid
-    /// angle inside, so a share that is an odd function of it about the edge sums to the area of the disc.
+    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. It is an odd function of v·n −
+    /// cos α about 1/2. Because v·n is linear in the solid angle, the shares then sum to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -253,8 +253,9 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Share of a pixel that both discs cover. If both edges cross the pixel, it depends on the angle between them: the smaller
-/// share for discs in the same direction, the excess of their sum over 1 for opposite ones, the product at right angles.
+/// Share of a pixel that both discs cover. If both edges cross the pixel, it depends on the angle between the edges:
+/// for discs in the same direction it is the smaller share, for opposite ones the excess of the sum over 1, and at
+/// right angles the product.
 #[inline]
 fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
     let product = one.share * other.share;
@@ -279,7 +280,7 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// The share, found by counting the points of a grid.
+    /// The share, by counting the points of a grid.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);

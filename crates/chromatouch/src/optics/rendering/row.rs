@@ -57,7 +57,7 @@ impl Row {
         }
     }
 
-    /// Writes this row, blurred along itself, into another row; the weights go from the middle outward.
+    /// Writes this row, blurred along itself, into another row. The weights are in the order from the middle outward.
     pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
         blurred.set(self, weights[0]);
         let last = self.levels.len() / 3 - 1;
