@@ -1,4 +1,5 @@
-//! Markers of whole frames: 77 discs of random hues on a dark ground, the image circle given.
+//! Benchmarks of the search for markers and of their matching: 77 discs of random hues on a dark ground, with a given
+//! image circle, and 61 large markers on a bright ground.
 
 use std::hint::black_box;
 

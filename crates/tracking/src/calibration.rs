@@ -39,8 +39,8 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A calibration of normal displacements, of tangential displacements, or of both. `markers` is the number of markers that
-    /// the sensor shows at rest, if it is known.
+    /// A calibration of normal displacements, of tangential displacements, or of both. `markers` is the number of
+    /// markers that the sensor shows at rest, if it is available.
     ///
     /// # Errors
     /// [`CalibrationError::TooFewPoints`] without both parts, [`CalibrationError::OutOfRange`] for a number that is not finite
@@ -74,7 +74,7 @@ impl Calibration {
         self.lateral.as_ref()
     }
 
-    /// Number of markers that the sensor shows at rest, if it is known.
+    /// Number of markers that the sensor shows at rest, if it is available.
     pub const fn markers(&self) -> Option<usize> {
         self.markers
     }
@@ -101,8 +101,8 @@ impl Calibration {
         self.normal.as_ref()?.read(marker, change)
     }
 
-    /// The displacement along the skin, length, of a marker with the inward displacement `normal`, from its shift along the axes
-    /// at its place (px, f times the angle); `None` as in [`Calibration::normal`].
+    /// The displacement along the skin, length, of a marker with the inward displacement `normal`. `shift_px` is the
+    /// shift along the axes at the marker's place: f times the angle, px. `None` as in [`Calibration::normal`].
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

@@ -6,12 +6,13 @@ use nalgebra::Vector3;
 
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye camera, r = f θ, in the centre of a spherical sensor, directed at its apex. With odd terms it is
-/// r = f (θ + k3 θ³ + k5 θ⁵).
+/// An equidistant fisheye camera, r = f θ, in the centre of a spherical sensor, with its axis through the apex. With
+/// odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
 ///
-/// A place is a direction from the centre, as its logarithm map from the apex in radians: √(x² + y²) is the angle from
-/// the apex, and (x, y) points there. Columns of the image increase along x, rows against y. Displacements of a place are
-/// along the axes at the apex, parallel-transported to the place along the meridian.
+/// A place is a direction from the centre, given by its logarithm map from the apex in radians: √(x² + y²) is the angle
+/// from the apex, and (x, y) is the direction of the place seen from the apex. Image columns increase along x, rows
+/// against y. Displacements of a place are along the axes at the apex, parallel-transported to the place along the
+/// meridian.
 ///
 /// ```
 /// use palpate_tracking::Equidistant;
@@ -21,7 +22,7 @@ use crate::{CalibrationError, Change, Marker, Track};
 /// // 23 columns to the right and 46 rows up, at 230 px per radian; rows count downward, y upward.
 /// let place = camera.place([342.5, 273.5]);
 /// assert!((place[0] - 0.1).abs() < 1e-12 && (place[1] - 0.2).abs() < 1e-12);
-/// // From the apex, a shift is the place that it leads to.
+/// // For a marker at the apex, the shift is equal to the place after the motion.
 /// let shift = camera.shift(apex, [342.5, 273.5]);
 /// assert!((shift[0] - 0.1).abs() < 1e-12 && (shift[1] - 0.2).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -94,7 +95,7 @@ impl Equidistant {
         self.px_per_rad
     }
 
-    /// The place that an image point shows, rad; that of the apex if the point is not a valid place.
+    /// Place of an image point, rad; the place of the apex if the point is not a valid place.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -227,7 +228,8 @@ impl OddTerms {
         }
     }
 
-    /// Angle at which the slope reaches its minimum: from the smaller positive root of 5 k5 u² + 3 k3 u + 1, where u = θ².
+    /// Angle up to which the slope is at least [`MIN_SLOPE`]: from the smaller positive root of 5 k5 u² + 3 k3 u + 1 −
+    /// `MIN_SLOPE`, where u = θ².
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
         let inside = linear * linear - 4.0 * square * constant;
@@ -303,7 +305,8 @@ mod tests {
         let along = camera.shift(rest, [rest[0] + 2.3, rest[1]]);
         assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
-        // Across, a place 1 rad from the apex lies on a circle of radius sin 1 and not 1.
+        // A place 1 rad from the apex lies on a circle of radius sin 1, not 1, so that a pixel around the axis is a
+        // smaller angle.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
         assert_relative_eq!(
             across[1],
@@ -323,7 +326,7 @@ mod tests {
                 let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
-                // The picture's area over that of the sphere, by a difference along the radius.
+                // Area in the image over area on the sphere, with a difference along the radius.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {
@@ -336,7 +339,8 @@ mod tests {
         assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
         assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
         assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
-        // 1 − 3 θ² ends at 0.574 rad, seen 0.385 f from the middle: beyond, there is no place.
+        // The slope 1 − 3 θ² falls to 0.01 at 0.574 rad, 0.385 f from the middle. Points farther out are not valid
+        // places.
         let folded = camera()
             .with_odd_terms([-1.0, 0.0])
             .expect("terms in range");
@@ -352,7 +356,7 @@ mod tests {
         let back = camera.shift(point, apex);
         for axis in 0..2 {
             assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
-            // Along a meridian the carried axes do not turn.
+            // Along a meridian the transported axes do not turn.
             assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
         }
         assert_eq!(camera.shift(point, point), [0.0, 0.0]);
@@ -361,7 +365,7 @@ mod tests {
     #[test]
     fn a_marker_that_only_moves_outward_does_not_grow() {
         let camera = camera();
-        // The areas that the picture gives to the same solid angle, at 0.5 and 0.8 rad.
+        // Image areas of one solid angle at 0.5 and 0.8 rad from the axis.
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,

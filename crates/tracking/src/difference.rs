@@ -15,9 +15,9 @@ pub struct SizesDiffer {
     pub pressed: [u32; 2],
 }
 
-/// The signed difference of the frames' green channels, which magenta takes away, on white: where the pressed frame
-/// has more green the picture is green, where it has less magenta, as in Fig. 7b of the 2020 paper. A difference of
-/// `full_levels` (of 255) and beyond has the full colour.
+/// Picture of the signed difference between the green channels of two frames, on white. Magenta absorbs green light.
+/// Where the pressed frame has more green light, the picture is green; where it has less, the picture is magenta, as in
+/// Fig. 7b of the 2020 paper. A difference of `full_levels` (of 255) or more has the full colour.
 ///
 /// ```
 /// use std::num::NonZeroU8;
@@ -29,7 +29,7 @@ pub struct SizesDiffer {
 /// let mut pressed = rest.clone();
 /// pressed.put_pixel(1, 0, Rgb([90, 50, 90]));
 /// let picture = difference(&rest, &pressed, NonZeroU8::MAX)?;
-/// // White where nothing changed; less green by 50 levels takes as many from the white.
+/// // White where nothing changed. A loss of 50 levels of green lowers the green of the white by 50 levels.
 /// assert_eq!(picture.get_pixel(0, 0).0, [255, 255, 255]);
 /// assert_eq!(picture.get_pixel(1, 0).0, [255, 205, 255]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -4,7 +4,7 @@ use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Why a frame, or the settings to read it by, gives no markers.
+/// Reason why a frame, or the settings of the search, give no markers.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum TrackingError {
@@ -16,29 +16,29 @@ pub enum TrackingError {
         /// Rows.
         height: u32,
     },
-    /// The frame, or what the mask leaves of it, is too small to hold a marker.
+    /// The frame, or its part inside the image circle, is too small for a marker.
     #[error("{width} by {height} px are too few: at least {least} by {least} are needed")]
     TooSmall {
         /// Columns.
         width: u32,
         /// Rows.
         height: u32,
-        /// The least number of either.
+        /// Smallest allowed number of columns and of rows.
         least: u32,
     },
-    /// The frame is larger than is read.
+    /// The frame is larger than the limit.
     #[error("{width} by {height} px are too many: at most {most} by {most} are read")]
     TooLarge {
         /// Columns.
         width: u32,
         /// Rows.
         height: u32,
-        /// The largest number of either.
+        /// Largest allowed number of columns and of rows.
         most: u32,
     },
-    /// The image circle is not a circle, or lies outside the frame.
+    /// The radius of the image circle is not positive, or its centre lies outside the frame.
     #[error(
-        "the image circle about ({x_px}, {y_px}) of radius {radius_px} px shows nothing of the \
+        "the image circle about ({x_px}, {y_px}) of radius {radius_px} px does not show the \
          frame: its centre must lie in the frame and its radius be positive",
         x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
     )]
@@ -57,26 +57,26 @@ pub enum TrackingError {
         diameter_px = Number(*diameter_px)
     )]
     Diameter {
-        /// Diameter that was asked for, px.
+        /// Requested diameter, px.
         diameter_px: f64,
-        /// The least that is read.
+        /// Smallest allowed diameter, px.
         least: f64,
     },
-    /// Nothing sets itself off from the ground as a marker does.
+    /// No shape in the frame has the size, form and colour of a marker.
     #[error(
-        "no markers: {shapes} shape(s) set off from the ground, none of the size, form and colour \
+        "no markers: {shapes} shape(s) differ from the ground, none with the size, form and colour \
          of a marker: are colours swapped?"
     )]
     NoMarkers {
-        /// Connected shapes that were looked at.
+        /// Number of connected shapes that were examined.
         shapes: usize,
     },
-    /// More shapes than a sensor has markers: noise, or not a frame of a sensor.
-    #[error("{shapes} shapes set themselves off from the ground: at most {most} are looked at")]
+    /// The frame has more shapes than a sensor has markers: it is noisy, or it is not a frame of a sensor.
+    #[error("{shapes} shapes differ from the ground; at most {most} are allowed")]
     TooMany {
-        /// How many there are.
+        /// Number of shapes.
         shapes: usize,
-        /// The largest number.
+        /// Largest allowed number.
         most: usize,
     },
 }

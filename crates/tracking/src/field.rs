@@ -12,13 +12,13 @@ use crate::camera::great_circle;
 pub struct Displaced {
     /// The place at rest: its logarithm map from the apex, rad.
     pub place: [f64; 2],
-    /// Displacement along the skin, length, along the axes of the apex carried to the place along the meridian.
+    /// Displacement along the skin, length, along the axes of the apex transported along the meridian to the place.
     pub tangential: [f64; 2],
     /// Inward displacement, length.
     pub normal: f64,
 }
 
-/// Why there is no field.
+/// Reason why a field of displacement is impossible.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum FieldError {
@@ -30,22 +30,22 @@ pub enum FieldError {
         "marker {marker} (counting from 0): a displacement is not finite, or beyond 1e100, or its place more than half a turn from the apex"
     )]
     OutOfRange {
-        /// Which marker.
+        /// Index of the marker.
         marker: usize,
     },
     /// Two markers have the same place.
-    #[error("marker {marker} (counting from 0) has the place of an earlier one")]
+    #[error("marker {marker} (counting from 0) has the same place as an earlier marker")]
     Coincident {
-        /// The later one.
+        /// Index of the later marker.
         marker: usize,
     },
-    /// A filter needs a width.
+    /// The standard deviation of the filter is out of range.
     #[error(
         "the filter's standard deviation is {value} rad; it must be at least 0 and finite",
         value = Number(*value)
     )]
     BadFilter {
-        /// The width.
+        /// Standard deviation, rad.
         value: f64,
     },
 }
@@ -57,8 +57,9 @@ impl FieldError {
     }
 }
 
-/// Displacements at the markers, and between them by natural-neighbour interpolation over the map of places, which is
-/// continuous, and smooth but at the markers; there is none outside their convex hull.
+/// Field of displacements: those of the markers, and natural-neighbour interpolation between them over the map of
+/// places. The interpolation is continuous, and smooth except at the markers. There is no displacement outside the
+/// markers' convex hull.
 ///
 /// ```
 /// use palpate_tracking::{Displaced, Field};
@@ -69,7 +70,7 @@ impl FieldError {
 ///     normal: 1.0 - x + 0.5 * y,
 /// });
 /// let field = Field::new(&markers)?;
-/// // Natural neighbours reproduce what is linear; outside the markers' convex hull there is no displacement.
+/// // Natural-neighbour interpolation is exact for linear fields. Outside the convex hull there is no displacement.
 /// let found = field.at([0.05, 0.1]).ok_or("outside")?;
 /// assert!((found.normal - 1.0).abs() < 1e-9);
 /// assert_eq!(field.at([0.3, 0.1]), None);
@@ -96,16 +97,16 @@ impl HasPosition for Site {
     }
 }
 
-/// How far the skin moved outward around a contact: what moves outward under a press slips on the object, or is pushed
-/// aside by it.
+/// Outward displacement of the skin around a contact. Skin that moves outward under a press slips on the object, or is
+/// pushed aside by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outward {
-    /// The marker of the largest normal displacement, from which the others move away.
+    /// Index of the marker with the largest normal displacement; outward is away from this marker.
     pub centre: usize,
-    /// The component of each marker's tangential displacement away from it, length; 0 of itself.
+    /// Component of each marker's tangential displacement away from `centre`, length; 0 for the centre itself.
     pub of_marker: Vec<f64>,
-    /// Their mean with normal displacements as weights, inward ones only: over the contact. `None` where no other marker
-    /// was displaced inward.
+    /// Mean of `of_marker` over the other markers, weighted by their inward displacement, so that it covers the
+    /// contact. `None` if no other marker was displaced inward.
     pub mean: Option<f64>,
 }
 
@@ -153,8 +154,8 @@ impl Field {
         &self.markers
     }
 
-    /// Field with each displacement replaced by a mean over all markers, with weights that fall with the great-circle
-    /// distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
+    /// Field with each displacement replaced by a weighted mean over all markers. The weights are a Gaussian of the
+    /// great-circle distance with the standard deviation `std_rad`; 0 does not change the field.
     ///
     /// # Errors
     /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
@@ -181,7 +182,7 @@ impl Field {
         })
     }
 
-    /// The displacement of a place; `None` outside the markers' convex hull.
+    /// The displacement at a place; `None` outside the markers' convex hull.
     pub fn at(&self, place: [f64; 2]) -> Option<Displaced> {
         if !place.iter().all(|one| one.is_finite()) {
             return None;
@@ -192,9 +193,9 @@ impl Field {
         (x + y + found.normal).is_finite().then_some(found)
     }
 
-    /// The weights of markers at a point; none outside their convex hull.
+    /// Interpolation weights of the markers at a point; empty outside their convex hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
-        // A single marker has no edges to walk along.
+        // The triangulation of a single marker has no edges.
         if let [marker] = self.markers[..] {
             let is_there = site(marker.place) == point;
             return is_there.then_some((0, 1.0)).into_iter().collect();
@@ -204,7 +205,8 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In slivers, whose circumcircles overflow, the weights are those of the triangle's corners.
+            // In very thin triangles the circumcircle overflows; then the weights are the barycentric ones of the
+            // triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }
@@ -215,8 +217,8 @@ impl Field {
             .collect()
     }
 
-    /// The displacements of a grid of `count` by `count` places over the rectangle that holds all markers, row by row,
-    /// upward; without the places outside their convex hull.
+    /// Displacements on a grid of `count` by `count` places over the rectangle around all markers, row by row, with
+    /// increasing y. Places outside the convex hull are omitted.
     pub fn grid(&self, count: usize) -> Vec<Displaced> {
         let [columns, rows] = [0, 1].map(|axis| self.steps(axis, count));
         let places = rows
@@ -225,7 +227,7 @@ impl Field {
         places.filter_map(|place| self.at(place)).collect()
     }
 
-    /// Evenly spaced coordinates from the least to the largest of the markers.
+    /// Evenly spaced coordinates from the smallest to the largest coordinate of the markers.
     fn steps(&self, axis: usize, count: usize) -> Vec<f64> {
         let all = || self.markers.iter().map(|marker| marker.place[axis]);
         let low = all().fold(f64::INFINITY, f64::min);
@@ -233,7 +235,7 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // From the middle, so that both ends are met to the last digit.
+            // This form of linear interpolation gives both ends exactly.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)
@@ -241,7 +243,7 @@ impl Field {
         }
     }
 
-    /// The mean displacement of markers with weights, at a place.
+    /// Weighted mean of the markers' displacements, at a place.
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
@@ -262,7 +264,7 @@ impl Field {
         }
     }
 
-    /// How far the skin moved away from the marker of the largest normal displacement.
+    /// Outward displacements, away from the marker with the largest normal displacement.
     pub fn outward(&self) -> Outward {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, _) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
@@ -293,7 +295,7 @@ impl Field {
     }
 }
 
-/// A place as the triangulation takes it: lengths too small for it are none.
+/// A place as a point of the triangulation, which rejects very small coordinates: they become 0.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)
@@ -304,7 +306,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A 5 x 5 net of places, each with the displacement of a linear field.
+    /// A 5 x 5 grid of places, each with the displacement of a linear field.
     fn linear() -> Vec<Displaced> {
         (0..25)
             .map(|index| {
@@ -325,7 +327,7 @@ mod tests {
         }
     }
 
-    /// Natural neighbours reproduce what is linear.
+    /// Natural-neighbour interpolation is exact for a linear field.
     #[test]
     fn a_linear_field_is_itself() {
         let field = Field::new(&linear()).expect("sound markers");
@@ -356,7 +358,7 @@ mod tests {
             assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
             assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
         }
-        // A spike in the middle is spread by the kernel 1, e^-1/2 (four), e^-1 (four), …
+        // A spike in the middle is spread by the kernel: 1 at itself, e^-1/2 at four neighbours, e^-1 at four more, …
         let mut spike = still;
         spike.iter_mut().for_each(|marker| marker.normal = 0.0);
         spike[12].normal = 1.0;
@@ -398,7 +400,7 @@ mod tests {
         assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
     }
 
-    /// Few markers, markers on a line and markers all but in one place have a field, if a small one.
+    /// A few markers, markers on a line, and markers nearly in one place have a field, if only on a small hull.
     #[test]
     fn thin_fields() {
         let of = |x: f64, y: f64| Displaced {

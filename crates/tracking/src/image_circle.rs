@@ -115,7 +115,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// The circle on which most points lie, if these are at least half of all, fitted to them by least squares.
+    /// The circle on which most points lie, fitted to these points by least squares. `None` if they are less than half
+    /// of all.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
         let points: Vec<[f64; 2]> = points
             .iter()
@@ -127,7 +128,7 @@ impl Circle {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Three points far from each other along the list. Even steps make every run the same.
+        // Three points that are far apart in the list. The choice is fixed, so that every run gives the same result.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];

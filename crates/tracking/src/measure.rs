@@ -160,7 +160,7 @@ impl Scene<'_> {
         }
     }
 
-    /// How far a marker extends beyond its shape, px: to the distance where the mean signal of many markers ends.
+    /// Distance in px that a marker extends beyond its shape: where the mean signal of many markers ends.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);

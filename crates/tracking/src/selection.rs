@@ -25,7 +25,7 @@ const SPLIT_AREA: f64 = 1.6;
 const MAX_ELONGATION: f64 = 3.0;
 /// Smallest share of its ellipse that a marker fills.
 const MIN_FILL: f64 = 0.7;
-/// Share of a shape's height above which it is not only shade.
+/// Pixels above this share of a shape's 90 % quantile belong to markers; pixels below it may be shade only.
 const STEEP: f64 = 0.6;
 
 impl Selection {
@@ -48,7 +48,7 @@ pub(crate) fn select(
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Near the rim the light often drops steeply. The shade there joins with the markers in it.
+    // Near the rim the light often drops steeply. The shade there joins the markers in it into one shape.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))

@@ -4,7 +4,7 @@ use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Reasons why there is no calibration, or why it does not apply.
+/// Reason why there is no calibration, or why it does not apply.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {

@@ -11,7 +11,7 @@ pub struct LateralPoint {
     pub tangential: [f64; 2],
     /// Shift along the same axes, px: f times the angle.
     pub shift_px: [f64; 2],
-    /// Inward displacement, length, if it is known.
+    /// Inward displacement, length, if it was measured.
     pub normal: Option<f64>,
 }
 
@@ -20,7 +20,7 @@ pub struct LateralPoint {
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
 ///
-/// // The centroid shifts by 12 px per unit of length, whatever the normal displacement.
+/// // The centroid shifts by 12 px per unit of length at every normal displacement.
 /// let points = [0.5, 1.0, 2.0].map(|length| LateralPoint {
 ///     tangential: [length, 0.0],
 ///     shift_px: [12.0 * length, 0.0],
@@ -160,7 +160,7 @@ impl LateralCalibration {
     }
 }
 
-/// The length of the known displacement, and the shift in its direction.
+/// Length of the given displacement, and the component of the shift in its direction, px.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);
@@ -182,7 +182,7 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// `None` if the normal displacements do not determine both coefficients.
+    /// Returns `None` if the normal displacements do not determine both coefficients.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))
@@ -192,7 +192,7 @@ impl WithIndentation {
         if depth == 0.0 {
             return None;
         }
-        // In units of the largest displacements: y = x (c_0 + c_1 u).
+        // The fit is scaled by the largest displacements: y = x (c_0 + c_1 u).
         let rows = || {
             let points = along.iter().zip(normal);
             points.map(|([x, y], u)| (x / length, x / length * (u / depth), *y))
@@ -259,7 +259,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Beyond the fitted range the slope is that at its end.
+        // Beyond the fitted range, the slope is the one at the nearer end.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

@@ -5,7 +5,7 @@ use super::CalibrationError;
 /// Largest number that can be squared and summed without overflow.
 const LARGEST: f64 = 1e100;
 
-/// A least-squares line: a signal (hue in turns, px, …) over the known displacement.
+/// A least-squares line: a signal (hue in turns, shift in px, …) as a function of the given displacement.
 ///
 /// ```
 /// use palpate_tracking::Line;
@@ -95,7 +95,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // A line with such a small slope explains no more than the mean.
+    // A line with such a small relative slope explains no more than the mean.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }

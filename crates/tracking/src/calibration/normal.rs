@@ -39,7 +39,7 @@ impl NormalFrom {
             signal: match self {
                 Self::Hue => "the hue",
                 Self::Size => "the size",
-                Self::Both => "what hue and size show together",
+                Self::Both => "the weighted sum of hue and size",
             },
         }
     }
@@ -48,7 +48,7 @@ impl NormalFrom {
 /// A marker with a known normal displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalPoint {
-    /// Index of the marker in the sensor, if it is known.
+    /// Index of the marker in the sensor, if available.
     pub marker: Option<usize>,
     /// Inward displacement, length.
     pub normal: f64,
@@ -125,7 +125,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// Uses the markers' own slopes where they are known.
+    /// Returns the calibration with the markers' own slopes in use, for the markers that have one.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
@@ -171,7 +171,7 @@ fn nearness(growth: f64) -> f64 {
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A part without weight may be NaN.
+    // A feature with zero weight may be NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }
@@ -220,7 +220,7 @@ fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     ]
 }
 
-/// Displacements that a marker must have been shown at, for a slope of its own.
+/// Number of different displacements that a marker needs for a slope of its own.
 const DIFFERENT_DISPLACEMENTS: usize = 3;
 
 fn gains(points: &[NormalPoint], signals: &[[f64; 2]], slope: f64) -> Vec<MarkerGain> {
@@ -263,7 +263,7 @@ mod tests {
         }
     }
 
-    /// Two markers 18 deep, one of twice the hue per length.
+    /// Two markers at a distance of 18 from the camera. The second has twice the hue change per length of the first.
     fn two_markers() -> Vec<NormalPoint> {
         (0..4)
             .flat_map(|step| {
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn both_take_what_each_tells() {
-        // u = 10 hue + 5 nearness, at displacements that tell the two apart.
+        // u = 10 hue + 5 nearness, with displacements that determine both weights.
         let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
             .map(|(hue, nearness): (f64, f64)| {
                 let normal = 10.0 * hue + 5.0 * nearness;

@@ -1,4 +1,5 @@
-//! What can be tracked is tracked; whatever the numbers and the pixels, a finite answer or the error that is due.
+//! Property tests: valid frames, fields and points are processed. For any numbers and pixels, the result is finite or
+//! the correct error.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -10,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::frames::{self, Bright};
 
-/// Any double, those of everyday size as often as all the others.
+/// Any double; the ranges of ordinary size have most of the weight.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -55,7 +56,7 @@ fn assert_line(line: &Line) {
     assert!(all.iter().all(|number| number.is_finite()), "{line:?}");
 }
 
-/// Shares of a shift too small to be multiplied.
+/// A shift is not lost if its square underflows.
 #[test]
 fn the_shortest_shifts_are_not_lost() {
     let camera = Equidistant::new([0.0; 2], 1.0).unwrap();
@@ -114,7 +115,7 @@ proptest! {
         }
     }
 
-    /// Markers of any displacements, each in a square of its own, have a field over their hull.
+    /// Markers with any displacements, each in its own square of a grid, have a field over their convex hull.
     #[test]
     fn markers_apart_have_a_field(
         numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),
@@ -174,7 +175,7 @@ proptest! {
         prop_assert!(outward.of_marker.iter().chain(&outward.mean).all(|one| one.is_finite()));
     }
 
-    /// Sights that follow the displacement, with errors of up to a tenth, are calibrated in any unit.
+    /// Readings that follow the displacement, with errors of up to a tenth, can be calibrated in any unit.
     #[test]
     fn sights_that_follow_the_displacement_are_calibrated(
         errors in prop::collection::vec(pair_within(0.1), 6..20),
@@ -279,7 +280,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Nineteen discs on white, of any such size, blur and noise, are found, and nothing else.
+    /// Of nineteen discs on white, with any such size, blur and noise, each is found, and no other marker.
     #[test]
     fn discs_on_white_are_found(
         (disc_px, spacing) in (11.0..15.0, 26.0..32.0),

@@ -1,4 +1,4 @@
-//! Calibration of the published tables, and points from which no calibration follows.
+//! Calibration of the published tables, and points without a calibration.
 
 use approx::assert_abs_diff_eq;
 use palpate_tracking::{
@@ -97,7 +97,7 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// (slope, R², rms of the residual) of a line, to so many units.
+/// Compares (slope, R², rms of the residual) of a line with the expected numbers, rounded to `units`.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     let found = [line.slope, line.r_squared, line.residual_rms];
@@ -106,15 +106,15 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// Independently read: 0.0258 turns/mm, R² 0.85, residual 0.15 mm. It is the line with an intercept, and the residual its
-/// root mean square over the slope.
+/// An independent reading of the figure gives 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These belong to the
+/// line with an intercept; the residual is the rms residual over the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
     let line = fitted.with_intercept.unwrap();
     assert_line(&line, [0.0258, 0.85, 0.154], [1e-4, 0.01, 0.001]);
     assert_eq!((line.count, fitted.range), (39, [0.0929, 1.264]));
-    // Sums reckoned with another program.
+    // Computed with another program.
     assert_abs_diff_eq!(line.slope_std.unwrap(), 0.00179, epsilon = 1e-5);
     assert_abs_diff_eq!(line.intercept.unwrap(), -0.00127, epsilon = 1e-5);
     assert_abs_diff_eq!(line.residual_std.unwrap(), 0.1579, epsilon = 1e-4);
@@ -139,7 +139,7 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// Independently read: 7.0 px/mm; the paper's R² is 0.99.
+/// An independent reading of the figure gives 7.0 px/mm; the paper's R² is 0.99.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();
@@ -227,9 +227,9 @@ fn points_that_tell_no_slope_are_refused() {
     let error = NormalCalibration::fit(&flat, NormalFrom::Both).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "what hue and size show together does not change with the displacement: there is no slope to calibrate"
+        "the weighted sum of hue and size does not change with the displacement: there is no slope to calibrate"
     );
-    // The first that errs is told.
+    // The error names the first invalid point.
     let points = [point(0.0, 0.0), point(1.0, f64::NAN)];
     let error = NormalCalibration::fit(&points, NormalFrom::Hue).unwrap_err();
     assert_eq!(error, CalibrationError::NotFinite { point: 1 });

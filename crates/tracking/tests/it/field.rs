@@ -1,4 +1,4 @@
-//! Interpolation over nets that are hard on a triangulation.
+//! Interpolation over arrangements of markers that are difficult for a triangulation.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Places around `place`, at steps from one that is lost in rounding to one that is not.
+/// Places around (x, y), at distances that vanish in rounding and at larger ones.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -28,7 +28,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// A mean of the markers' displacements lies between them, at, between and beside them.
+/// Checks that the interpolation, a mean of the markers' displacements, does not exceed them: at, between and near the
+/// markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {
@@ -59,7 +60,7 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // Markers of a ring lie on one circle: which triangles they make is a matter of rounding.
+    // Markers of a ring lie on one circle, so that rounding decides which triangles they form.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);
@@ -76,7 +77,7 @@ fn slivers() {
     }
 }
 
-/// Natural neighbours reproduce linear fields.
+/// Natural-neighbour interpolation is exact for linear fields.
 #[test]
 fn linear_fields_of_any_size() {
     let value = |[x, y]: [f64; 2]| 1.0 + 2.0 * x - 0.5 * y;

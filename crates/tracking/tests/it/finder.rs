@@ -1,4 +1,4 @@
-//! Markers of frames whose markers are known.
+//! Search for markers in frames whose true markers are given.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Finder, FinderSettings, Ground, HueWindow, Marker, Mask, TrackingError};
@@ -16,8 +16,8 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     )
 }
 
-/// Root mean squares of the errors: of the centroid in px, of the hue in turns and of the size as a share. Each known
-/// marker must be found exactly once, and nothing else.
+/// Root mean square errors: centroid, px; hue, turns; size, relative. Each true marker must be found exactly once, and
+/// no other marker.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());
     let mut squares = [0.0; 3];
@@ -77,7 +77,7 @@ fn misaligned_discs_on_a_bright_ground() {
         apart: 0.0,
         blur_px: 0.0,
         falloff: 0.0,
-        // Without any, all pixels of one colour are rounded alike, by up to half a step.
+        // Without noise, all pixels of one colour have the same rounding error, up to half a level.
         noise: 0.5,
     };
     let worst = Bright {
@@ -134,9 +134,9 @@ fn misaligned_discs_on_a_bright_ground() {
 
 #[test]
 fn a_photograph() {
-    // The list was made by eye from enlargements with a grid, quadrant by quadrant: `clear` markers stand free of the rim,
-    // `touching` ones reach it or almost do, of `cut` ones a part is beyond it. A place is the middle of both discs
-    // together, to about 2 px.
+    // The list was made by eye from enlargements with a grid, quadrant by quadrant. `clear` markers lie away from the
+    // rim, `touching` ones reach it or nearly reach it, and a part of a `cut` marker is beyond it. A place is the
+    // middle of both discs together, accurate to about 2 px.
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();

@@ -1,4 +1,4 @@
-//! Tests of the public face.
+//! Tests of the public interface.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

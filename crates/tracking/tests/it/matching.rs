@@ -1,4 +1,4 @@
-//! Markers found again in a second frame. Each known marker carries its number as its count of pixels.
+//! Matching of markers between two frames. The pixel count of each true marker is its number.
 
 use palpate_tracking::{Marker, Status, Track, match_markers};
 
@@ -30,13 +30,13 @@ fn lattice(random: &mut Random) -> Vec<Marker> {
         .collect()
 }
 
-/// Moves outward from a place, at most by `most`: as skin under a press.
+/// Moves the markers outward from a point by at most `most`, like skin under a press.
 fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
     let width = 2.5 * SPACING;
     rest.iter()
         .map(|marker| {
             let [x, y] = [marker.centroid_px[0] - 190.0, marker.centroid_px[1] - 130.0];
-            // Largest one width from the middle.
+            // The displacement is largest at one width from the middle.
             let scale = most / width * libm::exp(0.5 - 0.5 * (x * x + y * y) / (width * width));
             Marker {
                 centroid_px: [
@@ -103,7 +103,7 @@ fn a_tenth_removed_leads_to_no_wrong_match() {
                 .collect()
         };
         let (mut a, mut b) = (thinned(&rest), thinned(&moved));
-        // In any order.
+        // The order of the markers must not matter.
         a.reverse();
         b.sort_by_key(|marker| marker.pixels * 37 % 90);
         let tracks = match_markers(&a, &b);
