@@ -69,7 +69,7 @@ impl Files {
         Self::in_folder(self.path(name))
     }
 
-    /// The folder; empty in memory.
+    /// The folder; empty for files in memory.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }

@@ -64,8 +64,8 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
 }
 
 /// Draws one plot of tables in memory: `cells.csv`, and, if the kind needs them, `map.csv`, or `trace.csv` and
-/// `readings.csv`. The figure takes the settings that it names from `run.toml`, if that is among the tables. The function
-/// reads and writes no files.
+/// `readings.csv`. If `run.toml` is among the tables, the captions use its settings. The function reads and writes no
+/// files.
 ///
 /// ```
 /// use palpate_report::{Files, figure};

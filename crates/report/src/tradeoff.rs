@@ -11,7 +11,7 @@ pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
     /// Check of `auto` for each kind of scene; empty without `promise.csv`.
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether instructions are known for every rung; if so they are the cost.
+    /// Whether every rung has a count of instructions, which is then its cost.
     pub(crate) counted: bool,
     /// Description of the machine that made the measurements.
     pub(crate) machine: String,
@@ -67,7 +67,7 @@ impl Tradeoff {
     /// Reads the tables of a folder.
     ///
     /// # Errors
-    /// A table but `promise.csv` is absent, or one is malformed, or a cost or an error is not positive.
+    /// A table other than `promise.csv` is absent, or a table is malformed, or a cost or an error is not positive.
     pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
         let auto_models = match files.contain("promise.csv") {
             true => read_auto_models(files)?,

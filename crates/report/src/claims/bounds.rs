@@ -44,7 +44,7 @@ impl Bound {
         }
     }
 
-    /// The limit of `AtLeast` or `AtMost`; none for other bounds.
+    /// The limit of `AtLeast` or `AtMost`; `None` for other bounds.
     pub(super) fn limit(self) -> Option<f64> {
         match self {
             Self::AtLeast(limit) | Self::AtMost(limit) => Some(limit),

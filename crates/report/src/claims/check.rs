@@ -69,7 +69,7 @@ struct Item {
 }
 
 impl Check {
-    /// Result for the rows of a claim: none if there is nothing to report, an error if the check cannot decide.
+    /// Result for the rows of a claim: `None` if there is nothing to report, an error if the check cannot decide.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -148,7 +148,7 @@ impl Check {
     }
 }
 
-/// Text for the placeholder `key` of a sentence; none if `key` is unknown.
+/// Text for the placeholder `key` of a sentence; `None` if `key` is unknown.
 fn shown(
     key: &str,
     items: &[Item],

@@ -31,8 +31,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error of a row is a statistic. This is so for random offsets, and for all rows of a study that sweeps no
-/// random offset.
+/// Whether the error of a row is a statistic over random offsets. In a study that sweeps no random offset, this is so
+/// for all rows.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))
@@ -100,7 +100,7 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of a group's shortest and longest roll; none if the lengths or the errors are equal.
+/// Errors of a group's shortest and longest roll; `None` if the lengths or the errors are equal.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

@@ -77,8 +77,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// Largest principal curvature of an object, from its true curvatures if the table has one value for the whole patch.
-/// Otherwise it is 1/radius, or 2|a| at the middle of a saddle z = a (x² − y²).
+/// Largest principal curvature of an object. It follows from the true curvatures if the table has one value for the
+/// whole patch. Otherwise it is 1/radius, or 2|a| at the middle of a saddle z = a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {

@@ -28,7 +28,7 @@ fn gaussian_profile() -> Claim {
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // The layout of the samples decides their weights, and the estimator decides which samples it fits.
+    // The layout of the samples determines their weights, and the estimator determines the samples that it fits.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -73,7 +73,7 @@ fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the estimator is the paper's and the readings are direct. A camera sensor has another elastic model.
+/// Whether the estimator is the paper's and the readings are direct. A camera sensor uses another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -198,7 +198,8 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if a press is sensed: at most a tenth of the trials fail, and at least 90 % of the 95 % intervals hold the truth.
+/// 1 if a press is sensed, otherwise 0. Sensed means that at most a tenth of the trials fail, and that at least 90 % of
+/// the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {

@@ -120,8 +120,8 @@ pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }
 
-/// Roll angle in rad, from rate and duration, from the angle itself, or from the arc length s on the probe: an arc
-/// turns the contact by s (1/R₁ + 1/R₂).
+/// Roll angle in rad, from rate and duration, from the angle itself, or from the arc length s on the probe: with the
+/// radii R₁ of the probe and R₂ of the object, the angle is s (1/R₁ + 1/R₂).
 pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
     let number = |path: &str| row.number(path);
     if let (Some(rate), Some(duration)) = (

@@ -127,8 +127,8 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// For each hue line, the larger of two relative deviations from the published slopes: the hue line's deviation, and
-/// the smallest deviation of a centroid line of the same sensor.
+/// For each hue line, the larger of two relative deviations from the published slopes: that of the hue line, and the
+/// smallest one among the centroid lines of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -259,8 +259,8 @@ struct StraightLine {
 }
 
 impl StraightLine {
-    /// Fits a line to `readings` with equal weights; `None` if they have fewer than three different x, so that any line
-    /// would fit.
+    /// Fits a line to `readings` with equal weights. `None` if they have fewer than three different x, because then
+    /// every line fits.
     fn through(readings: &[Reading]) -> Option<Self> {
         let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
         places.sort_by(f64::total_cmp);
@@ -295,12 +295,13 @@ mod tests {
 
     #[test]
     fn a_known_line() {
-        // About the means 1 and 5/3: Sxy = 2, Sxx = 2; residuals 1/3, −2/3, 1/3 leave 6/9 of Syy = 24/9.
+        // Sums about the means 1 and 5/3: Sxy = 2, Sxx = 2, Syy = 24/9. The residuals 1/3, −2/3, 1/3 have the sum of
+        // squares 6/9.
         let bent = [(0.0, 1.0), (1.0, 1.0), (2.0, 3.0)];
         let line = StraightLine::through(&readings(&bent, 0.0)).unwrap();
         assert!((line.slope - 1.0).abs() < 1e-15);
         assert!((line.r_squared - 0.75).abs() < 1e-15);
-        // Scatter of variance 8/9 adds 24/9 to both sums: 1 − 30/48.
+        // A scatter with variance 8/9 adds 24/9 to the residual sum and to the total: R² = 1 − 30/48.
         let line = StraightLine::through(&readings(&bent, (8.0_f64 / 9.0).sqrt())).unwrap();
         assert!((line.r_squared - 0.375).abs() < 1e-15);
     }

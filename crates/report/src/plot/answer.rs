@@ -60,7 +60,7 @@ pub struct CurvePoint {
     pub y: f64,
     /// Its standard error.
     pub std: f64,
-    /// Whether so many trials failed that the value represents only the others.
+    /// Whether the value represents only the successful trials, because too many trials failed.
     pub is_of_survivors: bool,
 }
 

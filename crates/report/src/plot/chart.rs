@@ -76,7 +76,7 @@ pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, Repor
     })
 }
 impl Chart<'_> {
-    /// PanelLayout to the left and right of the panels.
+    /// Margins to the left and right of the panels.
     fn margins(&self) -> [i32; 2] {
         let rows = self.legend.rows();
         let widths = rows.iter().map(|(sample, text)| {
@@ -99,7 +99,7 @@ impl Chart<'_> {
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
-        // Four panels in a square are larger than four in a row.
+        // Four panels in a square are larger than four panels in a row.
         let most = match count {
             0..=3 => count,
             4 => 2,
@@ -177,13 +177,13 @@ impl Legend {
 struct PanelLayout {
     /// Width of the picture.
     total: i32,
-    /// PanelLayout to the left and right of the panels.
+    /// Margins to the left and right of the panels.
     margins: [i32; 2],
     /// Width and height of each panel.
     panel: Point,
     /// Panels in a row.
     columns: i32,
-    /// PanelLayout for the title above each panel.
+    /// Height for the title above each panel.
     heading: i32,
     /// Vertical distance from one row of panels to the next.
     row: i32,

@@ -34,7 +34,7 @@ const BOUNDARY: u32 = 5;
 /// Background of the sample of a boundary, light also on a dark page.
 const PALE: Colour = Colour(243, 243, 243);
 
-/// The figure that a plot asks for.
+/// Draws the maps of a plot.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
@@ -145,7 +145,7 @@ fn colour(class: Class) -> Colour {
     known.map_or(WHITE, |(_, colour)| *colour)
 }
 
-/// MapLayout for the panels.
+/// Layout of the panels.
 struct MapLayout {
     /// Width of the picture.
     total: i32,
@@ -161,7 +161,7 @@ struct MapLayout {
 }
 
 impl MapLayout {
-    /// MapLayout for `lines`, of which there are some; `unit` is that of x and y.
+    /// Layout for `lines`, at least one; `unit` is the unit of x and y.
     fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));

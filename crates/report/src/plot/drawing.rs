@@ -98,7 +98,8 @@ enum Form {
     Polygon(Vec<BackendCoord>),
     /// Centre and radius.
     Disc(BackendCoord, u32),
-    /// Line of text, the point at its middle height, its em, and the share of its width to the left of that point.
+    /// Line of text, its position at the middle of its height, its em, and the share of its width to the left of the
+    /// position.
     Text(String, BackendCoord, f64, f64),
 }
 

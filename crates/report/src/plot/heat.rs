@@ -13,7 +13,7 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Heat maps to draw.
+/// Heat maps to draw: a share for every pair of items, for example of objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heat {
     /// Name of the figure's files, without extension.
@@ -30,24 +30,24 @@ pub struct Heat {
     pub notes: Vec<String>,
 }
 
-/// Share for every pair of things.
+/// Share for every pair of items.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// Settings that all things share; may be empty.
+    /// Settings that all items share; may be empty.
     pub title: String,
-    /// Names of the things.
+    /// Names of the items.
     pub names: Vec<String>,
     /// Shares from 0 to 1, row by row; `None` if there is none.
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
-/// Largest number of things in a panel, and of panels.
+/// Largest number of items in a panel, and of panels.
 const MAX_THINGS: usize = 40;
 const MAX_PANELS: usize = 24;
 /// Side of a square with a number, and of a square without a number.
 const LARGE: i32 = 222;
 const SMALL: i32 = 66;
-/// Largest number of things in a panel whose squares have numbers.
+/// Largest number of items in a panel whose squares have numbers.
 const MAX_NUMBERED: usize = 12;
 /// Widest name.
 const NAME: i32 = 510;
@@ -74,8 +74,8 @@ const ALL: Colour = Colour(8, 48, 107);
 ///     shares: vec![vec![None, Some(0.84)], vec![Some(0.84), None]],
 /// };
 /// let figure = heat_figure(&Heat {
-///     name: "told".to_owned(),
-///     title: "Which balls are told apart?".to_owned(),
+///     name: "distinguished".to_owned(),
+///     title: "Which balls can be distinguished?".to_owned(),
 ///     subtitle: String::new(),
 ///     axis: "object radius".to_owned(),
 ///     panels: vec![panel],

@@ -9,7 +9,7 @@ pub(super) const NAME: i32 = 45;
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
 /// Distance above which a label gets a line to its point.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of these distances for points that are not on the front.
+/// Number of these distances that are tried for points that are not on the front.
 const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
 /// Half the height of a label with the space around it.
@@ -66,15 +66,15 @@ impl Bounds {
         along(from, to).any(|at| self.meets(&Self::around(at, (3, 3))))
     }
 
-    /// Its place nearest to a point.
+    /// The place of the rectangle nearest to a point.
     fn nearest(&self, (x, y): Point) -> Point {
         let [left, top, right, bottom] = self.0;
         (x.clamp(left, right), y.clamp(top, bottom))
     }
 }
 
-/// Places the labels of points one after the other within a frame: first those of points on the front, each where it
-/// covers the least, then those of other points that have room. Labels also avoid `bars`.
+/// Places the labels of points one after the other within a frame: first those of points on the front, each at the
+/// place where it covers the least, then those of other points if they have room. Labels also avoid `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],

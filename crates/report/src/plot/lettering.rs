@@ -14,7 +14,7 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Viewers of an SVG have their own sans-serif, which may be wider than ours by this factor.
+/// Viewers of an SVG use their own sans-serif font, which may be wider than ours by this factor.
 const ROOM: f64 = 1.12;
 
 /// Width of `text` at a size of `em`, with room for a wider font.

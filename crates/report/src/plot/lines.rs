@@ -19,7 +19,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     Lines::new(&selection)?.figure()
 }
 
-/// Share of failed trials above which a point is circled, because it represents only the trials that succeeded.
+/// Share of failed trials above which a point is circled: it then represents only the successful trials.
 const MAX_FAILED: f64 = 0.05;
 
 /// Points that are not drawn: their number and series, by reason.
@@ -223,7 +223,7 @@ impl<'a> Lines<'a> {
         rows.iter().filter_map(bar).collect()
     }
 
-    /// Whether so many trials failed that the statistics of `row` represent only the others.
+    /// Whether the statistics of `row` represent only the successful trials, because too many trials failed.
     fn is_of_survivors(&self, row: usize) -> bool {
         let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
         let is_of_trials = !["failures", "trials"].contains(&self.of.y);
@@ -375,7 +375,8 @@ fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     rows.filter(|row| axis.text(*row) == value).collect()
 }
 
-/// The style of a value, by its place in the study's own axis: the same in every plot of the study.
+/// Style of a value. It depends on the value's place in the study's own axis, so that it is the same in every plot of
+/// the study.
 fn style(axis: &Axis, value: &str) -> Style {
     let place = axis.values().iter().position(|known| known == value);
     Style::of(place.unwrap_or(0))

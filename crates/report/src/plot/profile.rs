@@ -28,7 +28,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     if series.len() > MAX_LINES {
         let count = series.len();
         return Err(of.bad(format!(
-            "{count} lines are told apart by colour alone; choose at most {MAX_LINES} by `where`, or spread them over `panels`"
+            "{count} lines would differ only in colour; choose at most {MAX_LINES} by `where`, or spread them \
+             over `panels`"
         )));
     }
     let along = ['x', 'y'].map(|name| AxisScale {

@@ -18,7 +18,7 @@ pub(crate) struct AxisScale {
 }
 
 impl AxisScale {
-    /// Displayed number for `value`. The error says why the `what` there cannot be drawn.
+    /// Displayed number for `value`. The error names the item `what` and the reason why it cannot be drawn there.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {
@@ -34,7 +34,7 @@ impl AxisScale {
     }
 }
 
-/// Reference lines of a plot; the error says why one cannot be drawn.
+/// Reference lines of a plot. The error states why one of them cannot be drawn.
 pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Vec<Mark>, String> {
     let place = |mark: &config::Mark| {
         let on_x = mark.axis == config::MarkAxis::X;
@@ -57,7 +57,7 @@ pub(crate) struct Points {
 
 impl Points {
     /// Places the points of a plot. `series` returns the style of a series by name, and `panels` are the values of the
-    /// panels. The error says why a set cannot be drawn.
+    /// panels. The error states why a set cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],

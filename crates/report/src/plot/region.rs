@@ -65,7 +65,7 @@ pub struct RegionStrip {
     pub runs: Vec<Stretch>,
 }
 
-/// Marker of a point that just meets the target, and marker of the best value.
+/// Marker of a point on the boundary of the target, and marker of the best value.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
@@ -223,12 +223,14 @@ struct Column {
 }
 
 impl Region<'_> {
-    /// Whether the curve between two columns is known well enough to be drawn as one.
+    /// Whether the contour between two columns can be drawn as one line: both axes are numeric, and the runs of both
+    /// columns meet and miss the target in the same order.
     fn are_alike(&self, one: &Column, other: &Column) -> bool {
         self.is_named == [false; 2] && one.sides == other.sides
     }
 
-    /// Background areas: between alike columns, and around other columns up to the middle between neighbours.
+    /// Background areas: between two alike columns, the area between their runs; for other columns, strips up to the
+    /// middle between neighbours.
     fn grounds(&self) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let columns = &self.columns;
         let mut grounds = Vec::new();

@@ -46,7 +46,7 @@ impl Spacing {
         if is_log { Self::Log } else { Self::Linear }
     }
 
-    /// Reason for which `value` has no place on such an axis, if it has none.
+    /// Reason why `value` cannot be drawn on such an axis; `None` if it can.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),
@@ -57,7 +57,7 @@ impl Spacing {
         }
     }
 
-    /// The number nearest to `value` that has a place on such an axis.
+    /// The nearest number to `value` that can be drawn on such an axis.
     pub(crate) fn nearest(self, value: f64) -> f64 {
         let least = match self {
             Self::Linear => -LARGEST,
@@ -332,7 +332,7 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// Ten to a whole power, as the decimal literal would be.
+/// A power of ten, equal to the decimal literal.
 fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }

@@ -344,8 +344,7 @@ impl Mark {
 }
 
 impl Content {
-    /// How much is drawn within a box. Inside it, each point counts as 3, and each of 21 samples per line segment
-    /// counts as 1.
+    /// Amount that is drawn within a box: 3 for each point, and 1 for each of the 21 samples per line segment.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

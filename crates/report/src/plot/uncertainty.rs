@@ -14,12 +14,13 @@ pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
     [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
 }
 
-/// Ends of the 95 % interval of a statistic of `row` by its Monte Carlo error, in the unit of the table. `None` for a
-/// statistic without Monte Carlo error, for fewer than two trials, and for a mean reported standard deviation, because no
-/// column has its scatter.
+/// Ends of the 95 % interval of a statistic of `row` from its Monte Carlo error, in the unit of the table. `None` for a
+/// statistic without Monte Carlo error, for fewer than two trials, and for a mean reported standard deviation, because
+/// the table has no column with its scatter.
 ///
-/// If a trial observes several places, the intervals of errors and of shares of places count the trial once. The intervals
-/// of other statistics are too wide, as if all places of a trial had the same error.
+/// If a trial observes several places, the places of a trial are not independent. The intervals of errors and of shares
+/// of places count the trial once. The intervals of other statistics are too wide, as if all places of a trial had the
+/// same error.
 pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
     let statistic = Statistic::named(name)?;
     let of = |statistic: Statistic| table.statistic(row, statistic.name());
@@ -75,8 +76,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// Standard errors of the median, and of the 5 and 95 % quantiles, of n normal numbers, times √n, divided by the distance
-/// between those quantiles.
+/// Standard errors of the median, and of the 5 and 95 % quantiles, of n normal numbers, multiplied by √n and divided by
+/// the distance between the 5 and 95 % quantiles.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
 const TAIL_PER_SPREAD: f64 = 0.642;
 

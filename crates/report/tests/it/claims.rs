@@ -1,4 +1,4 @@
-//! Each claim on tables that show it, tables that show the opposite, and tables that show nothing.
+//! Each claim on tables that agree with it, tables that contradict it, and tables that do not test it.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
 use palpate_report::{Study, Verdict, claims_csv, score};
@@ -156,7 +156,7 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 
 // ---- 5 to 8 and 20: pads
 
-/// A square grid of pads: exact from a pad's centre, a smooth law for random offsets.
+/// Errors of a square grid of pads: exact for a roll from a pad's centre, by the law `random` for random offsets.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
@@ -193,7 +193,7 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Rounding of the shift, amplified.
+/// Error that grows with the rounding of the shift to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }
@@ -267,7 +267,7 @@ fn pad_claims_differ_for_the_opposite() {
     differs(&scores[1], &["in 0 of 24"]);
     let study = pads("claims = [8]", |_, _, _| 0.26);
     differs(&study, &["26 % (random offsets"]);
-    // An exact hit of the shortest roll leaves nothing to divide by.
+    // If the shortest roll is exact, the ratio of errors is undefined.
     let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0

@@ -1,4 +1,4 @@
-//! The picture of contacts in space.
+//! Figure of the contacts in space.
 
 use crate::fixture::{count, drawn, refused, shows};
 use crate::glides::{cells, config, study};

@@ -1,4 +1,4 @@
-//! Small studies in memory, and what is said of them.
+//! Small studies in memory, and checks of their scores, figures and errors.
 
 use palpate_report::{Files, Score, Study, Verdict, figures, score};
 
@@ -15,14 +15,14 @@ pub(crate) fn config(kind: &str, rest: &str) -> String {
     )
 }
 
-/// A table in the making, with one row of `normal_curvature_u` per cell.
+/// Builder of a table with one row of `normal_curvature_u` per cell.
 pub(crate) struct Cells {
     header: String,
     rows: Vec<String>,
     failures: Vec<String>,
 }
 
-/// Numbers in a row beyond its place in the sweep.
+/// Numbers of a row, without its swept values.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbers {
     pub(crate) truth: f64,
@@ -157,7 +157,7 @@ pub(crate) fn drawn(study: &Study) -> String {
     figures(study).unwrap().remove(0).svg
 }
 
-/// A study that is not drawn: the error says all these.
+/// Checks that a study cannot be drawn, and that the error contains these texts.
 #[track_caller]
 pub(crate) fn refused(study: &Study, parts: &[&str]) {
     says(&figures(study).unwrap_err().to_string(), parts);
@@ -187,13 +187,13 @@ pub(crate) fn count(svg: &str, element: &str, colour: &str) -> usize {
     svg.lines().filter(is_one).count()
 }
 
-/// Number that an attribute of an element has.
+/// Number in an attribute of an element.
 pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     let text = element.split(&format!(" {name}=\"")).nth(1).unwrap();
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// Three radii and three noises, errors as theory has them, and room for plots in the config.
+/// Study over radii and noises, with the errors that theory predicts. The config also contains `rest`.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {

@@ -1,9 +1,9 @@
-//! Small studies of patches: tables of fabricated errors, maps of known layout, traces of a few contacts.
+//! Small studies of patches: tables of fabricated errors, maps of a given layout, traces of a few contacts.
 
 use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
 
-/// A config of a glide with the saddle of the given a per finger distance, and room for plots.
+/// Config of a glide over a saddle with the coefficient `a` per inter-finger distance. The config also contains `rest`.
 pub(crate) fn config(a: f64, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\n{rest}\n\
@@ -25,7 +25,7 @@ pub(crate) struct Made {
 pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder", "saddle"];
 pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
 
-/// Every surface, noises of 0, 5 and 10 % and every method, with errors as `made` says: surface, noise, method.
+/// Table of every surface, noise (0, 5 and 10 %) and method, with the errors of `made(surface, noise, method)`.
 pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> Study {
     let mut text = format!(
         "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"
@@ -41,7 +41,7 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
                     failures,
                 } = made(surface, noise, method);
                 let (true_gaussian, true_mean) = match surface {
-                    // Where the table has no one value, the config tells the shape.
+                    // If the true values vary over the patch, the table has none, and the config states the shape.
                     "sphere" | "saddle" => ("", ""),
                     _ => ("0", "0.1"),
                 };
@@ -75,7 +75,7 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
     study(&config(0.1, &format!("claims = {claims}")), &text, &[])
 }
 
-/// A study of these tables.
+/// Study with these tables.
 pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
     fixture::study(config, cells, NO_FAILURES, others)
 }

@@ -1,4 +1,4 @@
-//! Studies made by hand, through the public interface.
+//! Tests of the public interface with small hand-made studies.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Class maps: what is drawn and told, what is refused.
+//! Class maps: their shapes and texts, and rejected input.
 
 use crate::fixture::{attribute, drawn, refused, shows};
 use crate::glides::{cells, config, map, study};
@@ -7,7 +7,7 @@ use palpate_report::Study;
 const PLOT: &str = "[[plot]]\nname = \"map\"\nkind = \"class-map\"\n";
 const AXES: &str = "scene.noise.position.fraction_of_ifd,scene.estimator";
 const PLACES: [&str; 2] = ["0.05,two-pass", "0.05,penalised"];
-/// A saddle ridge in one corner, as it is, and as it might be found.
+/// True classes, with a saddle ridge in one corner, and possible estimates.
 const TRUTH: &str = "rrrrrrrss";
 const FOUND: &str = "rrr rrpss";
 
@@ -23,7 +23,7 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
         text.find(&format!("\n{part}\n"))
             .unwrap_or_else(|| panic!("{part}"))
     };
-    // 7 of 9, and 9 of 9.
+    // 7 of 9 points are correct, and 9 of 9.
     assert!(place("truth") < place("77.8 % correct"));
     assert!(place("77.8 % correct") < place("two-pass"));
     assert!(place("two-pass") < place("100 % correct"));
@@ -48,7 +48,7 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
 
 #[test]
 fn squares_fill_the_panel_as_the_table_says() {
-    // The one square of another class of a 2 × 2 grid is the upper right: the largest x and y.
+    // In the 2 × 2 grid, only the upper right square, with the largest x and y, has another class.
     let text = drawn(&made(PLOT, &map(&[("rrrs", "rrrr"), ("rrrr", "rrrr")])));
     let corners = |colour: &str| {
         let polygons = text
@@ -81,7 +81,8 @@ fn squares_fill_the_panel_as_the_table_says() {
     };
     let ridges = corners("#D24F1F");
     let saddle = corners("#F7A64A");
-    // Truth and the second cell are one square each; the first cell is a column and a half.
+    // The true map and the second cell are one rectangle each; the first cell is a full column and half of the other
+    // column.
     assert_eq!((ridges.len(), saddle.len()), (4, 1));
     let ((left, right), (top, bottom)) = saddle[0];
     let column = ridges[1];

@@ -39,7 +39,7 @@ fn the_page_stands_alone_and_tells_everything() {
     ] {
         assert!(html.contains(part), "{part}");
     }
-    // A plot that is asked for, and the usual one of the study that asks for none.
+    // One plot from a config, and the default plot of the study without a `[[plot]]`.
     assert_eq!(html.matches("<svg").count(), 2);
     for part in ["<script", "<link", "<img", "@import", "url(", "<b>", "src="] {
         assert!(!html.contains(part), "{part}");
@@ -76,7 +76,7 @@ fn the_page_stands_alone_and_tells_everything() {
         "words",
         "word-unresolved"
     ])));
-    // Its tables do not tell how often intervals hold the truth.
+    // The tables of these studies have no coverage of intervals.
     assert!(!html.contains("Calibration of intervals"));
 }
 
@@ -97,7 +97,7 @@ fn intervals_are_held_against_what_they_say() {
     let first = table(&[
         (5.0, ["0.5", "0.8", "0.95"], 0),
         (50.0, ["0.3", "0.6", "0.75"], 98),
-        // One trial tells nothing, and neither does a table without shares.
+        // A cell with a single trial is left out, and so is one without coverage.
         (500.0, ["0", "0", "0"], 99),
         (900.0, ["", "", ""], 0),
     ]);

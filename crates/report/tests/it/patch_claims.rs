@@ -1,9 +1,9 @@
-//! Claims about patches on fabricated tables, both ways.
+//! Claims about patches on fabricated tables that agree with them or contradict them.
 
 use crate::fixture::{differs, holds, untestable};
 use crate::glides::{Made, cells, config, patches, study};
 
-/// All alike: errors of 1 % of the curvatures, all classes right.
+/// Good results: errors of 1 % of the curvatures, all classes correct.
 const GOOD: Made = Made {
     gaussian: 0.0004,
     mean: 0.002,
@@ -60,7 +60,7 @@ fn claim_10_is_about_the_worst_surface() {
                     failures,
                     ..GOOD
                 },
-                // Not asked for.
+                // The claim does not use these rows.
                 (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
                 _ => GOOD,
             }
@@ -98,7 +98,7 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
             }
         })
     };
-    // κ is 0.2 on all of them: the saddle's from its config, 2 × 0.1.
+    // κ is 0.2 on all surfaces; for the saddle it is 2 × 0.1, from its config.
     holds(
         &table(0.95, 0.3, 0.02, 0.02),
         &[

@@ -1,4 +1,4 @@
-//! Plots: what is drawn, what is said about the rest, what is refused.
+//! Plots: their content, the notes on what is missing, and rejected input.
 
 use crate::fixture::{
     Cells, Numbers, angular_velocity, attribute, config, drawn, refused, says, shows,
@@ -13,14 +13,17 @@ const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny 
 fn figures_are_drawn_twice_the_same() {
     let study = angular_velocity(&format!("{BASIC}{BASIC}name = \"b\"\ntitle = \"B\"\n"));
     let drawn = figures(&study).unwrap();
-    let told = |at: usize| (drawn[at].name.as_str(), drawn[at].title.as_str());
-    assert_eq!((told(0), told(1)), (("plot-1", "A question?"), ("b", "B")));
+    let named = |at: usize| (drawn[at].name.as_str(), drawn[at].title.as_str());
+    assert_eq!(
+        (named(0), named(1)),
+        (("plot-1", "A question?"), ("b", "B"))
+    );
     assert_eq!(drawn, figures(&study).unwrap());
 }
 
 #[test]
 fn a_study_without_plots_gets_the_usual_one() {
-    // Alike to one that says it, but for the radius along x, which is the first axis.
+    // The default plot is equal to this one. The radius, as the first axis, is along x.
     let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
         series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
     assert_eq!(
@@ -34,7 +37,7 @@ fn a_study_without_plots_gets_the_usual_one() {
         }
         cells.study(&config("sphere", ""))
     };
-    // What varies together counts once, what does not vary not at all.
+    // Fields that vary together count once; fields that do not vary do not count.
     let together = table(
         "scene.object.radius_cm,scene.probe.radius_cm,scene.object.s,scene.motion.duration_s",
         &[
@@ -54,7 +57,7 @@ fn a_study_without_plots_gets_the_usual_one() {
         ],
     );
     assert!(!svg.contains("probe radius"));
-    // A third field makes panels, a fourth is shown at its first value.
+    // A third field makes panels; a fourth field is shown at its first value.
     let places: Vec<(String, f64)> = (0..16)
         .map(|cell| {
             let [a, b, c, d] = [8, 4, 2, 1].map(|bit| 1 + (cell & bit) / bit);
@@ -77,7 +80,7 @@ fn a_study_without_plots_gets_the_usual_one() {
             "For object radius 1 cm: 100 trials per point.",
         ],
     );
-    // Without an error there is the mean; of one cell there is nothing.
+    // Without an error, the plot shows the mean. A study with one cell has no plot.
     let mut cells = Cells::new("scene.object.radius_cm");
     for radius in ["1", "2"] {
         cells.push(
@@ -94,7 +97,7 @@ fn a_study_without_plots_gets_the_usual_one() {
     );
     let one = table("scene.object.radius_cm", &[("1", 0.1)]);
     assert!(figures(&one).unwrap().is_empty());
-    // Labels are along x as they are.
+    // Labels along x are shown unchanged.
     let named = table("scene.object", &[("egg", 0.1), ("ball", 0.9)]);
     shows(&drawn(&named), &["egg", "ball"]);
 }
@@ -204,12 +207,12 @@ fn what_the_table_does_not_have_is_answered_with_the_nearest() {
             with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
             &["the mark at y = 0 is exactly 0"],
         ),
-        // A good plot before a bad one is not drawn either.
+        // The good plot before a bad plot is not drawn either.
         (
             with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
             &["plot-2", "nothing"],
         ),
-        // The grammar of plots is that of configs.
+        // The config parser also parses the plots.
         (with("where = 3"), &["run.toml:", "plot.0.where", "table"]),
         (
             with("name = \"../a\""),
@@ -400,7 +403,7 @@ fn points_of_survivors_are_circled() {
         let svg = drawn(&cells.study(&config("sphere", plot)));
         (svg.matches("<circle").count(), svg)
     };
-    // Five of a hundred are no reason yet, six are.
+    // A point is circled if 6 of 100 trials failed, but not if 5 failed.
     let (plain, svg) = circles([0, 0, 5]);
     assert!(!svg.contains("Circled"), "{svg}");
     let (one, svg) = circles([0, 0, 6]);

@@ -1,4 +1,4 @@
-//! Claims about presses on fabricated tables, both ways.
+//! Claims about presses on fabricated tables that agree with them or contradict them.
 
 use crate::fixture::{differs, holds, untestable};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
@@ -6,7 +6,7 @@ use palpate_report::{Study, score};
 
 // ---- 15: R² of the Gaussian
 
-/// R² by layout, of one trial; the gaussian calibrated.
+/// Table of R² by layout, for this number of trials and this estimator.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -37,7 +37,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
         &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps, calibrated gaussian), 0.972"],
     );
-    // Every press of a weighting counts.
+    // All rows of a layout must meet the bound.
     differs(
         &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps, calibrated gaussian)"],
@@ -61,7 +61,8 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
 
 // ---- 16: convergence of the effective radius
 
-/// Every object, estimator and indentation: median and scatter as shares of the truth, by indentation.
+/// Table of every object, estimator and indentation. `made` returns median and scatter relative to the true value, for
+/// the paper's estimator at an indentation.
 fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {
@@ -114,7 +115,7 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
     let study = course(1.15, [1.2, 0.3], 0.1);
     let score = score(&[study]).remove(0);
     assert!(!score.measured.contains("fail"), "{score:?}");
-    // Where nothing is estimated, noise has won.
+    // Cells without an estimate are left out.
     holds(
         &radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
         &["in 3 of 3 cells"],
@@ -159,7 +160,7 @@ fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str)
             let relative = 1.0 / radius + curvature;
             let touches = relative > 1e-12;
             let numbers = Numbers {
-                // Where all fail the config tells.
+                // If all trials fail, the true value follows from the config.
                 truth: touches.then_some(relative),
                 trials: 1000,
                 failures: if touches { 0 } else { 1000 },
@@ -212,7 +213,7 @@ fn claim_17_holds_by_sign_and_by_the_size_of_the_sensor() {
 
 #[test]
 fn claim_17_differs_if_a_regime_or_the_trend_is_another() {
-    // The flattest contact is not understood: fewer objects, but a model that fails.
+    // For the flattest contact, the trials succeed but too few intervals contain the true value.
     differs(
         &of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
         &["7 of 9 cells of positive relative curvature are sensed"],

@@ -1,4 +1,4 @@
-//! The pictures of one press.
+//! Figures of one press.
 
 use crate::fixture::{self, attribute, count, shows};
 use palpate_report::{Figure, Files, ReportError, press_figures};
@@ -9,7 +9,7 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     2,0,4,4,0.5,0,0.2\n\
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
-/// The third marker is lost, the others come in another order; off by 0.1 inward, by 0.05 along the skin.
+/// The third marker is lost, and the others have another order. The errors are 0.1 inward and 0.05 along the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\
@@ -62,10 +62,10 @@ fn the_quiver_has_arrows_a_scale_shades_and_marks_what_is_lost() {
         "no reading",
     ];
     shows(&quiver, &texts);
-    // A shaft each and one in the key: true ones of four markers, read ones of four.
+    // One shaft per arrow, and one in the key: four true arrows, and four arrows that were read.
     assert_eq!(count(&quiver, "polyline", BLUE), 5);
     assert_eq!(count(&quiver, "polyline", VERMILION), 5);
-    // Their heads, and the two bars of a cross on the lost one and in the key.
+    // One head per arrow; the crosses on the lost marker and in the key have two bars each.
     assert_eq!(count(&quiver, "polygon", BLUE), 5);
     assert_eq!(count(&quiver, "polygon", VERMILION), 5 + 4);
 }
@@ -176,7 +176,7 @@ fn bad_tables_are_refused() {
             trace("y_mm\n", "y_um\n"),
             &["trace.csv", "no column \"tangential_y_mm\""],
         ),
-        // A place where no marker is, and a marker read twice.
+        // A reading at a place without a marker, and two readings at the place of one marker.
         (readings("0,-4,", "0,-4.1,"), &once_each),
         (readings("0,-4,", "-4,0,"), &once_each),
     ] {

@@ -1,4 +1,4 @@
-//! Small studies of presses: tables of fabricated estimates, profiles of known shape.
+//! Small studies of presses: tables of fabricated estimates, profiles of a given shape.
 
 use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
@@ -14,7 +14,7 @@ pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
     ("ball of 80 mm", "kind = \"sphere\", radius = 80.0", 16.0),
 ];
 
-/// A config of presses in mm that sweeps objects and estimators, and room for plots.
+/// Config of presses in mm that sweeps objects and estimators. The config also contains `rest`.
 pub(crate) fn config(claims: &str, rest: &str) -> String {
     let objects = OBJECTS.map(|(label, shape, _)| format!("{{ label = \"{label}\", {shape} }}"));
     format!(
@@ -30,7 +30,7 @@ pub(crate) fn config(claims: &str, rest: &str) -> String {
     )
 }
 
-/// Numbers in a row beyond its place in the sweep.
+/// Numbers of a row, without its swept values.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
     pub(crate) truth: Option<f64>,
@@ -44,7 +44,7 @@ pub(crate) struct Numbers {
     pub(crate) bound: Option<f64>,
 }
 
-/// A table with the bound, in the making.
+/// Builder of a table with a column for the Cramér–Rao bound.
 pub(crate) struct Cells {
     text: String,
     failures: String,

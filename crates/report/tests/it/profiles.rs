@@ -1,4 +1,4 @@
-//! Profiles of presses, points from elsewhere and the bound: what is drawn and told, what is refused.
+//! Profiles of presses, reference points and the bound: their lines and texts, and rejected input.
 
 use crate::fixture::{angular_velocity, count, drawn, refused, shows};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
@@ -19,7 +19,7 @@ const GREEN: &str = "#009E73";
 const NEUTRAL: &str = "#3C3C3C";
 const PALE_NEUTRAL: &str = "#9D9D9D";
 
-/// Cells 0 … 5: each object by two estimators, of which the second has no radial component.
+/// Cells 0 … 5: each object with two estimators. The second estimator has no radial component.
 fn cells() -> Cells {
     let mut cells = Cells::new("scene.object,scene.estimator");
     for (object, ..) in OBJECTS {
@@ -198,7 +198,7 @@ fn bad_profiles_are_refused() {
     ] {
         refused(&made(&format!("{PROFILE}{rest}\n"), &map()), parts);
     }
-    // Eight lines have no eight colours.
+    // There are only seven colours for these eight lines.
     let mut many = Cells::new("scene.motion.indentation_mm");
     let mut table = HEADER.to_owned();
     for cell in 0..8 {
@@ -288,9 +288,9 @@ fn points_are_open_markers_in_the_colour_of_their_series() {
         before + 3,
         "two and their sample"
     );
-    // They take part in the axes' ranges.
+    // The ranges of the axes include the points.
     assert!(says(&svg, "2.0") && says(&svg, "0.30"));
-    // Points of one label and several colours have one sample, in nobody's.
+    // Points with one label and several colours have one sample, in a neutral colour.
     let points = points
         + POINTS
         + "x = [0.7]\ny = [0.01]\n"

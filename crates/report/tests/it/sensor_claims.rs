@@ -1,4 +1,4 @@
-//! Claims about the camera and the skin on fabricated tables, both ways.
+//! Claims about the camera and the skin on fabricated tables that agree with them or contradict them.
 
 use crate::fixture::{differs, holds, untestable};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
@@ -14,14 +14,14 @@ fn mean(mean: f64) -> Numbers {
 
 // ---- 14: straight lines
 
-/// Hue by indentation on each object, then centroid by shift at two indentations; the object by its number.
+/// Hue by indentation on each object (by its number), then centroid by shift at two indentations.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // A hue under shift is another matter.
+                // The hue at a nonzero shift must not affect the result.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push(&place, "hue_change", read, "");
@@ -154,7 +154,7 @@ fn claim_22_differs_where_no_sensor_has_both() {
         &slopes([0.005166, 0.02583], [7.0, 4.2]),
         &["20 % (as designed)", "60 % (nearer camera)"],
     );
-    // One and a fifth is still alike, and more is not.
+    // A deviation of 20 % is still accepted, a larger one is not.
     holds(&slopes([0.0, 0.0309], [0.0, 7.0]), &["120 %"]);
     differs(&slopes([0.0, 0.0312], [0.0, 7.0]), &["121 %"]);
 }
@@ -244,7 +244,7 @@ fn claim_19_needs_both_lenses_at_several_angles() {
     untestable(&areas(&[even]), &["under the pinhole"]);
     let lone = ("pinhole", [Some(100.0), None, None]);
     untestable(&areas(&[even, lone]), &["under the pinhole"]);
-    // What has no area has no ratio.
+    // Areas that are not positive have no ratio.
     let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
     untestable(&areas(&[none, ("pinhole", even.1)]), &["under the fisheye"]);
 }

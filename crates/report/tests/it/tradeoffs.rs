@@ -56,7 +56,7 @@ fn a_bar_shows_how_far_trials_leave_an_error_open() {
     let bars = "Bars, where longer than their marker";
     assert!(!drawn(RUNGS).contains(bars));
     let plain = drawn(RUNGS).matches("<polyline").count();
-    // Of the two that err by chance, one does so by less than its marker shows.
+    // Two errors have a standard error. The bar of one is shorter than its marker and is not drawn.
     let open = RUNGS
         .replace(",0.2,,", ",0.2,0.09,")
         .replace(",1e-4,,", ",1e-4,1e-7,");
@@ -78,11 +78,11 @@ fn a_picture_names_every_rung_that_has_room() {
         "RK4 × 8",
     ];
     says(&svg, &texts);
-    // Beaten on the easy scene; on the front of the hard one.
+    // It is off the front of the easy scene, and on the front of the hard one.
     assert_eq!(svg.matches("RK4 × 1\n").count(), 2, "{svg}");
     assert_eq!(svg.matches("><title>RK4 × 1</title></polygon>").count(), 1);
     assert_eq!(svg.matches("<title>").count(), 1);
-    // In the key, by what they have in common.
+    // The key shows the name of the family.
     assert_eq!(svg.matches("RK4\n").count(), 1, "{svg}");
     assert!(!svg.contains("off the scale"));
 }

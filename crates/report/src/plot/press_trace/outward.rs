@@ -1,18 +1,18 @@
-//! Direction away from the contact, whose place is found from the markers' distances to it.
+//! Direction away from the contact. The place of the contact is fitted to the markers' distances from it.
 
 /// Steps of the search for the curvature of the skin, and bisections of the step found.
 const STEPS: u32 = 60;
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin, times the largest distance: the half circle from pole to pole.
+/// Largest curvature of the skin times the largest distance. At π, the distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Ridge of the least squares, relative to the trace of the matrix, for directions that the places do not determine.
+/// Ridge of the least squares, relative to the trace of the matrix. It determines directions that the places do not.
 const RIDGE: f64 = 1e-13;
 /// Largest distance of a marker at the contact, relative to the largest distance of all.
 const AT_CONTACT: f64 = 1e-6;
 
-/// Unit vector away from the contact at each place, in the apex's axes carried along the meridian of the place; `None` at
-/// the contact. `places` are logarithm maps from the apex of a spherical skin of any radius, `distances` their great-circle
-/// distances from the contact.
+/// Unit vector away from the contact at each place, along the apex's axes transported along the meridian to the place;
+/// `None` at the contact. `places` are logarithm maps from the apex of a spherical skin of any radius; `distances` are
+/// their great-circle distances from the contact.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
     let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
@@ -163,7 +163,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// `vector` carried from the apex to the place: turned by its polar angle about the horizontal axis (Rodrigues).
+    /// `vector` after transport from the apex to the place: rotated by the place's polar angle about the horizontal
+    /// axis (Rodrigues).
     fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
         let length = libm::hypot(place[0], place[1]);
         let axis = if length > 0.0 {

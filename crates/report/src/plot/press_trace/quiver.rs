@@ -15,7 +15,7 @@ use plotters::element::{Circle, Polygon, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Room for the key, and between it and the box.
+/// Width of the key, and gap between the key and the box.
 const KEY: i32 = 720;
 const GAP: i32 = 90;
 /// Smallest displacement that counts as a displacement.
@@ -39,7 +39,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let [x, y] = scales(trace);
     let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
-    // Sized so that neighbours in an even pattern would not touch.
+    // Markers get a size at which neighbours in an even pattern do not touch.
     let apart = f64::from(side) / (trace.markers.len() as f64).sqrt();
     let moves = trace.markers.iter().flat_map(|marker| {
         let read = marker.reading.and_then(|reading| reading.tangential);
