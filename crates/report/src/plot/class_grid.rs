@@ -63,7 +63,7 @@ fn cell_map(
     if side * side != rows.len() {
         let count = rows.len();
         return Err(of.bad(format!(
-            "map.csv has {count} points of cell {cell}, which is no square grid"
+            "map.csv has {count} points of cell {cell}, which do not form a square grid"
         )));
     }
     let column = |at: usize| -> Result<Vec<f64>, ReportError> {
@@ -76,7 +76,7 @@ fn cell_map(
     for (name, lines) in [("x", &x), ("y", &y)] {
         if lines.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(of.bad(format!(
-                "the points of cell {cell} in map.csv are no grid of {side} × {side} with x slowest: {name} does not rise"
+                "cell {cell} of map.csv is not a grid of {side} × {side} points with x slowest: {name} does not increase"
             )));
         }
     }

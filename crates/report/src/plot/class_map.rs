@@ -42,7 +42,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     if rows.len() > MAX_CELLS {
         let count = rows.len();
         return Err(of.bad(format!(
-            "{count} maps are no picture; choose at most {MAX_CELLS} by `where`"
+            "{count} maps are too many for a figure; choose at most {MAX_CELLS} by `where`"
         )));
     }
     let cells = of.study.cells();

@@ -94,7 +94,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
         return Err(ReportError::Draw {
             path: format!("{}.svg", heat.name).into(),
             message: format!(
-                "{} panels of up to {most} things are no picture; at most {MAX_PANELS} of {MAX_THINGS} are",
+                "{} panels of up to {most} items are too many; at most {MAX_PANELS} of {MAX_THINGS} are allowed",
                 heat.panels.len()
             ),
         });

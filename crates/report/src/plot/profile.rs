@@ -230,7 +230,7 @@ fn read(of: Request<'_>, component: Component) -> Result<Profiles, ReportError> 
     let profile = |(cell, rows): (u64, Vec<usize>)| -> Result<Profile, ReportError> {
         for pair in rows.windows(2) {
             if table.number(pair[0], 1)? >= table.number(pair[1], 1)? {
-                return Err(table.bad(pair[1], 1, "further out than the row before of its cell"));
+                return Err(table.bad(pair[1], 1, "larger than in the previous row of its cell"));
             }
         }
         Ok(Profile {

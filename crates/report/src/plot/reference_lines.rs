@@ -73,7 +73,7 @@ impl Points {
             {
                 let shown = panels.join(", ");
                 return Err(format!(
-                    "the points {label:?} are of the panel {panel:?}; shown: {shown}"
+                    "the points {label:?} belong to the panel {panel:?}, which the plot does not have; panels: {shown}"
                 ));
             }
             let shape = labels.iter().position(|known| *known == label);

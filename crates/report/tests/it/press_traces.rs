@@ -145,7 +145,7 @@ fn bad_tables_are_refused() {
     let header = TRACE.lines().next().unwrap();
     let once_each = [
         "readings.csv",
-        "place of a marker of trace.csv, once for each",
+        "a place in trace.csv that has no other reading",
     ];
     for ((trace, readings), parts) in [
         (

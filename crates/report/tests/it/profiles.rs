@@ -165,7 +165,7 @@ fn bad_profiles_are_refused() {
         (
             "\n0,1,",
             "\n0,0,",
-            &["line 3", "radial_position_mm", "further out"],
+            &["line 3", "radial_position_mm", "previous row"],
         ),
         (
             "\n0,1,",
@@ -360,7 +360,7 @@ fn bad_points_are_refused() {
         (
             LINES,
             "x = [1]\ny = [1]\npanel = \"plane\"",
-            &["panel \"plane\"", "shown:"],
+            &["panel \"plane\"", "panels:"],
         ),
         (&log, "x = [1]\ny = [0]", &["point at y = 0", "log axis"]),
         (

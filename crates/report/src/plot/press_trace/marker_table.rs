@@ -124,9 +124,8 @@ fn add_readings(
                 let Marker { place, reading, .. } = &markers[**marker];
                 reading.is_none() && (place[1] - y).abs() <= near
             });
-        let marker = *found.ok_or_else(|| {
-            table.bad(row, 0, "the place of a marker of trace.csv, once for each")
-        })?;
+        let marker = *found
+            .ok_or_else(|| table.bad(row, 0, "a place in trace.csv that has no other reading"))?;
         markers[marker].reading = Some(Displacement {
             normal: table.number(row, 2)?,
             tangential: with_tangential.then(|| pair(table, row, 3)).transpose()?,
