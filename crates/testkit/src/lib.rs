@@ -1,5 +1,5 @@
-//! Frames with known markers, for tests, benches and measurements of tracking. They are drawn in another way than
-//! `palpate-chromatouch` renders frames, so that tracking has an independent reference.
+//! Frames whose true markers are returned with them, for tests, benches and measurements of tracking. The frames are
+//! drawn in another way than `palpate-chromatouch` renders frames, so that tracking has an independent reference.
 //!
 //! ```
 //! let (frame, truth) = palpate_testkit::dark(200, 1);
@@ -10,7 +10,7 @@
 
 use image::RgbImage;
 
-/// Perfect reading of a disc pair, or of a single disc.
+/// True features of a pair of discs, or of a single disc.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     /// Centroid, px.
@@ -34,18 +34,18 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Number from `low` to `high`, all equally likely.
+    /// A uniformly distributed number from `low` to `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Number of standard deviation 1 about 0, nearly normal: the sum of twelve uniform ones.
+    /// A nearly normal number with mean 0 and standard deviation 1: the sum of twelve uniform numbers.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform(-0.5, 0.5)).sum()
     }
 }
 
-/// Hue of a colour, turns: which two of its light are the greatest, and how far the second is up.
+/// Hue of a colour as in HSV, turns.
 pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
@@ -78,7 +78,7 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// Share of each pixel of rows and columns about a disc that the disc covers, by 8 by 8 points in it.
+/// Share of each pixel near a disc that the disc covers, by 8 × 8 sample points per pixel: (column, row, share).
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -98,7 +98,7 @@ fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)>
     pixels
 }
 
-/// Puts a plane of colours into bytes, with normal noise.
+/// Converts a plane of colours to bytes, with normal noise of standard deviation `noise`.
 fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> RgbImage {
     let mut frame = RgbImage::new(size as u32, size as u32);
     for (pixel, colour) in frame.pixels_mut().zip(plane) {
@@ -108,8 +108,8 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
     frame
 }
 
-/// Frame of 77 discs of random hues on a dark ground under an uneven lamp, noise of 3 in 255, clutter outside the circle of
-/// radius 0.48 sides about the middle.
+/// Frame of 77 discs of random hues on a dark ground with uneven illumination. The noise has a standard deviation of 3
+/// of 255 levels. Outside a circle around the middle, of radius 0.48 × `size`, there is clutter.
 pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
@@ -170,8 +170,8 @@ pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
 /// Light that passes a yellow disc.
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
-/// Frame of markers, each a magenta and a yellow disc that stand apart in a direction of their own, at these places on a
-/// white ground in a circle that holds the frame.
+/// Frame of markers at `places` on a white ground. Each marker is a magenta and a yellow disc, displaced from each
+/// other in a random direction.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);
@@ -221,7 +221,7 @@ pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Tru
     (bytes(&lit, size, how.noise, &mut random), truth)
 }
 
-/// A normal blur, rows first.
+/// A Gaussian blur, along rows first.
 fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     if std == 0.0 {
         return plane.to_vec();
@@ -253,7 +253,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Places of a sensor's markers: one in the middle and rings about it, `spacing` apart, in a frame of a side.
+/// Places of a sensor's markers: one in the middle and rings around it, `spacing` px apart, in a frame with `size` px a
+/// side.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];
