@@ -1,4 +1,4 @@
-//! The flat pattern of a hemispherical skin: polyconic gores, as globes are made (the 2020 paper, section III-B,
+//! The flat pattern of a hemispherical skin: polyconic gores, as for paper globes (the 2020 paper, section III-B,
 //! Fig. 3).
 //!
 //! A sphere of radius R is cut into n gores. At the height Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its

@@ -123,7 +123,7 @@ fn part(
     let scale = 1.0 / (1.0 - share * rest * square).sqrt();
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
-    // Sine of the angle between the middles. The circles lie at parts of this angle.
+    // Sine of the angle between the middles, which `direction` divides into the shares `share` and `rest`.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
         let cosine = (1.0 - 0.5 * away * square) * scale;

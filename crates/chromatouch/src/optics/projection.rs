@@ -18,9 +18,9 @@ impl Optics {
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]; the overlap of two discs is computed to second order
     /// in their angular radius α. The error is of the order of α⁴ relative to the size, and to the focal length for the
-    /// centroid. For the published markers, at most 60° from the apex, it is less than 0.004 px of 2048, 2e-5 turns and
     /// centroid. For the published markers, at most 60° from the apex, it is less than 0.004 px in a frame of 2048 px,
     /// 2e-5 turns and 2e-4 of the size; through a pinhole it is larger.
+    ///
     /// # Errors
     /// [`OpticsError::WrongCount`] unless there is one motion per marker; [`OpticsError::ImpossibleMotion`] for a motion
     /// that is not shorter than the distance of its disc from the centre.

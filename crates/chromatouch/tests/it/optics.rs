@@ -188,8 +188,8 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
 
 #[test]
 fn markers_move_along_the_carried_axes() {
-    // The marker is at azimuth 90°, where the carried axes are around the meridian and along it. Arcs are on the sphere
-    // of the discs.
+    // At azimuth 90°, the transported y axis points away from the apex and the x axis around it. Arcs are measured on
+    // the sphere of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
     let along = |tangential| DiscMotion {

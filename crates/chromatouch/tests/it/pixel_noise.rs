@@ -105,7 +105,7 @@ fn pixels_outside_the_circle_are_as_they_are() {
             assert!(inside.contains(&column) || !is_changed, "{column}, {row}");
         }
     }
-    // Noise of 20 levels changes nearly every pixel; a pixel is unchanged only if all three channels round to 0.
+    // Noise of 20 levels changes nearly every pixel; a pixel is unchanged only if its three errors round to 0.
     assert!(f64::from(changed) > 0.999 * 71_000.0, "{changed}");
 }
 

@@ -1,4 +1,4 @@
-//! The pixels that a marker covers, and how much of each.
+//! Pixels that a marker covers, and the covered share of each.
 
 use std::ops::Range;
 
@@ -58,7 +58,7 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     }
     let size = f64::from(camera.size_px());
     // The middle, or the nearest point of the rim, and an upper bound of the distance from there to the edge of the disc.
-    // If the disc crosses the rim, the way along the sphere may leave the field; the way around it is longer.
+    // If the disc crosses the rim, the direct path on the sphere may leave the field; the path inside it is longer.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
@@ -108,8 +108,8 @@ impl DiscRaster {
         (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
-    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. It is an odd function of v·n −
-    /// cos α about 1/2. Because v·n is linear in the solid angle, the shares then sum to the area of the disc.
+    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. The share minus 1/2 is an odd
+    /// function of v·n − cos α. Because v·n is linear in the solid angle, the shares sum to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn directions_turn_with_the_place() {
-        // To the left of the centre, outward is against the columns and around (with the azimuth) is down.
+        // To the left of the centre, outward is toward smaller columns, and growing azimuth is downward.
         assert_eq!(in_columns_and_rows([1.0, 0.0], [-2.0, 0.0]), [-2.0, 0.0]);
         assert_eq!(in_columns_and_rows([0.0, 1.0], [-2.0, 0.0]), [0.0, -2.0]);
         assert_eq!(in_columns_and_rows([0.5, 0.2], [0.0, 0.0]), [0.5, 0.2]);
