@@ -17,7 +17,7 @@ fn tracking(criterion: &mut Criterion) {
             }),
             ..FinderSettings::default()
         })
-        .expect("no diameter is asked for");
+        .expect("valid settings");
         criterion.bench_function(&format!("find, {size} px, dark"), |bencher| {
             bencher.iter(|| finder.find(black_box(&frame)).expect("markers"));
         });
@@ -35,7 +35,7 @@ fn tracking(criterion: &mut Criterion) {
         noise: 2.0,
     };
     let (frame, _) = frames::bright(how, &frames::rings(640, 56.0, 4), 3);
-    let mut finder = Finder::new(FinderSettings::default()).expect("no diameter is asked for");
+    let mut finder = Finder::new(FinderSettings::default()).expect("valid settings");
     criterion.bench_function("find, 640 px, bright, 61 large", |bencher| {
         bencher.iter(|| finder.find(black_box(&frame)).expect("markers"));
     });

@@ -38,8 +38,8 @@ pub enum TrackingError {
     },
     /// The radius of the image circle is not positive, or its centre lies outside the frame.
     #[error(
-        "the image circle about ({x_px}, {y_px}) of radius {radius_px} px does not show the \
-         frame: its centre must lie in the frame and its radius be positive",
+        "the image circle around ({x_px}, {y_px}) with a radius of {radius_px} px is not valid: \
+         its centre must lie in the frame and its radius must be positive",
         x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
     )]
     MaskOutside {

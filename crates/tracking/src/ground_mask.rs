@@ -31,7 +31,7 @@ pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
     /// Squares that show the sensor.
     pub(crate) inside: Vec<bool>,
-    /// Top-hat transform: how much brighter each square is than the ground around it.
+    /// Top-hat transform: brightness of each square above that of the ground around it.
     pub(crate) top_hat: Vec<u8>,
     /// Squares of the ground: not of a marker and not near one.
     pub(crate) is_ground: Vec<bool>,

@@ -62,7 +62,7 @@ const WORDS: Words = Words {
 };
 
 impl LateralCalibration {
-    /// Fits the shift along the known displacement to its length.
+    /// Fits the component of the shift along the given displacement, as a function of the displacement's length.
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for a
