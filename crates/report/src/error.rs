@@ -91,7 +91,7 @@ pub enum ReportError {
         plot: String,
         /// The key that names the column.
         key: String,
-        /// The name given.
+        /// The unknown name.
         value: String,
         /// The names it could have been, nearest first.
         known: Vec<String>,
@@ -106,7 +106,7 @@ pub enum ReportError {
         path: PathBuf,
         /// Name of the plot.
         plot: String,
-        /// The point that several rows claim.
+        /// The point with several rows.
         point: String,
         /// The axes in which those rows differ.
         free: String,

@@ -1,4 +1,4 @@
-//! Coverage of the intervals of every estimator: the share that holds the true value.
+//! Coverage of the intervals of every estimator: the share of the intervals that contain the true value.
 
 use crate::records::by_key;
 use crate::{Study, Table};
@@ -63,7 +63,7 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of scene, estimator and sensor of a row, as far as the study states them.
+/// Kinds of scene, estimator and sensor of a row; those that the study does not state are omitted.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
     let others = ["scene.estimator", "scene.sensor"].into_iter();

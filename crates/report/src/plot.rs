@@ -49,8 +49,8 @@ pub(crate) use style::{DARK, hex, on_dark};
 /// The bytes of an SVG depend only on the study's tables and `run.toml`.
 ///
 /// # Errors
-/// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says which axis
-/// is free); or its table is absent or malformed.
+/// A `[[plot]]` is malformed, names an unknown column, or selects several rows for one point (the error names the axes
+/// in which they differ); or its table is absent or malformed.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let mut plots = study.plots()?;
     if plots.is_empty() {
@@ -85,7 +85,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
 /// ```
 ///
 /// # Errors
-/// The plot names an unknown column, or leaves several rows for one point; or a table is absent or malformed.
+/// The plot names an unknown column, or selects several rows for one point; or a table is absent or malformed.
 pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
     let name = plot.name.as_deref().unwrap_or("plot");
     let others = [
@@ -107,7 +107,7 @@ fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportErr
     {
         let kind = kind.name();
         return Err(of.bad(format!(
-            "kind {kind:?} is drawn from a {wanted}, and the scene of this study is a {found}"
+            "kind {kind:?} needs a scene of kind {wanted}, and the scene of this study is a {found}"
         )));
     }
     match kind {

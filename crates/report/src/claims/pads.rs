@@ -22,7 +22,7 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row without failed trials. An average that leaves out failed trials flatters a coarse sensor.
+/// The rms error of a row without failed trials; `None` if trials failed, because the error of the others is too small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }

@@ -76,7 +76,7 @@ fn cell_map(
     for (name, lines) in [("x", &x), ("y", &y)] {
         if lines.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(of.bad(format!(
-                "cell {cell} of map.csv is not a grid of {side} × {side} points with x slowest: {name} does not increase"
+                "cell {cell} of map.csv is not a {side} × {side} grid with x slowest: {name} does not increase"
             )));
         }
     }

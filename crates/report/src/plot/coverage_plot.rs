@@ -11,8 +11,8 @@ use crate::interval_coverage::{Estimator, STATED};
 /// Range of the x axis: stated shares, percent.
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
-/// Draws the share of the intervals that hold the true value: the median over the cells of an estimator, with bars from
-/// the 5 % to the 95 % quantile.
+/// Draws the share of the intervals that contain the true value: the median over the cells of an estimator, with bars
+/// from the 5 % to the 95 % quantile.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",

@@ -1,4 +1,4 @@
-//! Selection of the columns, rows and cells that a `[[plot]]` asks for.
+//! Selection of the columns, rows and cells that a `[[plot]]` requests.
 
 use super::captions::{self, full_value};
 use super::sheet::Words;

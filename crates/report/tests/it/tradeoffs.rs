@@ -1,4 +1,4 @@
-//! Tables of speed against accuracy, and what the page makes of the tables beside the studies.
+//! Tables of speed against accuracy, and the sections that the page makes from them.
 
 use crate::fixture::{Cells, NO_FAILURES, Numbers, config, says};
 use palpate_report::{Files, ReportError, Study, page, tradeoff_figures};
