@@ -169,7 +169,7 @@ pub fn frame(bytes: &[u8]) -> Outcome {
         return Ok(());
     }
     let finder = Finder::new(FinderSettings::default());
-    let mut finder = finder.expect("the default settings are good");
+    let mut finder = finder.expect("the default settings are valid");
     check_finite(&with_message(finder.find(&frame.image))?);
     Ok(())
 }
