@@ -218,7 +218,7 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // Of the other parts, only those that are not settings.
+    // The name keeps only those other parts that are not settings.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)

@@ -125,7 +125,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 /// Axes on which the chosen cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Axes other than that of the panels on which the cells differ.
+    /// Axes on which the cells differ, without the axis of the panels.
     names: Vec<&'a Axis>,
 }
 

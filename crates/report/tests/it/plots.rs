@@ -363,7 +363,7 @@ fn names_along_x_stand_beside_each_other() {
         let svg = drawn(&cells.study(&config("sphere", &plots)));
         let places = across(&svg, "misaligned");
         assert_eq!(places.len(), if panels.is_empty() { 8 } else { 16 });
-        // The word is at least 80 pixels wide in any sans-serif of 18.
+        // The word is at least 80 pixels wide in any sans-serif font of 18 px.
         assert!(
             places[..8].windows(2).all(|pair| pair[1] - pair[0] > 85.0),
             "{places:?}"

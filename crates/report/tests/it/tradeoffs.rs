@@ -78,7 +78,7 @@ fn a_picture_names_every_rung_that_has_room() {
         "RK4 × 8",
     ];
     says(&svg, &texts);
-    // It is off the front of the easy scene, and on the front of the hard one.
+    // This rung is not on the front of the easy scene, but on that of the hard one.
     assert_eq!(svg.matches("RK4 × 1\n").count(), 2, "{svg}");
     assert_eq!(svg.matches("><title>RK4 × 1</title></polygon>").count(), 1);
     assert_eq!(svg.matches("<title>").count(), 1);
