@@ -15,7 +15,6 @@ pub mod formula;
 mod fundamental;
 mod level_set;
 mod meridian;
-mod placed_surface;
 mod surface;
 pub mod surfaces;
 
@@ -26,7 +25,6 @@ pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
-pub use placed_surface::PlacedSurface;
 pub use surface::Surface;
 pub use surfaces::{Shape, Visitor};
 

@@ -1,8 +1,8 @@
-//! Laws that every surface obeys, in every pose, called through its own type or through `Shape`.
+//! Laws that every surface obeys, called through its own type or through `Shape`.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
-use palpate_geometry::{ChartGeometry, Parameters, PlacedSurface, Shape, Surface, SurfaceError};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
+use palpate_geometry::{ChartGeometry, Parameters, Shape, Surface, SurfaceError};
 
 use crate::specimens::{self, Specimen, on_concrete, point};
 
@@ -10,17 +10,10 @@ use crate::specimens::{self, Specimen, on_concrete, point};
 fn every_surface_obeys_the_laws() {
     for specimen in specimens::all() {
         println!("{}", specimen.name);
-        let [home, near, far] = specimens::poses();
         let shape = &specimen.shape;
-        obeys_the_laws(shape, &specimen, home);
-        obeys_the_laws(
-            &PlacedSurface::new(shape.clone(), near).unwrap(),
-            &specimen,
-            near,
-        );
+        obeys_the_laws(shape, &specimen);
         on_concrete!(shape, surface => {
-            obeys_the_laws(surface, &specimen, home);
-            obeys_the_laws(&PlacedSurface::new(Clone::clone(surface), far).unwrap(), &specimen, far);
+            obeys_the_laws(surface, &specimen);
             assert_eq!(surface.default_contact(), shape.default_contact());
             assert_eq!(surface.constant_curvature(), shape.constant_curvature());
             let (x, y) = shape.default_contact();
@@ -30,11 +23,11 @@ fn every_surface_obeys_the_laws() {
     }
 }
 
-/// Checks the laws on the specimen's surface at `pose`.
-fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen, pose: Isometry3<f64>) {
+/// Checks the laws on the surface of the specimen.
+fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen) {
     let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
     for &at in &specimen.at {
-        let here = Place::new(surface, specimen, pose, at);
+        let here = Place::new(surface, specimen, at);
         here.the_frame_is_orthonormal_and_right_handed();
         here.the_normal_points_out_of_the_solid();
         here.the_forms_are_those_of_the_chart();
@@ -45,15 +38,13 @@ fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen, pose: Isometry3<f
         here.a_point_within_reach_falls_back_on_its_foot();
         here.none_of_these_is_closer(&points);
         here.a_homogeneous_surface_curves_everywhere_the_same();
-        here.a_pose_changes_no_form();
     }
-    the_default_contact_is_on_the_upper_side(surface, &pose);
+    the_default_contact_is_on_the_upper_side(surface);
 }
 
 struct Place<'a, S> {
     surface: &'a S,
     specimen: &'a Specimen,
-    pose: Isometry3<f64>,
     at: Parameters,
     geometry: ChartGeometry,
     /// Lengths that differ by less count as equal: the difference is rounding.
@@ -61,13 +52,12 @@ struct Place<'a, S> {
 }
 
 impl<'a, S: Surface> Place<'a, S> {
-    fn new(surface: &'a S, specimen: &'a Specimen, pose: Isometry3<f64>, at: Parameters) -> Self {
+    fn new(surface: &'a S, specimen: &'a Specimen, at: Parameters) -> Self {
         let geometry = surface.chart_geometry(at).unwrap();
         let tiny = 1e-13 * (specimen.size + geometry.point.coords.norm());
         Self {
             surface,
             specimen,
-            pose,
             at,
             geometry,
             tiny,
@@ -86,7 +76,7 @@ impl<'a, S: Surface> Place<'a, S> {
 
     fn the_normal_points_out_of_the_solid(&self) {
         let step = self.geometry.frame.normal * (1e-3 * self.specimen.reach);
-        let is_in_solid = |p| (self.specimen.solid)(&self.pose.inverse_transform_point(&p));
+        let is_in_solid = |p| (self.specimen.solid)(&p);
         assert!(!is_in_solid(self.geometry.point + step));
         assert!(is_in_solid(self.geometry.point - step));
     }
@@ -185,12 +175,8 @@ impl<'a, S: Surface> Place<'a, S> {
     }
 
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
-        let local = self.pose.inverse_transform_point(&self.geometry.point);
-        let up = self
-            .pose
-            .inverse_transform_vector(&self.geometry.frame.normal)
-            .z;
-        let touched = self.surface.contact_at(local.x, local.y).unwrap();
+        let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
+        let touched = self.surface.contact_at(place.x, place.y).unwrap();
         // Where the surface faces down, `contact_at` returns the point above, which faces up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
@@ -250,22 +236,13 @@ impl<'a, S: Surface> Place<'a, S> {
         let difference = (a.k_min - b.k_min).abs() + (a.k_max - b.k_max).abs();
         assert!(difference * self.specimen.size < 1e-13);
     }
-
-    fn a_pose_changes_no_form(&self) {
-        let at_home = self.specimen.shape.chart_geometry(self.at).unwrap();
-        assert_eq!(self.geometry.metric, at_home.metric);
-        assert_eq!(self.geometry.curvature, at_home.curvature);
-        assert_eq!(self.geometry.torsion, at_home.torsion);
-        assert_eq!(self.geometry.point, self.pose * at_home.point);
-        assert_eq!(self.geometry.frame.x, self.pose * at_home.frame.x);
-    }
 }
 
-fn the_default_contact_is_on_the_upper_side(surface: &impl Surface, pose: &Isometry3<f64>) {
+fn the_default_contact_is_on_the_upper_side(surface: &impl Surface) {
     let (x, y) = surface.default_contact();
     let touched = surface.contact_at(x, y).unwrap();
     let normal = surface.level_set(&touched).unwrap().normal;
-    assert!(pose.inverse_transform_vector(&normal).z > 0.5);
+    assert!(normal.z > 0.5);
 }
 
 /// The derivative at 0, by central differences of fourth order.

@@ -1,11 +1,11 @@
-//! Shapes, poses and places that are rejected, and the names of their errors.
+//! Shapes and places that are rejected, and the names of their errors.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{InvalidShape, Parameters, PlacedSurface, Shape, Surface, SurfaceError};
+use palpate_geometry::{InvalidShape, Parameters, Shape, Surface, SurfaceError};
 
 #[test]
 fn constructors_refuse_what_makes_no_surface() {
@@ -30,25 +30,6 @@ fn constructors_refuse_what_makes_no_surface() {
         refuses(Graph::saddle(bad), "a", bad);
     }
     refuses(Torus::new(1.0, 1.0), "minor_radius", 1.0);
-}
-
-#[test]
-fn poses_must_be_finite_and_within_reach() {
-    for bad in [f64::NAN, f64::NEG_INFINITY, 1.1e150] {
-        let moved = Isometry3::translation(0.0, bad, 0.0);
-        assert_eq!(
-            PlacedSurface::new(Plane, moved).unwrap_err().setting,
-            "pose"
-        );
-        let mut turn = Quaternion::identity();
-        turn.coords[2] = bad;
-        let turn = UnitQuaternion::new_unchecked(turn);
-        let turned = Isometry3::from_parts(Translation3::identity(), turn);
-        assert_eq!(
-            PlacedSurface::new(Plane, turned).unwrap_err().setting,
-            "pose"
-        );
-    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{Parameters, Shape, Surface};
@@ -187,19 +187,6 @@ pub(crate) fn all() -> Vec<Specimen> {
         height_field("0.1*x^3 - 0.2*x*y + atan2(y, x + 9)", 0.7, |x, y| {
             0.1 * x * x * x - 0.2 * x * y + libm::atan2(y, x + 9.0)
         }),
-    ]
-}
-
-/// Poses far from each other. The first is the identity.
-pub(crate) fn poses() -> [Isometry3<f64>; 3] {
-    let pose = |x, y, z, roll, pitch, yaw| {
-        let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        Isometry3::from_parts(Vector3::new(x, y, z).into(), turn)
-    };
-    [
-        Isometry3::identity(),
-        pose(0.3, -1.1, 0.6, 0.4, -1.2, 2.5),
-        pose(-4.0, 2.0, 7.0, -2.8, 0.3, -0.9),
     ]
 }
 
