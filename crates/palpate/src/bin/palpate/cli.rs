@@ -1,10 +1,10 @@
 //! The arguments of the commands.
 
 mod answers;
-mod estimate;
+mod estimate_args;
 mod form;
 mod number;
-mod sensor;
+mod sensor_args;
 mod settings;
 
 use std::num::{NonZeroU64, NonZeroUsize};
@@ -19,11 +19,11 @@ use crate::duration;
 use crate::output::Format;
 
 pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
-pub(crate) use estimate::{
+pub(crate) use estimate_args::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
 };
 pub(crate) use form::FormArgs;
-pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
+pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
 
 /// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
 /// the surface's curvature from that.

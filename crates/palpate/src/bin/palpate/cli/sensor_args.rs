@@ -6,7 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use palpate_recorded::NormalFrom;
 
-use super::estimate::{SensorArgs, tables};
+use super::estimate_args::{SensorArgs, tables};
 use super::form::FormArgs;
 use super::number::{not_negative, positive};
 
