@@ -41,6 +41,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "chromatouch",
             "tracking",
             "estimators",
+            "sweep",
         ],
     ),
     (
@@ -58,9 +59,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("sweep", &[]),
     ("report", &["study"]),
+    ("answers", &["study", "scene", "sweep", "report"]),
     (
         "palpate",
-        &["study", "scene", "recorded", "sweep", "report"],
+        &["study", "scene", "recorded", "sweep", "report", "answers"],
     ),
     ("python", &["palpate"]),
     ("testkit", &[]),

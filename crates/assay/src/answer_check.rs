@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use palpate::{
-    Order, Region, RunOptions, Runner, SceneTrial, Scenes, Side, Survey, design, distinguish, parse,
+    Order, Question, Region, RunOptions, Runner, SceneTrial, Scenes, Side, design, distinguish,
+    parse,
 };
 use serde::Serialize;
 
@@ -111,11 +112,11 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
         study.override_seed(seed)?;
-        let mut survey = Survey::new(scene.target.parse()?, vec![scene.vary.parse()?], None)?;
-        survey.question.gap = gap;
-        survey.question.most_trials = 1 << 32;
+        let mut question = Question::new(scene.target.parse()?, vec![scene.vary.parse()?], None)?;
+        question.gap = gap;
+        question.most_trials = 1 << 32;
         let start = Instant::now();
-        let answer = design(&study, &survey, runner, &|| start.elapsed(), &|_, _| ());
+        let answer = design(&study, &question, runner, &|| start.elapsed(), &|_, _| ());
         answer.with_context(|| scene.name)
     };
     let reference = ask(REFERENCE_SEED, scene.gap * REFERENCE_GAP)?;
@@ -177,7 +178,7 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
                 let [low, high] =
                     [pair.first, pair.second].map(|one| &fresh[group.objects[one].cell]);
                 let pairs = low.iter().zip(high);
-                let pairs = pairs.filter_map(|(low, high)| low.zip(*high));
+                let pairs = pairs.filter_map(|(low, high)| low.ok().zip(high.ok()));
                 let in_order = pairs.filter(|((low, _), (high, _))| low < high).count();
                 let share = in_order as f64 / low.len().max(1) as f64;
                 score.cases += 1;

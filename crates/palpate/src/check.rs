@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Need, Scene, Scenes, SharedModels};
+use palpate_scene::{Ladder, Need, Scene, SceneTrial, Scenes, SharedModels};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
@@ -14,7 +14,6 @@ use crate::coverage::{Coverage, coverage};
 use crate::ladder_timing::{EvaluationTime, neighbour_times};
 use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
-use crate::trial::SceneTrial;
 
 /// Time limit for the set-up of cells with their cameras.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);

@@ -44,10 +44,6 @@
 mod check;
 mod columns;
 mod coverage;
-mod design;
-mod discrimination;
-mod distinguish;
-mod inverse_quantities;
 mod ladder_timing;
 mod output_check;
 mod plan;
@@ -56,24 +52,22 @@ mod run_files;
 mod shard;
 mod simulation;
 pub mod study_options;
-mod trial;
+mod trace_pass;
 
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, ColumnType, ValueKind, Values, columns, columns_of_csv};
 pub use coverage::{Coverage, Family, coverage};
-pub use design::{
-    Best, DesignError, DesignPoint, Extreme, Field, Question, Region, RegionColumn, Sample, Sought,
-    Survey, design,
-};
-pub use discrimination::{Discrimination, Group, Object, Pair};
-pub use distinguish::{DistinguishError, distinguish};
 pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
+pub use palpate_answers::{
+    AnswerError, Best, DesignPoint, Discrimination, Extreme, Field, Group, Object, Pair, Question,
+    Region, RegionColumn, Sample, Sought, TrialCounts, design, distinguish,
+};
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Accuracy, Arch, CameraTrace, CutPattern, Ladder, Need, Rung, Scene, Scenes, Trace,
+    Accuracy, Arch, CameraTrace, CutPattern, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace,
     marker_places,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
@@ -88,7 +82,7 @@ pub use readings::{frame, readings};
 pub use run_files::{Map, resolved};
 pub use shard::Shard;
 pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, Warnings, run};
-pub use trial::{SceneTrial, TraceError, trace};
+pub use trace_pass::{TraceError, trace};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,6 +1,6 @@
 //! Choice of trials and of a model's rung for cells of a study.
 
-use palpate_scene::{Scene, Scenes, TOLERANCES};
+use palpate_scene::{Scene, SceneTrial, Scenes, TOLERANCES};
 use palpate_study::Quantity;
 use palpate_study::config::{
     self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
@@ -9,8 +9,6 @@ use palpate_study::config::{
 use palpate_sweep::{
     Clock, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, Runner,
 };
-
-use crate::trial::SceneTrial;
 
 /// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The study comes
 /// back as it is to be run: it states the choice, and running it again needs no plan.

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, Scene, Scenes, SharedModels};
+use palpate_scene::{Arch, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
 use palpate_study::MapTable;
 use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
@@ -19,10 +19,8 @@ use palpate_sweep::{
 use thiserror::Error;
 
 use crate::columns::ColumnType;
-use crate::inverse_quantities::drop_undefined_moments;
 use crate::run_files::{self, CellMap, Map, Row};
 use crate::shard::{Shard, ShardTasks};
-use crate::trial::SceneTrial;
 
 pub use cell_results::{CellResults, CellRows, Warnings};
 pub(crate) use cell_setup::CellTruth;

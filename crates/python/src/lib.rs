@@ -46,7 +46,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<study::Results>()?;
     module.add_class::<study::Trace>()?;
     module.add_class::<answers::design::DesignAnswer>()?;
-    module.add_class::<answers::design::DesignRegion>()?;
     module.add_class::<answers::report::Report>()?;
     module.add_class::<answers::distinguish::ToldApart>()?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;

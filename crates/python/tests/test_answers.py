@@ -42,7 +42,7 @@ def test_a_region_is_that_of_the_command_line(cli, tmp_path):
         "--maximise", "scene.sensor.pitch", "--set", "scene.motion.arc_length=2.0", "--gap", 0.3,
         "--most-trials", 20_000, "--budget", "1h", "--json", "--out", tmp_path,
     )
-    assert isinstance(found, palpate.DesignRegion) and found.to_dict() == said
+    assert found.to_dict() == said
     assert found.table.to_csv() == (tmp_path / "design.csv").read_text()
     assert found.runs.to_csv() == (tmp_path / "region.csv").read_text()
     assert found.figure.svg == (tmp_path / "design.svg").read_text()

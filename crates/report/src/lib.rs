@@ -11,7 +11,7 @@
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
 //! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
-//! | the answer of `palpate design` | a [`Figure`] | [`answer_figure`] |
+//! | the answer of `palpate design` | a [`Figure`] | [`design_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
 //! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
 //! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
@@ -36,9 +36,9 @@ pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
 pub use plot::{
-    AnswerCurve, CurveLine, CurvePoint, Figure, Heat, HeatPanel, RegionAxis, RegionMap,
-    RegionPanel, RegionStrip, Stretch, answer_figure, figure, figures, heat_figure, press_figures,
-    region_figure, tradeoff_figures,
+    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
+    Heat, HeatPanel, MapPanel, Stretch, design_figure, figure, figures, heat_figure, press_figures,
+    tradeoff_figures,
 };
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};

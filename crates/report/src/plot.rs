@@ -1,6 +1,5 @@
 //! Figures: of the `[[plot]]` tables of a study, and of other results.
 
-mod answer;
 mod captions;
 mod chart;
 mod class_grid;
@@ -9,6 +8,7 @@ mod contact_table;
 mod contacts;
 mod coverage_plot;
 mod default_plot;
+mod design_figure;
 mod drawing;
 mod heat;
 mod label_placement;
@@ -18,7 +18,6 @@ mod pareto;
 mod press_trace;
 mod profile;
 mod reference_lines;
-mod region;
 mod scale;
 mod selection;
 mod series;
@@ -31,15 +30,17 @@ use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
 use selection::Request;
 
-pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
 pub(crate) use captions::swept_values;
 pub(crate) use coverage_plot::figure as coverage_figure;
+pub use design_figure::{
+    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, MapPanel,
+    Stretch, design_figure,
+};
 pub use drawing::Figure;
 pub use heat::{Heat, HeatPanel, heat_figure};
 pub(crate) use pareto::figures as pareto_figures;
 pub use pareto::tradeoff_figures;
 pub use press_trace::press_figures;
-pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
 pub(crate) use style::{DARK, hex, on_dark};
 
 /// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure: the

@@ -7,23 +7,27 @@
 mod cache;
 mod config_conversion;
 mod glide;
+mod inverse_quantities;
 mod ladder;
 mod measured_sensor;
 mod pattern;
 mod press;
 mod roll;
 mod scene;
+mod scene_trial;
 mod trace;
 
 pub use cache::SharedModels;
 pub use glide::GlideScene;
+pub use inverse_quantities::drop_undefined_moments;
 pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use pattern::{CutPattern, marker_places};
 pub use press::{CurvatureScore, PressFailure, PressScene};
-pub use roll::{Arch, RollScene, SideBySide};
-pub use scene::{Need, Outcome, Scene, Scenes, Trials, quantities_of};
+pub use roll::{Arch, RollScene};
+pub use scene::{Need, Scene, Scenes, Trials, quantities_of};
+pub use scene_trial::SceneTrial;
 pub use trace::{CameraTrace, Trace, TraceError};
 
 #[cfg(doctest)]

@@ -4,8 +4,9 @@ use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
 use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
 use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_sweep::Observation;
 
-use crate::scene::{Need, Outcome, Trials};
+use crate::scene::{Need, Trials};
 
 /// A sensor that touches nothing, and its computed quantities. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,10 +80,10 @@ impl Trials for MeasuredSensor {
     fn trial(
         &self,
         _trial: u64,
-        observe: &mut dyn FnMut(usize, Outcome),
+        observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
         for (quantity, value) in self.values.iter().enumerate() {
-            observe(quantity, Outcome::exact(value.ok_or("out-of-field")?));
+            observe(quantity, Observation::exact(value.ok_or("out-of-field")?));
         }
         Ok(())
     }

@@ -9,4 +9,4 @@ mod roll_trial;
 
 pub use pulp::Arch;
 pub(crate) use roll_trial::ROLL_QUANTITIES;
-pub use roll_trial::{RollScene, SideBySide};
+pub use roll_trial::RollScene;

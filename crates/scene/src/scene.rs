@@ -5,6 +5,7 @@ use std::ops::Deref;
 
 use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
+use palpate_sweep::Observation;
 
 use crate::cache::SharedModels;
 use crate::glide::{GLIDE_QUANTITIES, GlideScene};
@@ -100,7 +101,7 @@ impl Scene {
     pub fn trial(
         &self,
         trial: u64,
-        mut observe: impl FnMut(usize, Outcome),
+        mut observe: impl FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
         (**self).trial(trial, &mut observe)
     }
@@ -199,37 +200,6 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     }
 }
 
-/// One trial's estimate of a quantity, and its truth, in the quantity's unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// The estimate, or the value of a quantity that is measured directly.
-    pub estimate: f64,
-    /// The truth.
-    pub truth: f64,
-    /// The standard deviation that the estimator states; `None` if it states none.
-    pub std: Option<f64>,
-    /// Whether the stated 50, 80 and 95 % intervals contain the truth; `None` if they are the estimate ± 0.67, 1.28
-    /// and 1.96 std.
-    pub interval_holds: Option<[bool; 3]>,
-}
-
-impl Outcome {
-    /// An estimate that comes without a standard deviation.
-    pub(crate) const fn plain(estimate: f64, truth: f64) -> Self {
-        Self {
-            estimate,
-            truth,
-            std: None,
-            interval_holds: None,
-        }
-    }
-
-    /// An exact value: it is not estimated and has no error.
-    pub(crate) const fn exact(value: f64) -> Self {
-        Self::plain(value, value)
-    }
-}
-
 /// Trials of a scene: from true values to readings to estimates.
 ///
 /// ```
@@ -280,7 +250,7 @@ pub trait Trials {
     fn trial(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Outcome),
+        observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str>;
 
     /// The true value of the quantity with this index, if it is the same everywhere.

@@ -9,10 +9,11 @@ use palpate_statistics::score_of_tail;
 use crate::cell::Trial;
 use crate::certainty::wilson;
 use crate::runner::Runner;
+use crate::summary::NOT_FINITE;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Mean estimate and mean true value of a quantity over the observations of a trial; `None` if the trial failed.
-pub type TrialMeans = Option<(f64, f64)>;
+/// Mean estimate and mean true value of a quantity over the observations of a trial, or the kind of failure of the trial.
+pub type TrialMeans = Result<(f64, f64), &'static str>;
 
 /// Probability, with a 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +65,7 @@ impl Runner {
     /// }
     /// let runner = Runner::new(&RunOptions::default())?;
     /// let [low, high] = [Coin(5.0), Coin(6.0)].map(|coin| runner.trial_means(&coin, 0, 0..1000));
-    /// assert_eq!(low[0], Some((6.0, 5.0)));
+    /// assert_eq!(low[0], Ok((6.0, 5.0)));
     /// // 4 and 6 against 5 and 7: three of four pairs are in the right order.
     /// assert_eq!(in_order(&low, &high).probability, 0.75);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -83,8 +84,7 @@ impl Runner {
         };
         let run = |record: &mut Record, place: u64| {
             let read = |observed: &TrialObservations<'_>| mean(observed, quantity);
-            let means = record.single_trial(&trial, numbers.start + place, read);
-            means.ok().flatten()
+            record.single_trial(&trial, numbers.start + place, read)?
         };
         self.install(|| {
             let places = (0..count as usize).into_par_iter();
@@ -95,7 +95,7 @@ impl Runner {
     }
 }
 
-/// Mean estimate and mean truth of a quantity in a trial; `None` without observations.
+/// Mean estimate and mean truth of a quantity in a trial; means without observations are not finite.
 fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
     let count = trial.of(quantity).count() as f64;
     let (mut estimate, mut truth) = (0.0, 0.0);
@@ -103,7 +103,8 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
         estimate += observation.estimate / count;
         truth += observation.truth / count;
     }
-    (count > 0.0 && estimate.is_finite() && truth.is_finite()).then_some((estimate, truth))
+    let is_finite = count > 0.0 && estimate.is_finite() && truth.is_finite();
+    is_finite.then_some((estimate, truth)).ok_or(NOT_FINITE)
 }
 
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
@@ -250,7 +251,7 @@ impl Moments {
 fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
     means
         .iter()
-        .map(|means| means.map(|(estimate, _)| estimate))
+        .map(|means| means.ok().map(|(estimate, _)| estimate))
         .collect()
 }
 

@@ -42,6 +42,23 @@ pub struct Observation {
 }
 
 impl Observation {
+    /// An estimate without a standard deviation.
+    #[inline]
+    pub const fn plain(estimate: f64, truth: f64) -> Self {
+        Self {
+            estimate,
+            truth,
+            std: None,
+            interval_holds: None,
+        }
+    }
+
+    /// An exact value: it is not estimated and has no error.
+    #[inline]
+    pub const fn exact(value: f64) -> Self {
+        Self::plain(value, value)
+    }
+
     /// Whether the error is finite and the standard deviation, if any, is finite and at least 0.
     #[inline]
     pub(crate) fn is_sound(&self) -> bool {

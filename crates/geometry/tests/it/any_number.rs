@@ -5,8 +5,7 @@ use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{
-    CurvatureForm, InvalidThresholds, Meridian, Parameters, Shape, ShapeThresholds,
-    Surface,
+    CurvatureForm, InvalidThresholds, Meridian, Parameters, Shape, ShapeThresholds, Surface,
 };
 use proptest::prelude::*;
 

@@ -7,9 +7,7 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{
-    CurvatureForm, Meridian, Parameters, Shape, Surface, SurfaceError,
-};
+use palpate_geometry::{CurvatureForm, Meridian, Parameters, Shape, Surface, SurfaceError};
 use proptest::prelude::*;
 
 #[test]

@@ -3,13 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use palpate_scene::Scene;
+use palpate_scene::{Scene, SceneTrial};
 use palpate_study::Quantity;
 use palpate_study::config::{Cell, StopStatistic, Study};
 use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
 
 use crate::run_files::CellMap;
-use crate::trial::SceneTrial;
 
 /// Cell that is set up for its trials.
 #[derive(Debug)]

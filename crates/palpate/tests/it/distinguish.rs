@@ -106,7 +106,7 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
---quantity weather | no quantity \"weather\" that tells objects apart (known: normal_curvature_u
+--quantity weather | no quantity \"weather\" (known: normal_curvature_u
 --confidence 1 | confidence is 1; it must be above 0 and below 1
 --confidence nan | confidence is NaN
 --vary scene.object.radius=1..2 | list the values of scene.object.radius

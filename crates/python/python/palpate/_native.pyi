@@ -15,7 +15,6 @@ __all__ = [
     "CameraCalibration",
     "ConfigError",
     "DesignAnswer",
-    "DesignRegion",
     "Figure",
     "GlideEstimate",
     "Layout",
@@ -118,40 +117,24 @@ class _Run(Record):
     from_: float | str
     to: float | str
 
-class _Best(Record):
+class _Result(Record):
     value: float | str
     statistic: float | None
     std_error: float | None
     failing: float
-
-@final
-class DesignAnswer(Record):
-    study: str
-    answer: str
-    target: str
-    max_failures: float
-    path: str
-    unit: str
-    confidence: float
-    meets: list[_Run]
-    misses: list[_Run]
-    best: _Best | None
-    narrowed: int
-    ended: str
-    lines: list[str]
-    table: Table
-    figure: Figure
+    main_failure: str | None
 
 class _Column(Record):
     at: Record
     meets: list[_Run]
     misses: list[_Run]
-    best: _Best | None
+    best: _Result | None
+    failing_end: _Result | None
     narrowed: int
     ended: str
 
 @final
-class DesignRegion(Record):
+class DesignAnswer(Record):
     study: str
     answer: str
     target: str
@@ -163,6 +146,12 @@ class DesignRegion(Record):
     sought: str | None
     best_that_meets: Record | None
     columns: list[_Column]
+    meets: list[_Run]
+    misses: list[_Run]
+    best: _Result | None
+    failing_end: _Result | None
+    narrowed: int
+    ended: str
     lines: list[str]
     table: Table
     runs: Table
@@ -193,8 +182,14 @@ class _Pair(Record):
     high95: float | None
     repeats: int | None
 
+class _Object(Record):
+    object: str
+    failing: float
+    main_failure: str | None
+
 class _Group(Record):
     settings: str
+    objects: list[_Object]
     pairs: list[_Pair]
 
 @final
@@ -621,7 +616,7 @@ def design(
     seed: int | None = None,
     threads: int | None = None,
     progress: Callable[[int], Any] | None = None,
-) -> DesignAnswer | Any: ...
+) -> DesignAnswer: ...
 def distinguish(
     study: Study,
     *,

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use palpate::{DesignError, Extreme, Region, Sought, Survey};
+use palpate::{AnswerError, Extreme, Question, Region, Sought};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::answer_display::{figure, table};
-use super::question::{set as set_of, varied};
+use super::question::{set as set_of, unanswered, varied};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};
@@ -16,12 +16,7 @@ use crate::watch::watched_alone;
 
 record!(
     DesignAnswer,
-    "Values of a field that meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints: `answer`, a sentence; `meets` and `misses`, lists of runs with `from` and\n`to`; `best` with `value`, `statistic`, `std_error` and `failing`; `target`, `path`, `unit`, `max_failures`,\n`confidence`, `narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). `lines` are its\ngrounds, in words; `table` is a Table of all trials, `figure` a Figure of them."
-);
-
-record!(
-    DesignRegion,
-    "Values of several fields that, taken together, meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints of several fields: `answer`, a sentence; `columns`, one per combination of\nthe grid, each with `at` (values by their paths: `column.at[\"scene.object.radius\"]`) and with `meets`, `misses` and\n`best` of the field that is searched, as a DesignAnswer has them; `best_that_meets`, values by their paths, or None;\n`grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought`. `lines` are its grounds, in words; `table`\nis a Table of all trials, `runs` one of the runs that meet or miss the target, `figure` a Figure of them."
+    "Values of one or several fields that, taken together, meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details,\nin words; `table` is a Table of all trials, `runs` one of the runs that meet or miss the target, `figure` a Figure of them."
 );
 
 /// Answer of a design, with its study.
@@ -36,10 +31,7 @@ impl Made for Found {
     }
 
     fn others(&self) -> &'static [&'static str] {
-        match self.region.is_curve() {
-            true => &["lines", "table", "figure"],
-            false => &["lines", "table", "runs", "figure"],
-        }
+        &["lines", "table", "runs", "figure"]
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -50,32 +42,6 @@ impl Made for Found {
             "runs" => table(py, &region.runs(), study),
             _ => figure(py, region.figure("design", study.heading())),
         }
-    }
-}
-
-/// Error of a question that has no answer.
-fn refused(error: DesignError) -> PyErr {
-    let message = error.to_string();
-    match error {
-        DesignError::Config(error) => error::config(error),
-        DesignError::OutOfRange { setting, value, .. } => {
-            let argument = if setting == "limit" {
-                "target"
-            } else {
-                setting
-            };
-            error::argument(argument, &[], Some(value), message)
-        }
-        DesignError::NoRange { .. }
-        | DesignError::NothingVaried
-        | DesignError::NotVaried(_)
-        | DesignError::NoOrder { .. }
-        | DesignError::TooManyColumns(_) => error::argument("vary", &[], None, message),
-        DesignError::Twice(_) | DesignError::TooManyCells(_) => {
-            error::argument("set", &[], None, message)
-        }
-        DesignError::NoQuantity { .. } => error::argument("target", &[], None, message),
-        DesignError::Undefined { .. } => error::RunError::new_err(message),
     }
 }
 
@@ -115,7 +81,6 @@ fn refused(error: DesignError) -> PyErr {
 /// Returns
 /// -------
 /// DesignAnswer
-///     Of several fields, and where something is to be as large or as small as can be, a DesignRegion.
 ///
 /// Raises
 /// ------
@@ -165,28 +130,27 @@ pub(crate) fn design<'py>(
         let message = format!("budget is {seconds}; it must be > 0 and <= 1e10");
         return Err(error::argument("budget", &[], Some(seconds), message));
     }
-    let sought = match (maximise, minimise) {
+    let (argument, extreme, path) = match (maximise, minimise) {
         (Some(_), Some(_)) => {
             let message = "minimise is of no use with maximise: one of them";
             return Err(error::argument("minimise", &[], None, message));
         }
-        (Some(path), None) => Some((path, Extreme::Largest)),
-        (None, Some(path)) => Some((path, Extreme::Smallest)),
-        (None, None) => None,
+        (Some(path), None) => ("maximise", Extreme::Largest, Some(path)),
+        (None, path) => ("minimise", Extreme::Smallest, path),
     };
-    let is_sought = sought.as_ref().map(|(_, extreme)| *extreme);
-    let sought = sought.map(|(path, extreme)| Sought { path, extreme });
-    let mut survey =
-        Survey::new(target, varied(vary)?, sought).map_err(|error| match is_sought {
-            Some(Extreme::Largest) => not_varied("maximise", error),
-            Some(Extreme::Smallest) => not_varied("minimise", error),
-            None => refused(error),
-        })?;
-    survey.question.max_failures = max_failures;
-    survey.question.set = set_of(set.as_ref())?;
-    survey.question.gap = gap;
-    survey.question.most_trials = most_trials;
-    survey.question.budget = budget.map(Duration::from_secs_f64);
+    let sought = path.map(|path| Sought { path, extreme });
+    let question = Question::new(target, varied(vary)?, sought).map_err(|error| match error {
+        AnswerError::NotVaried(_) => error::argument(argument, &[], None, error.to_string()),
+        error => unanswered(error, "target"),
+    })?;
+    let question = Question {
+        set: set_of(set.as_ref())?,
+        max_failures,
+        gap,
+        most_trials,
+        budget: budget.map(Duration::from_secs_f64),
+        ..question
+    };
     let study = study.get().with(None, seed)?;
     let runner = runner(threads)?;
     let found = watched_alone(py, progress.as_ref(), move |watch| {
@@ -195,19 +159,9 @@ pub(crate) fn design<'py>(
             || start.elapsed(),
             |_values: usize, trials: u64| watch.reach(trials),
         );
-        let region = palpate::design(&study, &survey, &runner, &clock, &tell)?;
+        let region = palpate::design(&study, &question, &runner, &clock, &tell)?;
         Ok(Found { region, study })
     })?;
-    match found.map_err(refused)? {
-        found if found.region.is_curve() => DesignAnswer::of(py, found),
-        found => DesignRegion::of(py, found),
-    }
-}
-
-/// Error of a field that is asked for, and not varied.
-fn not_varied(argument: &str, error: DesignError) -> PyErr {
-    match error {
-        DesignError::NotVaried(_) => error::argument(argument, &[], None, error.to_string()),
-        error => refused(error),
-    }
+    let found = found.map_err(|error| unanswered(error, "target"))?;
+    DesignAnswer::of(py, found)
 }

@@ -1,11 +1,10 @@
 //! How surely objects are told apart.
 
-use palpate::DistinguishError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::answer_display::{figure, table};
-use super::question::{listed, set as set_of, wrong};
+use super::question::{listed, set as set_of, unanswered, wrong};
 use crate::error;
 use crate::json::of_json;
 use crate::record::{Made, record};
@@ -14,7 +13,7 @@ use crate::watch::watched_alone;
 
 record!(
     ToldApart,
-    "How surely one trial of each of two objects puts them in the right order, and how many trials do.\n\nFields: what `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings` and `pairs` of `first`, `second`, `told_apart` (a probability, None where they are alike), `low95`, `high95`\nand `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
+    "How surely one trial of each of two objects puts them in the right order, and how many trials do.\n\nFields: what `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs` of `first`, `second`, `told_apart` (a probability, None where they are alike), `low95`, `high95`\nand `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
 /// Source that an answer is made from.
@@ -38,24 +37,6 @@ impl Made for Told {
             "table" => table(py, &told.table(), study),
             _ => figure(py, told.figure("distinguish", study.heading())),
         }
-    }
-}
-
-/// Error of objects that cannot be told apart at all.
-fn refused(error: DistinguishError) -> PyErr {
-    let message = error.to_string();
-    match error {
-        DistinguishError::Config(error) => error::config(error),
-        DistinguishError::NoObjects => {
-            let message = "no field of scene.object is swept, so that there is nothing to tell apart; \
-                           vary={\"scene.object.radius\": [20, 25, 30]} would be such a sweep";
-            error::argument("vary", &[], None, message)
-        }
-        DistinguishError::NoQuantity { .. } => error::argument("quantity", &[], None, message),
-        DistinguishError::Confidence(value) => {
-            error::argument("confidence", &[], Some(value), message)
-        }
-        DistinguishError::TooManyCells(_) => error::argument("study", &[], None, message),
     }
 }
 
@@ -145,5 +126,6 @@ pub(crate) fn distinguish<'py>(
         let told = palpate::distinguish(&study, quantity.as_deref(), confidence, &runner, &tell)?;
         Ok(Told { told, study })
     })?;
-    ToldApart::of(py, told.map_err(refused)?)
+    let told = told.map_err(|error| unanswered(error, "quantity"))?;
+    ToldApart::of(py, told)
 }

@@ -1,5 +1,6 @@
 //! Fields of a question, as a call gives them.
 
+use palpate::AnswerError;
 use palpate::config::{Varied, Vary};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
@@ -7,6 +8,20 @@ use serde_json::Value as Json;
 
 use crate::error;
 use crate::json::{from_python, to_toml};
+
+/// Error of a question that has no answer; `quantity` is the argument that names the quantity.
+pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
+    let message = error.to_string();
+    let (argument, value) = match error {
+        AnswerError::Config(error) => return error::config(error),
+        AnswerError::Undefined { .. } => return error::RunError::new_err(message),
+        AnswerError::OutOfRange { setting, value, .. } => (setting, Some(value)),
+        AnswerError::NoQuantity { .. } => (quantity, None),
+        AnswerError::Twice(_) | AnswerError::TooManyCells(_) => ("set", None),
+        _ => ("vary", None),
+    };
+    error::argument(argument, &[], value, message)
+}
 
 /// Error of the varied fields.
 pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {

@@ -8,11 +8,12 @@ use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 use palpate_statistics::BadSetting;
 
 use crate::ladder::Ladder;
-use crate::scene::{Need, Outcome, Trials};
+use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_estimators::{GlideFit, study_map_table};
 use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_sweep::Observation;
 
 /// Quantities that a glide estimates, at every place of its grid.
 pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
@@ -132,7 +133,7 @@ impl Trials for GlideScene {
     fn trial(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Outcome),
+        observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
         let fit = self.fit(Some(trial)).map_err(|error| error.name())?;
         for place in &self.grid.places {
@@ -142,15 +143,15 @@ impl Trials for GlideScene {
             let uncertainty = curvature.uncertainty;
             let is_right = curvature.class(&self.grid.thresholds) == place.class;
             let outcomes = [
-                Outcome {
+                Observation {
                     std: uncertainty.map(|one| one.gaussian_std),
-                    ..Outcome::plain(curvature.gaussian, place.gaussian)
+                    ..Observation::plain(curvature.gaussian, place.gaussian)
                 },
-                Outcome {
+                Observation {
                     std: uncertainty.map(|one| one.mean_std),
-                    ..Outcome::plain(curvature.mean, place.mean)
+                    ..Observation::plain(curvature.mean, place.mean)
                 },
-                Outcome::plain(f64::from(u8::from(is_right)), 1.0),
+                Observation::plain(f64::from(u8::from(is_right)), 1.0),
             ];
             for (quantity, outcome) in outcomes.into_iter().enumerate() {
                 observe(quantity, outcome);

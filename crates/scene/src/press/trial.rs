@@ -11,13 +11,14 @@ use palpate_study::config::{
     Indentation, LengthUnit, PressConfig, PressEstimatorConfig, PressObjectConfig,
 };
 use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_sweep::Observation;
 
 use super::PressFailure;
 use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
 use super::truth::{PressGeometry, SoftBody, TruePress};
 use crate::ladder::Ladder;
-use crate::scene::{Need, Outcome, Trials};
+use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
 /// Quantities of a press that is read directly.
@@ -208,7 +209,7 @@ impl PressScene {
     }
 
     /// Reports the quantities that a camera adds, after a successful estimate.
-    fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Outcome)) {
+    fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Observation)) {
         let PressCase::Press { truth, sensor } = &self.case else {
             return;
         };
@@ -216,7 +217,7 @@ impl PressScene {
         else {
             return;
         };
-        let mut report = |place: Option<usize>, outcome: Outcome| {
+        let mut report = |place: Option<usize>, outcome: Observation| {
             if let Some(place) = place {
                 observe(place, outcome);
             }
@@ -225,26 +226,26 @@ impl PressScene {
         let tangential_place = self.place(Quantity::TANGENTIAL_DISPLACEMENT);
         for (marker, normal, tangential) in reading.markers() {
             let moved = &truth.markers[marker];
-            report(normal_place, Outcome::plain(normal, moved.normal));
+            report(normal_place, Observation::plain(normal, moved.normal));
             if self.has_tangential {
                 for (read, truth) in tangential.into_iter().zip(moved.tangential) {
-                    report(tangential_place, Outcome::plain(read, truth));
+                    report(tangential_place, Observation::plain(read, truth));
                 }
             }
         }
         let mut report = |quantity, outcome| report(self.place(quantity), outcome);
         if let (Some(read), Some(exact)) = (sensor.central_change(tracks), sensor.true_change) {
-            let hue = Outcome::plain(read.hue_turns, exact.hue_turns);
+            let hue = Observation::plain(read.hue_turns, exact.hue_turns);
             report(Quantity::HUE_CHANGE, hue);
-            let shift = Outcome::plain(read.shift_px, exact.shift_px);
+            let shift = Observation::plain(read.shift_px, exact.shift_px);
             report(Quantity::CENTROID_SHIFT, shift);
         }
         let (tracked, visible) = (reading.markers().len(), sensor.visible());
-        let tracked = Outcome::plain(tracked as f64, visible as f64);
+        let tracked = Observation::plain(tracked as f64, visible as f64);
         report(Quantity::MARKERS_TRACKED, tracked);
-        let wrong = Outcome::plain(tracks.wrong_matches as f64, 0.0);
+        let wrong = Observation::plain(tracks.wrong_matches as f64, 0.0);
         report(Quantity::WRONG_MATCHES, wrong);
-        report(Quantity::PIXELS, Outcome::exact(sensor.camera.pixels()));
+        report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
     }
 
     /// Quantities that the press of a config observes.
@@ -289,11 +290,11 @@ impl Trials for PressScene {
     fn trial(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Outcome),
+        observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
         let reading = self.reading(Some(trial)).map_err(|error| error.name())?;
         let estimate = self.estimate(&reading).map_err(|error| error.name())?;
-        let mut report = |quantity: Quantity, outcome: Outcome| {
+        let mut report = |quantity: Quantity, outcome: Observation| {
             if let Some(place) = self.place(quantity) {
                 observe(place, outcome);
             }
@@ -310,17 +311,20 @@ impl Trials for PressScene {
                 report(quantity, outcome(&estimated, truth));
             }
         }
-        report(Quantity::R_SQUARED, Outcome::plain(estimate.r_squared, 1.0));
+        report(
+            Quantity::R_SQUARED,
+            Observation::plain(estimate.r_squared, 1.0),
+        );
         // An object that is estimated to be flat has no finite radius.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.geometry.object.radius
             && radius.is_finite()
         {
             let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
-            let radius_outcome = Outcome {
+            let radius_outcome = Observation {
                 std: finite(curvature.std * radius * radius),
                 interval_holds: curvature_outcome.interval_holds,
-                ..Outcome::plain(radius, truth)
+                ..Observation::plain(radius, truth)
             };
             report(Quantity::OBJECT_RADIUS, radius_outcome);
         }
@@ -371,11 +375,11 @@ impl Trials for PressScene {
     }
 }
 
-fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
-    Outcome {
+fn outcome(estimated: &Estimated, truth: f64) -> Observation {
+    Observation {
         std: finite(estimated.std),
         interval_holds: Some(hold(estimated, truth)),
-        ..Outcome::plain(estimated.value, truth)
+        ..Observation::plain(estimated.value, truth)
     }
 }
 

@@ -16,10 +16,11 @@ use super::linear_rolls::{LinearRolls, ManyRolls};
 use super::motion_noise::{MotionNoise, NoiseTrial, Roll};
 use super::roll_sensor::{RollSensor, RotationSensor};
 use crate::ladder::Ladder;
-use crate::scene::{Need, Outcome, Trials};
+use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_study::config::{LengthUnit, Side};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
+use palpate_sweep::{Observation, Observations};
 
 /// Quantities that a roll estimates.
 pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
@@ -75,17 +76,6 @@ impl RollFit {
 pub(super) struct Truth {
     pub(super) curvature: CurvatureForm,
     pub(super) arc_length: f64,
-}
-
-/// Outcomes of one quantity in a batch of trials, one per trial.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SideBySide<'a> {
-    /// The estimates.
-    pub estimates: &'a [f64],
-    /// The true value in all trials.
-    pub truth: f64,
-    /// The standard deviations that the estimator states, one per estimate; `None` if no noise was stated.
-    pub stds: Option<&'a [f64]>,
 }
 
 /// A batch of trials, compiled for every vector width.
@@ -161,7 +151,10 @@ impl RollScene {
     /// # Errors
     /// The stable name of the failure.
     #[inline(always)]
-    pub fn outcomes(&self, trial: u64) -> Result<[Outcome; ROLL_QUANTITIES.len()], &'static str> {
+    pub fn outcomes(
+        &self,
+        trial: u64,
+    ) -> Result<[Observation; ROLL_QUANTITIES.len()], &'static str> {
         if let Some(linear) = &self.linear
             && let RollSensor::Ideal = self.sensor
             && let Some(moments) = linear.short(self.seed, trial)
@@ -182,7 +175,7 @@ impl RollScene {
         &self,
         arch: Arch,
         trials: Range<u64>,
-        mut take: impl FnMut(&[SideBySide<'_>; ROLL_QUANTITIES.len()]) -> usize,
+        mut take: impl FnMut(&[Observations<'_>; ROLL_QUANTITIES.len()]) -> usize,
     ) -> u64 {
         let (Some(linear), RollFit::Fit(fit), RollSensor::Ideal) =
             (&self.linear, &self.fit, &self.sensor)
@@ -212,7 +205,7 @@ impl RollScene {
                 stds.filter(|_| estimates.have_stds)
                     .map(|stds| &stds[..ran])
             };
-            let taken = take(&std::array::from_fn(|quantity| SideBySide {
+            let taken = take(&std::array::from_fn(|quantity| Observations {
                 estimates: &estimates.values[quantity][..ran],
                 truth: truths[quantity],
                 stds: stds(quantity),
@@ -226,10 +219,10 @@ impl RollScene {
 
     /// Compares an estimate with the true values.
     #[inline(always)]
-    fn compare(&self, estimate: &Estimate) -> [Outcome; ROLL_QUANTITIES.len()] {
-        let outcome = |measured: Measured, truth: f64| Outcome {
+    fn compare(&self, estimate: &Estimate) -> [Observation; ROLL_QUANTITIES.len()] {
+        let outcome = |measured: Measured, truth: f64| Observation {
             std: measured.std,
-            ..Outcome::plain(measured.value, truth)
+            ..Observation::plain(measured.value, truth)
         };
         let [u, v, gaussian, mean, length] = self.truths();
         let arc_length = Measured {
@@ -346,7 +339,7 @@ impl Trials for RollScene {
     fn trial(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Outcome),
+        observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
         let outcomes = self.outcomes(trial)?.into_iter().enumerate();
         outcomes.for_each(|(quantity, outcome)| observe(quantity, outcome));

@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
 use palpate_press::shear::followed;
+use palpate_scene::Scene;
 use palpate_scene::Scenes;
-use palpate_scene::{Outcome, Scene};
 use palpate_study::config::{LengthUnit, Study, parse};
+use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
 /// The 2020 paper's sensor: a layer of 5 on a core, pressed 1 deep onto a plane.
@@ -49,7 +50,7 @@ fn refused(text: &str) -> String {
 }
 
 /// The outcomes of a quantity in a trial.
-fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Outcome> {
+fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {
     let mut outcomes = Vec::new();
     scene
         .trial(trial, |quantity, outcome| {
@@ -61,14 +62,14 @@ fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Outcome> {
     outcomes
 }
 
-fn rms_error(outcomes: &[Outcome]) -> f64 {
+fn rms_error(outcomes: &[Observation]) -> f64 {
     let squares = outcomes
         .iter()
         .map(|one| (one.estimate - one.truth).powi(2));
     (squares.sum::<f64>() / outcomes.len() as f64).sqrt()
 }
 
-fn only(scene: &Scene, trial: u64, name: &str) -> Outcome {
+fn only(scene: &Scene, trial: u64, name: &str) -> Observation {
     let outcomes = outcomes(scene, trial, name);
     assert_eq!(outcomes.len(), 1, "{name}");
     outcomes[0]
@@ -161,7 +162,7 @@ fn frames_at_rest_are_averaged() {
     for seed in 3..7 {
         let noisy = scene(&text(sensor, noise).replace("seed = 3", &format!("seed = {seed}")));
         let errors = (0..200).map(|trial| {
-            let Outcome {
+            let Observation {
                 estimate, truth, ..
             } = only(&noisy, trial, "hue_change");
             estimate - truth
@@ -177,7 +178,7 @@ fn an_estimate_knows_what_its_camera_errs_by() {
     let noise = r#"hue = { kind = "gaussian", std = 0.0005 }"#;
     let sensor = r#"kind = "projected", normal_from = "hue", tangential = false"#;
     let noisy = scene(&text(sensor, noise));
-    let estimates: Vec<Outcome> = (0..100)
+    let estimates: Vec<Observation> = (0..100)
         .map(|trial| only(&noisy, trial, "relative_curvature"))
         .collect();
     let mean = estimates.iter().map(|one| one.estimate).sum::<f64>() / 100.0;

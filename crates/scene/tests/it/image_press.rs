@@ -1,7 +1,8 @@
 //! Presses that are estimated from the markers' pictures.
 
-use palpate_scene::{Outcome, Scene, Scenes, SharedModels};
+use palpate_scene::{Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
+use palpate_sweep::Observation;
 
 /// A press by a camera on a ball of 40 mm with this noise, and further keys of its estimator.
 fn text(sensor: &str, noise: &str, model: &str) -> String {
@@ -33,14 +34,14 @@ fn scene(text: &str) -> Scene {
 }
 
 /// Outcomes of a quantity in trials.
-fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Outcome> {
+fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
     let place = scene
         .quantities()
         .iter()
         .position(|one| one.name == quantity);
     let mut outcomes = Vec::new();
     for trial in 0..trials {
-        let mut observe = |quantity: usize, outcome: Outcome| {
+        let mut observe = |quantity: usize, outcome: Observation| {
             if Some(quantity) == place {
                 outcomes.push(outcome);
             }
@@ -154,7 +155,7 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let count = 120;
     let found = outcomes(&scene, "object_curvature", count);
     let count = count as f64;
-    let error = |outcome: &Outcome| outcome.estimate - outcome.truth;
+    let error = |outcome: &Observation| outcome.estimate - outcome.truth;
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();

@@ -1,8 +1,9 @@
 //! Scenes of a press: what they do to markers, what they estimate, and what does not change it.
 
-use palpate_scene::{Outcome, PressScene, Scene, Scenes, Trials};
+use palpate_scene::{PressScene, Scene, Scenes, Trials};
 use palpate_study::Table;
 use palpate_study::config::{LengthUnit, parse};
+use palpate_sweep::Observation;
 
 /// A sensor of 20 on a plane, pressed 1 deep; lines replace the defaults.
 fn text(object: &str, lines: &str) -> String {
@@ -43,7 +44,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-fn outcomes(scene: &Scene, trial: u64) -> Result<Vec<(&'static str, Outcome)>, &'static str> {
+fn outcomes(scene: &Scene, trial: u64) -> Result<Vec<(&'static str, Observation)>, &'static str> {
     let mut outcomes = Vec::new();
     scene.trial(trial, |quantity, outcome| {
         outcomes.push((scene.quantities()[quantity].name, outcome));

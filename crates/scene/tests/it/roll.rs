@@ -1,8 +1,9 @@
 //! Scenes of a roll: what they estimate, and what does not change it.
 
 use palpate_scene::Scene;
-use palpate_scene::{Outcome, Scenes};
+use palpate_scene::Scenes;
 use palpate_study::config::parse;
+use palpate_sweep::Observation;
 
 /// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
 fn scene(object: &str, lines: &str) -> Scene {
@@ -233,7 +234,7 @@ fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
     let trials = 500;
     let (mut square, mut mean, mut stated) = (0.0, 0.0, 0.0);
     for trial in 0..trials {
-        let observe = |quantity, outcome: Outcome| {
+        let observe = |quantity, outcome: Observation| {
             if quantity == 0 {
                 let error = outcome.estimate - outcome.truth;
                 square += error * error;

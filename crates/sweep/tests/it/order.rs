@@ -1,14 +1,14 @@
 //! Compares probabilities of the right order with closed forms, and tests the coverage of their intervals.
 
 use palpate_statistics::normal_tail;
-use palpate_sweep::{Order, Repeats, TrialMeans, both_above, in_order, repeats};
+use palpate_sweep::{NOT_FINITE, Order, Repeats, TrialMeans, both_above, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};
 
 /// Trials whose estimates are normal, with this mean and standard deviation 1.
 fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
     (0..count)
-        .map(|trial| Some((mean + normal((seed << 32) + trial), mean)))
+        .map(|trial| Ok((mean + normal((seed << 32) + trial), mean)))
         .collect()
 }
 
@@ -48,8 +48,13 @@ fn unequal_samples_and_failures() {
     // Each trial succeeds with the probability 0.9.
     let some = |seed: u64, count: u64, mean: f64| -> Vec<TrialMeans> {
         let all = normals(seed, count, mean).into_iter().enumerate();
-        all.map(|(trial, means)| means.filter(|_| uniform((seed << 33) + trial as u64) < 0.9))
-            .collect()
+        all.map(
+            |(trial, means)| match uniform((seed << 33) + trial as u64) < 0.9 {
+                true => means,
+                false => Err("slipped"),
+            },
+        )
+        .collect()
     };
     let probability = 0.81 * normal_tail(-1.0 / 2.0_f64.sqrt());
     let covered = coverage(probability, |seed| {
@@ -100,7 +105,7 @@ fn repeats_are_those_of_normal_means() {
 
 #[test]
 fn exact_failed_and_missing_trials_are_sound() {
-    let exact = |value: f64| vec![Some((value, value))];
+    let exact = |value: f64| vec![Ok((value, value))];
     let order = |low: &[TrialMeans], high: &[TrialMeans]| {
         let Order {
             probability,
@@ -111,20 +116,20 @@ fn exact_failed_and_missing_trials_are_sound() {
     };
     assert_eq!(order(&exact(1.0), &exact(2.0)), (1.0, 1.0, 1.0));
     assert_eq!(order(&exact(2.0), &exact(2.0)), (0.5, 0.5, 0.5));
-    assert_eq!(order(&[None; 50], &exact(2.0)).0, 0.0);
+    assert_eq!(order(&[Err("slipped"); 50], &exact(2.0)).0, 0.0);
     assert_eq!(order(&[], &[]), (0.0, 0.0, 1.0));
     let (probability, low, high) = order(&normals(1, 100, -50.0), &exact(2.0));
     assert!(probability == 1.0 && low > 0.95 && high == 1.0, "{low}");
     for (one, other) in [
         (exact(2.0), exact(2.0)),
-        (vec![None; 50], exact(2.0)),
+        (vec![Err("slipped"); 50], exact(2.0)),
         (vec![], vec![]),
     ] {
         assert_eq!(repeats(&one, &other, None, 0.95), Repeats::Never);
     }
     for extreme in [f64::MAX, f64::MIN, 5e-324] {
         let wide: Vec<TrialMeans> = (0..600)
-            .map(|trial| Some((if trial % 2 == 0 { extreme } else { -extreme }, 0.0)))
+            .map(|trial| Ok((if trial % 2 == 0 { extreme } else { -extreme }, 0.0)))
             .collect();
         let (probability, low, high) = order(&wide, &normals(1, 600, 0.0));
         assert!(low <= probability && probability <= high, "{extreme:e}");
@@ -136,11 +141,9 @@ fn exact_failed_and_missing_trials_are_sound() {
 fn means_of_trials() {
     let trial = observing(|trial| observation(trial as f64, 1.0, None));
     let means = runner(2).trial_means(&trial, 0, 5..8);
-    assert_eq!(
-        means,
-        [Some((5.0, 1.0)), Some((6.0, 1.0)), Some((7.0, 1.0))]
-    );
-    assert_eq!(runner(1).trial_means(&trial, 7, 0..1), [None]);
+    assert_eq!(means, [Ok((5.0, 1.0)), Ok((6.0, 1.0)), Ok((7.0, 1.0))]);
+    let none = Err(NOT_FINITE);
+    assert_eq!(runner(1).trial_means(&trial, 7, 0..1), [none]);
     let failing = observing(|_| observation(f64::NAN, 1.0, None));
-    assert_eq!(runner(1).trial_means(&failing, 0, 0..2), [None, None]);
+    assert_eq!(runner(1).trial_means(&failing, 0, 0..2), [none; 2]);
 }

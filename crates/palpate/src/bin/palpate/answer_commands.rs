@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use palpate::config::Study;
-use palpate::{DesignError, Extreme, Figure, ReportError, Sought, Survey, load};
+use palpate::{AnswerError, Extreme, Figure, Question, ReportError, Sought, load};
 use serde_json::Value;
 
 use crate::budget::runner;
@@ -38,57 +38,42 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
             bar.set_position(trials);
         }
     };
-    let survey = survey(args).map_err(design_failure)?;
+    let question = question(args).map_err(failure)?;
     let (runner, clock) = (runner(args.answer.threads)?, || start.elapsed());
-    let found = palpate::design(&study, &survey, &runner, &clock, &show_progress);
+    let found = palpate::design(&study, &question, &runner, &clock, &show_progress);
     bar.finish_and_clear();
-    let found = found.map_err(design_failure)?;
+    let found = found.map_err(failure)?;
     let lines: Vec<String> = [found.sentence()]
         .into_iter()
         .chain(found.lines())
         .collect();
     if let Some(folder) = &mut folder {
-        let mut texts = vec![
+        let texts = vec![
             (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
             (DESIGN_CONFIG, palpate::resolved(&study)),
             (DESIGN, found.table().to_csv()),
+            (DESIGN_REGION, found.runs().to_csv()),
         ];
-        if !found.is_curve() {
-            texts.push((DESIGN_REGION, found.runs().to_csv()));
-        }
-        write(
-            folder,
-            &study,
-            texts,
-            found.figure(DESIGN_FIGURE, study.heading()),
-        )?;
+        let figure = found.figure(DESIGN_FIGURE, study.heading());
+        write(folder, &study, texts, figure)?;
     }
     print(&args.answer, lines, || found.to_json(&study))
 }
 
 /// Question of the arguments.
-fn survey(args: &DesignArgs) -> Result<Survey, DesignError> {
-    let sought = |path: &Option<String>, extreme: Extreme| {
-        let path = path.clone()?;
-        Some(Sought { path, extreme })
+fn question(args: &DesignArgs) -> Result<Question, AnswerError> {
+    let (path, extreme) = match &args.maximise {
+        Some(path) => (Some(path), Extreme::Largest),
+        None => (args.minimise.as_ref(), Extreme::Smallest),
     };
-    let sought = sought(&args.maximise, Extreme::Largest)
-        .or_else(|| sought(&args.minimise, Extreme::Smallest));
-    let mut survey = Survey::new(args.target, args.vary.clone(), sought)?;
-    let question = &mut survey.question;
-    question.max_failures = args.max_failures;
-    question.set.clone_from(&args.answer.set);
-    question.gap = args.gap;
-    question.most_trials = args.most_trials.get();
-    question.budget = Some(args.budget);
-    Ok(survey)
-}
-
-/// Failure for a question without an answer: bad usage.
-fn design_failure(error: DesignError) -> Failure {
-    Failure::usage(match error {
-        DesignError::Config(error) => anyhow::Error::new(error),
-        error => anyhow::Error::new(error),
+    let sought = path.cloned().map(|path| Sought { path, extreme });
+    Ok(Question {
+        max_failures: args.max_failures,
+        set: args.answer.set.clone(),
+        gap: args.gap,
+        most_trials: args.most_trials.get(),
+        budget: Some(args.budget),
+        ..Question::new(args.target, args.vary.clone(), sought)?
     })
 }
 
@@ -117,7 +102,7 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         &show_progress,
     );
     bar.finish_and_clear();
-    let found = found.map_err(Failure::usage)?;
+    let found = found.map_err(failure)?;
     if let Some(folder) = &mut folder {
         let texts = vec![
             (DISTINGUISH, found.table().to_csv()),
@@ -130,6 +115,14 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         write(folder, &study, texts, figure)?;
     }
     print(&args.answer, found.sentences(), || found.to_json(&study))
+}
+
+/// Failure for a question without an answer: bad usage.
+fn failure(error: AnswerError) -> Failure {
+    match error {
+        AnswerError::Config(error) => Failure::usage(error),
+        error => Failure::usage(error),
+    }
 }
 
 /// Directory for the files of an answer, if `--out` names one. It is opened before the work, so that an unwritable directory

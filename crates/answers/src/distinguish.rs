@@ -1,50 +1,17 @@
 //! How certainly trials distinguish the swept objects of a study.
 
-use palpate_scene::{Scenes, quantities_of};
+use palpate_scene::{SceneTrial, Scenes, quantities_of};
 use palpate_study::Quantity;
-use palpate_study::config::{ConfigError, SceneConfig, Study};
+use palpate_study::config::{SceneConfig, Study};
 use palpate_sweep::{Runner, TrialMeans, both_above, in_order, repeats};
-use thiserror::Error;
 
 use crate::discrimination::{Discrimination, Group, Object, Pair};
-use crate::trial::SceneTrial;
+use crate::error::{AnswerError, MAX_CELLS};
 
-/// Largest number of cells. The estimates of all their trials are stored.
-const MAX_CELLS: usize = 1000;
 /// A class holds for a patch if it holds for more than this share of its places.
 const MAJORITY: f64 = 0.5;
 /// Distance between the trial numbers of two cells, so that no two cells draw the same random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
-
-/// Reason why objects cannot be compared.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum DistinguishError {
-    /// Invalid config.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// Study without a swept object.
-    #[error(
-        "no field of `scene.object` is swept, so that there is nothing to tell apart; \
-         `--vary scene.object.radius=20,25,30` would be such a sweep"
-    )]
-    NoObjects,
-    /// Scene without this quantity.
-    #[error("a {scene} has no quantity {name:?} that tells objects apart (known: {known})")]
-    NoQuantity {
-        /// Kind of the scene.
-        scene: &'static str,
-        /// Name of the quantity.
-        name: String,
-        /// Quantities of the scene.
-        known: String,
-    },
-    /// Confidence out of its range.
-    #[error("confidence is {0}; it must be above 0 and below 1")]
-    Confidence(f64),
-    /// Too many cells.
-    #[error("the study has {0} cells, and at most {MAX_CELLS} are looked at")]
-    TooManyCells(usize),
-}
 
 /// Computes, for each two objects that a study sweeps, the probability that one trial of each puts them in the right order,
 /// and the number of trials whose mean does so with the probability `confidence`.
@@ -54,7 +21,9 @@ pub enum DistinguishError {
 /// distinguished if most places of both are classified correctly; objects of the same class never are.
 ///
 /// ```
-/// use palpate::{RunOptions, Runner};
+/// use palpate_answers::distinguish;
+/// use palpate_study::config::parse;
+/// use palpate_sweep::{RunOptions, Runner};
 ///
 /// let text = r#"
 /// name = "balls"
@@ -70,9 +39,9 @@ pub enum DistinguishError {
 /// path = "scene.object.radius"
 /// values = [20.0, 21.0, 60.0]
 /// "#;
-/// let study = palpate::parse("balls.toml", text)?;
+/// let study = parse("balls.toml", text)?;
 /// let runner = Runner::new(&RunOptions::default())?;
-/// let found = palpate::distinguish(&study, None, 0.95, &runner, &|_, _| ())?;
+/// let found = distinguish(&study, None, 0.95, &runner, &|_, _| ())?;
 /// let pairs = &found.groups[0].pairs;
 /// // The flatter object first: 60 and 21, 60 and 20, 21 and 20.
 /// let far = pairs[0].order.ok_or("of different truths")?;
@@ -82,65 +51,54 @@ pub enum DistinguishError {
 /// ```
 ///
 /// # Errors
-/// [`DistinguishError`].
+/// [`AnswerError`].
 pub fn distinguish(
     study: &Study,
     quantity: Option<&str>,
     confidence: f64,
     runner: &Runner,
     progress: &dyn Fn(usize, usize),
-) -> Result<Discrimination, DistinguishError> {
-    if !(confidence > 0.0 && confidence < 1.0) {
-        return Err(DistinguishError::Confidence(confidence));
-    }
+) -> Result<Discrimination, AnswerError> {
+    AnswerError::unless_confidence(confidence)?;
     let cells = study.cell_count();
     if cells > MAX_CELLS {
-        return Err(DistinguishError::TooManyCells(cells));
+        return Err(AnswerError::TooManyCells(cells));
     }
     // A wrong quantity is reported before missing objects.
     let first = study.cell(0)?.config.scene;
-    place_of(quantities_of(&first), first.kind(), quantity)?;
+    let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
-    let mut told: Vec<Vec<TrialMeans>> = Vec::with_capacity(cells);
-    let mut facts: Vec<(Option<&'static str>, Quantity)> = Vec::with_capacity(cells);
+    let mut means: Vec<Vec<TrialMeans>> = Vec::with_capacity(cells);
+    let mut classes: Vec<Option<&'static str>> = Vec::with_capacity(cells);
     for cell in 0..cells {
         progress(cell, cells);
         let trial = SceneTrial::new(study.estimable_scene(cell)?);
         let kind = study.cell(cell)?.config.scene.kind();
-        let (place, found) = place_of(trial.scene.quantities(), kind, quantity)?;
+        let (place, _) = place_of(trial.scene.quantities(), kind, quantity)?;
         let first = cell as u64 * TRIALS_PER_CELL;
         let trials = study.trials_of(cell).min(TRIALS_PER_CELL);
-        told.push(runner.trial_means(&trial, place, first..first + trials));
-        facts.push((trial.scene.true_class(), found));
+        means.push(runner.trial_means(&trial, place, first..first + trials));
+        classes.push(trial.scene.true_class());
     }
-    let quantity = facts
-        .first()
-        .map_or(Quantity::MEAN_CURVATURE, |(_, found)| *found);
-    let is_class = quantity == Quantity::CLASS;
+    let is_class = compared == Quantity::CLASS;
     let limit = is_class.then_some(MAJORITY);
-    let mut groups = Vec::new();
-    for (settings, members) in layout.groups {
-        let mut objects: Vec<Object> = members
-            .iter()
-            .map(|(cell, label)| {
-                let truth = match is_class {
-                    true => facts[*cell].0.map(str::to_owned),
-                    false => None,
-                };
-                Object::new(*cell, label.clone(), &told[*cell], truth)
-            })
-            .collect();
+    let group = |(settings, members): (Vec<String>, Members)| {
+        let object = |(cell, label): (usize, Vec<String>)| {
+            let class = classes[cell].filter(|_| is_class);
+            Object::new(cell, label, &means[cell], class)
+        };
+        let mut objects: Vec<Object> = members.into_iter().map(object).collect();
         objects.sort_by(|one, other| match (one.truth, other.truth) {
             (Some(one), Some(other)) if !is_class => one.total_cmp(&other),
             _ => one.cell.cmp(&other.cell),
         });
-        let mut places = Vec::new();
-        for first in 0..objects.len() {
-            places.extend((first + 1..objects.len()).map(|second| (first, second)));
-        }
-        let pair = |(first, second): (usize, usize)| {
+        let places = (0..objects.len())
+            .flat_map(|first| (first + 1..objects.len()).map(move |second| (first, second)));
+        let places: Vec<(usize, usize)> = places.collect();
+        let pairs = runner.map(places.len(), |place| {
+            let (first, second) = places[place];
             let (low, high) = (&objects[first], &objects[second]);
-            let (of_low, of_high) = (&told[low.cell], &told[high.cell]);
+            let (of_low, of_high) = (&means[low.cell], &means[high.cell]);
             let differ = match is_class {
                 true => low.class.is_some() && high.class.is_some() && low.class != high.class,
                 false => low.truth.is_some() && high.truth.is_some() && low.truth != high.truth,
@@ -155,22 +113,21 @@ pub fn distinguish(
                 order: differ.then_some(order),
                 repeats: differ.then(|| repeats(of_low, of_high, limit, confidence)),
             }
-        };
-        let pairs = runner.map(places.len(), |place| pair(places[place]));
-        groups.push(Group {
+        });
+        Group {
             settings,
             objects,
             pairs,
-        });
-    }
+        }
+    };
     Ok(Discrimination {
-        unit: quantity.unit.of(study.config.length_unit),
-        quantity,
+        unit: compared.unit.of(study.config.length_unit),
+        quantity: compared,
         confidence,
         trials: trials(&study.config.scene),
         object_columns: layout.objects,
         columns: layout.others,
-        groups,
+        groups: layout.groups.into_iter().map(group).collect(),
     })
 }
 
@@ -188,21 +145,17 @@ fn trials(scene: &SceneConfig) -> String {
 fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
-    asked: Option<&str>,
-) -> Result<(usize, Quantity), DistinguishError> {
-    let usual = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
+    wanted: Option<&str>,
+) -> Result<(usize, Quantity), AnswerError> {
+    let usual = [
+        Quantity::OBJECT_CURVATURE.name,
+        Quantity::MEAN_CURVATURE.name,
+    ];
+    let mut names = wanted.map_or(usual.to_vec(), |name| vec![name]).into_iter();
     let find = |name: &str| quantities.iter().position(|one| one.name == name);
-    let found = match asked {
-        Some(name) => find(name),
-        None => usual.iter().find_map(|usual| find(usual.name)),
-    };
-    let known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
-    let unknown = || DistinguishError::NoQuantity {
-        scene: kind,
-        name: asked.unwrap_or(Quantity::MEAN_CURVATURE.name).to_owned(),
-        known: known.join(", "),
-    };
-    let place = found.ok_or_else(unknown)?;
+    let place = names.clone().find_map(find);
+    let name = names.next_back().unwrap_or_default();
+    let place = place.ok_or_else(|| AnswerError::no_quantity(kind, name, quantities))?;
     Ok((place, quantities[place]))
 }
 
@@ -219,7 +172,7 @@ struct Layout {
 type Members = Vec<(usize, Vec<String>)>;
 
 /// Groups of at least two cells that differ only in their objects, in the order of the study.
-fn grouped(study: &Study) -> Result<Layout, DistinguishError> {
+fn grouped(study: &Study) -> Result<Layout, AnswerError> {
     let is_object = |path: &String| path == "scene.object" || path.starts_with("scene.object.");
     let texts_of = |of_object: bool, texts: &[String]| -> Vec<String> {
         let pairs = study.paths.iter().zip(texts);
@@ -242,6 +195,6 @@ fn grouped(study: &Study) -> Result<Layout, DistinguishError> {
             others: texts_of(false, &study.columns),
             groups,
         }),
-        false => Err(DistinguishError::NoObjects),
+        false => Err(AnswerError::NoObjects),
     }
 }

@@ -3,12 +3,11 @@
 use palpate_study::{Bound, Label, Statistic, number};
 use palpate_sweep::{EndReason, Run, Side};
 
-use super::feasible_region::{Best, DesignPoint, Region, RegionColumn, Sample};
-use super::question::{Extreme, Sought};
+use crate::question::Sought;
+use crate::region::{Best, DesignPoint, Region, RegionColumn, Sample};
+use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
-/// Digits of a statistic in a sentence.
-const DIGITS: usize = 3;
-/// Digits of its standard error.
+/// Digits of a standard error in a sentence.
 const ERROR_DIGITS: usize = 1;
 /// Largest number of clauses in a sentence.
 const MAX_CLAUSES: usize = 12;
@@ -16,53 +15,35 @@ const MAX_CLAUSES: usize = 12;
 impl Region {
     /// The answer in one sentence: the best value of the sought field, or the values that meet the target.
     pub fn sentence(&self) -> String {
-        if self.is_curve() {
-            return self.curve_sentence();
-        }
-        let text = match &self.sought {
-            Some(sought) => self.best_in_words(sought),
-            None => self.values_that_meet(),
+        let text = match (&self.question.sought, self.grid.is_empty()) {
+            (Some(sought), _) => self.best_in_words(sought),
+            (None, false) => self.values_that_meet(),
+            (None, true) => {
+                let certainty = format!(" ({})", self.certainty());
+                let text = self.column_in_words(&self.columns[0], &certainty);
+                format!("{}: {text}", self.searched.label.words)
+            }
         };
         format!("{}.", capitalized(&text))
-    }
-
-    /// Sentence of a region without a grid: values that meet the target, values that miss it, and undecided values.
-    pub(super) fn curve_sentence(&self) -> String {
-        let text = self.column_in_words(&self.columns[0], &format!(" ({})", self.certainty()));
-        format!("{}: {text}.", capitalized(&self.searched.label.words))
     }
 
     /// Details of the sentence, a line each: the target, the numbers of values and trials, what is undecided, and the
     /// answer at each combination of the grid.
     pub fn lines(&self) -> Vec<String> {
-        let points = || self.columns.iter().flat_map(|column| &column.points);
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
-        let values = match self.is_curve() {
-            true => self.curve_values_in_words(&self.columns[0]),
-            false => {
-                let (count, words) = (points().count(), &self.searched.label.words);
-                let places = match self.columns.len() {
-                    1 => String::new(),
-                    _ => format!(", at {}", self.all_columns()),
-                };
-                format!("{count} of {words}{places}")
-            }
-        };
-        let fresh: u64 = points()
-            .flat_map(|point| &point.fresh)
-            .map(|sample| sample.trials)
-            .sum();
-        let trials = match samples().any(|sample| sample.trials > 1) {
+        let points = self.columns.iter().flat_map(|column| &column.points);
+        let fresh = points.flat_map(|point| &point.fresh);
+        let trials = match samples().any(|sample| sample.counts.trials > 1) {
             false => "1 of each value: nothing is random".to_owned(),
             true => format!(
                 "{}, of which {} fresh ones verify the answer",
-                number::grouped(samples().map(|sample| sample.trials).sum()),
-                number::grouped(fresh)
+                number::grouped(samples().map(|sample| sample.counts.trials).sum()),
+                number::grouped(fresh.map(|sample| sample.counts.trials).sum())
             ),
         };
         let mut lines = vec![
             format!("target   {}", self.target_in_words()),
-            format!("values   {values}"),
+            format!("values   {}", self.values_in_words()),
             format!("trials   {trials}"),
         ];
         lines.extend(self.notes());
@@ -78,48 +59,50 @@ impl Region {
 
     /// Notes on the limits of the searches.
     fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        let ends = match self.columns.iter().map(|column| column.narrowed).sum() {
-            0 => None,
-            1 => Some("an end".to_owned()),
-            count => Some(format!("{count} ends")),
+        let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
+        let ends = match narrowed {
+            1 => "an end".to_owned(),
+            count => format!("{count} ends"),
         };
-        notes.extend(ends.map(|ends| {
-            format!(
-                "note     fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
-            )
-        }));
         let has_ended = |reason| self.columns.iter().any(|column| column.ended == reason);
-        if has_ended(EndReason::Time) {
-            notes.push(
-                "note     the gap is wider than asked for, since --budget is shared by all that was looked at: a larger one narrows it"
+        let notes = [
+            (
+                narrowed > 0,
+                format!(
+                    "fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
+                ),
+            ),
+            (
+                has_ended(EndReason::Time),
+                "the time was used up before the gap was as small as requested: a larger budget narrows it"
                     .to_owned(),
-            );
-        }
-        if has_ended(EndReason::Trials) {
-            notes.push(
-                "note     some values are so near the limit that more trials than are taken would be needed"
+            ),
+            (
+                has_ended(EndReason::Trials),
+                "some values are so near the limit that more trials than allowed would be needed"
                     .to_owned(),
-            );
-        }
-        notes
+            ),
+        ];
+        let notes = notes.into_iter().filter(|(is_true, _)| *is_true);
+        notes.map(|(_, note)| format!("note     {note}")).collect()
     }
 
     /// Label of the target's statistic.
     pub fn label(&self) -> Label {
-        let name = self.target.quantity.map_or("", |quantity| quantity.name);
-        self.target.statistic.label(&[name], self.unit)
+        let target = &self.question.target;
+        let name = target.quantity.map_or("", |quantity| quantity.name);
+        target.statistic.label(&[name], self.unit)
     }
 
     /// The target in words: the statistic with its limit, the allowed failures, and the cells.
     pub fn target_in_words(&self) -> String {
         let label = self.label();
-        let bound = match self.target.bound {
+        let bound = match self.question.target.bound {
             Bound::AtMost => "at most",
             Bound::AtLeast => "at least",
         };
-        let limit = label.value(&number::exact(self.target.limit));
-        let failures = match self.max_failures {
+        let limit = label.value(&number::exact(self.question.target.limit));
+        let failures = match self.question.max_failures {
             share if share >= 1.0 => "however many trials fail".to_owned(),
             share => format!(
                 "at most {} % of the trials failing",
@@ -137,56 +120,55 @@ impl Region {
         format!("{} {bound} {limit}, {failures}{cells}", label.words)
     }
 
-    /// The tried values of a region without a grid.
-    fn curve_values_in_words(&self, column: &RegionColumn) -> String {
-        let count = column.points.len();
-        let worst = self.worst_cell(column);
-        let values = match self.searched.span {
-            _ if self.searched.is_listed() => format!("{count}, listed"),
-            span if span.from == span.to => self.searched.value(span.from),
-            span => {
+    /// The tried values of the searched field.
+    fn values_in_words(&self) -> String {
+        let points = self.columns.iter().map(|column| column.points.len());
+        let count: usize = points.sum();
+        let (field, span) = (&self.searched, self.searched.span);
+        let values = match self.columns.len() {
+            1 if field.is_listed() => format!("{count}, listed"),
+            1 if span.from == span.to => field.value(span.from),
+            1 => {
                 let spacing = if span.is_log { "ratios" } else { "differences" };
                 let whole = if span.is_whole { " whole numbers" } else { "" };
-                format!(
-                    "{count}{whole} from {}, spaced by {spacing}",
-                    self.searched.between(span.from, span.to)
-                )
+                let range = field.between(span.from, span.to);
+                format!("{count}{whole} from {range}, spaced by {spacing}")
             }
+            _ => format!(
+                "{count} of {}, at {}",
+                field.label.words,
+                self.all_columns()
+            ),
         };
-        format!("{values}{worst}")
+        format!("{values}{}", self.worst_cell())
     }
 
     /// The cell that decides most of the tried values, if there are several cells.
-    fn worst_cell(&self, column: &RegionColumn) -> String {
+    fn worst_cell(&self) -> String {
         if self.cells.len() < 2 {
             return String::new();
         }
-        let mut counts = vec![0; self.cells.len()];
-        for point in &column.points {
-            if let Some(count) = counts.get_mut(point.worst) {
-                *count += 1;
-            }
-        }
-        let most = counts.iter().max().copied().unwrap_or(0);
-        let cell = counts.iter().position(|&count| count == most).unwrap_or(0);
-        let settings = settings_in_words(&self.cell_columns, &self.cells[cell]);
-        format!("; the worst cell is mostly that of {}", joined(settings))
+        let points = || self.columns.iter().flat_map(|column| &column.points);
+        let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
+        // The first of those that decide as many values.
+        let worst = (0..self.cells.len()).rev().max_by_key(decided);
+        let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
+        format!("; the worst cell is mostly that of {settings}")
     }
 
     /// Values of a column that meet the target, that miss it, and that are undecided; `certainty` follows the first verdict.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
-            let mut runs = column.on(side).peekable();
-            runs.peek()?;
-            Some(joined(runs.map(|run| self.run(run))))
+            let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
+            (!runs.is_empty()).then(|| joined(runs))
         };
         let (meets, misses) = (runs(Side::Meets), runs(Side::Misses));
         let undecided = self.undecided(column);
         let rest = undecided
             .as_ref()
             .map_or(String::new(), |undecided| format!("; {undecided}"));
-        let best = || match self.nearest_in(column) {
-            Some((point, sample)) => format!("; at best {}", self.result_at(point, sample)),
+        let best = || match self.nearest([column]) {
+            Some((_, point, sample)) => format!("; at best {}", self.result_at(point, sample)),
             None => String::new(),
         };
         let all = self.all_values(column);
@@ -194,7 +176,8 @@ impl Region {
             (Some(_), None, None) => format!("{all} meets the target{certainty}"),
             (Some(meets), None, _) => format!("{meets} meets the target{certainty}{rest}"),
             (Some(meets), Some(misses), _) => {
-                format!("{meets} meets the target{certainty}, {misses} misses it{rest}")
+                let failures = self.failures_in_words(column);
+                format!("{meets} meets the target{certainty}, {misses} misses it{failures}{rest}")
             }
             (None, Some(_), None) => format!("{all} misses the target{certainty}{}", best()),
             (None, Some(misses), _) => {
@@ -202,6 +185,32 @@ impl Region {
             }
             (None, None, _) => format!("whether {all} meets the target is undecided{}", best()),
         }
+    }
+
+    /// Failures because of which values next to those that meet the target miss it.
+    fn failures_in_words(&self, column: &RegionColumn) -> String {
+        match self.failing_end(column) {
+            Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
+            None => String::new(),
+        }
+    }
+
+    /// The first end of a run of values that miss the target because too many trials fail there; ends of the range do not
+    /// count.
+    pub(crate) fn failing_end<'a>(
+        &self,
+        column: &'a RegionColumn,
+    ) -> Option<(&'a DesignPoint, &'a Sample)> {
+        let span = self.searched.span;
+        let ends = column.on(Side::Misses).flat_map(|run| [run.from, run.to]);
+        let mut inner = ends.filter(|end| {
+            self.searched.is_listed() || span.from == span.to || ![span.from, span.to].contains(end)
+        });
+        inner.find_map(|end| {
+            let point = column.points.iter().find(|point| point.value == end)?;
+            let sample = self.decisive(point)?;
+            self.is_failing(sample).then_some((point, sample))
+        })
     }
 
     /// Words for all values together.
@@ -266,31 +275,24 @@ impl Region {
         }
     }
 
-    /// The statistic at a value, or the share of failed trials if too many fail.
+    /// The statistic at a value, or the failures if too many trials fail.
     fn result_at(&self, point: &DesignPoint, sample: &Sample) -> String {
-        let value = self.searched.value(point.value);
-        if sample.failure_rate() > self.max_failures {
-            return match sample.trials {
-                0 => format!("the readings tell nothing at {value}"),
-                _ => format!(
-                    "{} % of the trials fail at {value}",
-                    number::significant(100.0 * sample.failure_rate(), DIGITS)
-                ),
-            };
+        let (value, label) = (self.searched.value(point.value), self.label());
+        if self.is_failing(sample) || sample.counts.failed == sample.counts.trials {
+            return sample.counts.failures_in_words("the trials", &value);
         }
-        let label = self.label();
+        let name = match self.question.target.statistic {
+            Statistic::Mean => label.words.clone(),
+            statistic => statistic.short().to_owned(),
+        };
         let Some((statistic, std)) = sample.statistic else {
-            return format!("no trial succeeds at {value}");
+            return format!("{name} is undefined at {value}");
         };
         let [shown, error] = [(statistic, DIGITS), (std, ERROR_DIGITS)]
             .map(|(number, digits)| number::significant(number * label.factor, digits));
         let unit = match label.unit.as_str() {
             "" => String::new(),
             unit => format!(" {unit}"),
-        };
-        let name = match self.target.statistic {
-            Statistic::Mean => label.words.clone(),
-            statistic => statistic.short().to_owned(),
         };
         match std > 0.0 {
             true => format!("{name} is {shown} ± {error}{unit} at {value}"),
@@ -300,13 +302,12 @@ impl Region {
 
     /// Words for the confidence of the answer.
     fn certainty(&self) -> String {
-        let percent = number::significant(100.0 * self.confidence, DIGITS);
-        format!("{percent} % sure")
+        format!("{} % sure", percent(self.question.confidence))
     }
 
     fn best_in_words(&self, sought: &Sought) -> String {
         let (field, place) = self.sought_field(sought);
-        let (word, words) = (sought.extreme.word(), &field.label.words);
+        let ([word, direction], words) = (sought.extreme.words(), &field.label.words);
         let Some(best) = self.best() else {
             return self.no_value_meets();
         };
@@ -316,10 +317,6 @@ impl Region {
         if !field.is_listed() && best.value == sought.extreme.end_of(field.span) {
             return format!("{head}, the {word} of the range");
         }
-        let direction = match sought.extreme {
-            Extreme::Largest => "more",
-            Extreme::Smallest => "less",
-        };
         match self.missed_from() {
             Some(missed) => {
                 let missed = field.value(missed);
@@ -327,7 +324,8 @@ impl Region {
                     1 => String::new(),
                     _ => format!(" at {}", self.all_columns()),
                 };
-                format!("{head}; {missed} or {direction} misses it{everywhere}")
+                let failures = self.failures_in_words(best.column);
+                format!("{head}; {missed} or {direction} misses it{everywhere}{failures}")
             }
             None if place.is_none() && !field.is_listed() => {
                 format!("{head}; whether {direction} does is undecided")
@@ -340,8 +338,7 @@ impl Region {
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);
-        let grid = grid
-            .map(|(_, (field, value))| format!("{} {}", field.label.words, field.value(*value)));
+        let grid = grid.map(|(_, (field, value))| field.named_value(*value));
         let runs = sought.map(|_| {
             let runs = best.column.on(Side::Meets).map(|run| self.run(run));
             format!("{} {}", self.searched.label.words, joined(runs))
@@ -376,7 +373,7 @@ impl Region {
                 "no value of {words} is known to meet the target{places}, some are undecided"
             ),
         };
-        match self.nearest() {
+        match self.nearest(&self.columns) {
             Some((column, point, sample)) => {
                 let at = match self.at(column) {
                     at if at.is_empty() => at,
@@ -388,6 +385,8 @@ impl Region {
         }
     }
 
+    /// Values that meet the target at each combination of the grid. Neighbours along a single field with the same values
+    /// share a clause.
     fn values_that_meet(&self) -> String {
         let words = &self.searched.label.words;
         let certainty = match self.columns.len() {
@@ -399,53 +398,40 @@ impl Region {
         if count == 0 {
             return self.no_value_meets();
         }
-        let clauses = self.clauses();
-        if clauses.len() > MAX_CLAUSES {
+        let is_alike = |one: &RegionColumn, other: &RegionColumn| {
+            self.grid.len() == 1 && self.values_that_meet_in(one) == self.values_that_meet_in(other)
+        };
+        let groups: Vec<&[RegionColumn]> = self.columns.chunk_by(is_alike).collect();
+        if groups.len() > MAX_CLAUSES {
             return format!(
                 "{words}: some value meets the target at {count} of {} {} ({certainty})",
                 self.columns.len(),
                 self.columns_in_words()
             );
         }
+        let clauses = groups.iter().enumerate().map(|(number, columns)| {
+            let values = self.values_that_meet_in(&columns[0]);
+            let at = match (self.grid.as_slice(), columns) {
+                ([field], [first, .., last]) => {
+                    let values = match field.is_listed() {
+                        true => joined(columns.iter().map(|one| field.value(one.at[0]))),
+                        false => field.between(first.at[0], last.at[0]),
+                    };
+                    match number {
+                        0 => format!("{} {values}", field.label.words),
+                        _ => values,
+                    }
+                }
+                ([field], [one]) if number > 0 => field.value(one.at[0]),
+                _ => self.at(&columns[0]),
+            };
+            format!("{values} at {at}")
+        });
+        let clauses: Vec<String> = clauses.collect();
         format!(
             "{words} that meets the target ({certainty}): {}",
             clauses.join("; ")
         )
-    }
-
-    /// Values that meet the target with their places. Neighbours along a single field with the same values share a clause.
-    fn clauses(&self) -> Vec<String> {
-        let mut clauses: Vec<(String, Vec<&RegionColumn>)> = Vec::new();
-        for column in &self.columns {
-            let values = self.values_that_meet_in(column);
-            match clauses.last_mut() {
-                Some((last, columns)) if *last == values && self.grid.len() == 1 => {
-                    columns.push(column);
-                }
-                _ => clauses.push((values, vec![column])),
-            }
-        }
-        let is_first = |place: usize| place == 0 || self.grid.len() > 1;
-        let clause = |(place, (values, columns)): (usize, (String, Vec<&RegionColumn>))| {
-            let at = match (columns.as_slice(), self.grid.as_slice()) {
-                ([one], [field]) if !is_first(place) => field.value(one.at[0]),
-                ([one], _) => self.at(one),
-                (several, [field, ..]) => {
-                    let [from, to] = [several[0], several[several.len() - 1]].map(|one| one.at[0]);
-                    let values = match field.is_listed() {
-                        true => joined(several.iter().map(|one| field.value(one.at[0]))),
-                        false => field.between(from, to),
-                    };
-                    match is_first(place) {
-                        true => format!("{} {values}", field.label.words),
-                        false => values,
-                    }
-                }
-                (_, []) => String::new(),
-            };
-            format!("{values} at {at}")
-        };
-        clauses.into_iter().enumerate().map(clause).collect()
     }
 
     /// Values of a column that meet the target.
@@ -465,7 +451,7 @@ impl Region {
     /// Values of the grid at a column, in words.
     fn at(&self, column: &RegionColumn) -> String {
         let pairs = self.grid.iter().zip(&column.at);
-        joined(pairs.map(|(field, value)| format!("{} {}", field.label.words, field.value(*value))))
+        joined(pairs.map(|(field, value)| field.named_value(*value)))
     }
 
     /// The columns, in words.
@@ -484,31 +470,4 @@ impl Region {
         };
         format!("{things} of {fields} that were looked at")
     }
-}
-
-/// Text with a capital at its start.
-fn capitalized(words: &str) -> String {
-    let mut letters = words.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
-}
-
-/// `a`, `a and b`, `a, b and c`.
-fn joined(words: impl IntoIterator<Item = String>) -> String {
-    match words.into_iter().collect::<Vec<_>>().as_slice() {
-        [] => String::new(),
-        [one] => one.clone(),
-        [most @ .., last] => format!("{} and {last}", most.join(", ")),
-    }
-}
-
-/// Values of swept fields with their names and units, one text per column.
-pub(crate) fn settings_in_words<'a>(
-    columns: &'a [String],
-    values: &'a [String],
-) -> impl Iterator<Item = String> + 'a {
-    columns.iter().zip(values).map(|(column, text)| {
-        let label = Label::of_field(column);
-        format!("{} {}", label.words, label.value(text))
-    })
 }

@@ -5,8 +5,8 @@ use palpate_study::{Table, number};
 use palpate_sweep::Side;
 use serde_json::{Map, Value, json};
 
-use super::feasible_region::{DesignPoint, Region, RegionColumn, Sample};
-use super::field::Field;
+use crate::field::Field;
+use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 
 impl Region {
     /// Table of all trials: one row per combination of the grid, value, cell and sample (trials of the search, and fresh
@@ -14,30 +14,34 @@ impl Region {
     pub fn table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();
+        let target = &self.question.target;
         let statistics = [
             "quantity",
             "unit",
             "sample",
             "trials",
             "failures",
-            self.target.statistic.name(),
+            "main_failure",
+            target.statistic.name(),
             "std_error",
             "verdict",
         ];
         let fields = fields.chain(["cell".to_owned()]);
         let fields = fields.chain(self.cell_columns.iter().cloned());
         let mut table = Table::new(fields.chain(statistics.map(str::to_owned)));
-        let quantity = self.target.quantity.map_or("", |quantity| quantity.name);
+        let quantity = target.quantity.map_or("", |quantity| quantity.name);
         let mut push = |column: &RegionColumn, point: &DesignPoint, name: &str, sample: &Sample| {
             let text = |number: Option<f64>| number.map_or(String::new(), number::shortest);
             let value = [self.searched.text(point.value), sample.cell.to_string()];
             let coordinates = self.cells.get(sample.cell).into_iter().flatten().cloned();
+            let counts = &sample.counts;
             let statistics = [
                 quantity.to_owned(),
                 self.unit.to_owned(),
                 name.to_owned(),
-                sample.trials.to_string(),
-                sample.failed.to_string(),
+                counts.trials.to_string(),
+                counts.failed.to_string(),
+                counts.main_failure.map_or("", |(kind, _)| kind).to_owned(),
                 text(sample.statistic.map(|(value, _)| value)),
                 text(sample.statistic.map(|(_, std)| std)),
                 verdict(point.side).to_owned(),
@@ -82,45 +86,46 @@ impl Region {
     }
 
     /// The answer as JSON: its sentence, the runs of values that meet the target and that miss it at each combination of
-    /// the grid, and the best value.
+    /// the grid, and the best value. The results of a single column are also fields of the whole answer.
     pub fn to_json(&self, study: &Study) -> Value {
+        let columns = self.columns.iter().map(|column| {
+            let at: Map<_, _> = self.grid_json(column).collect();
+            let fields = [("at".to_owned(), Value::Object(at))];
+            fields
+                .into_iter()
+                .chain(self.column_json(column))
+                .collect::<Value>()
+        });
+        let best = self.best().map(|best| {
+            let field = &self.searched;
+            let searched = (field.path.clone(), json_of(field, best.searched));
+            let all = self.grid_json(best.column).chain([searched]);
+            all.collect::<Value>()
+        });
+        let grid = self.grid.iter();
+        let grid = grid.map(|field| json!({ "path": field.path, "unit": field.label.unit }));
+        let question = &self.question;
         let mut value = json!({
             "format_version": 1,
             "study": study.config.name,
             "answer": self.sentence(),
-            "target": self.target.to_string(),
-            "max_failures": self.max_failures,
+            "target": question.target.to_string(),
+            "max_failures": question.max_failures,
             "path": self.searched.path,
             "unit": self.searched.label.unit,
-            "confidence": self.confidence,
+            "confidence": question.confidence,
+            "grid": grid.collect::<Value>(),
+            "sought": question.sought.as_ref().map(|sought| &sought.path),
+            "best_that_meets": best,
+            "columns": columns.collect::<Value>(),
         });
-        let Some(fields) = value.as_object_mut() else {
-            return value;
-        };
-        if self.is_curve() {
-            fields.extend(self.column_json(&self.columns[0]));
-            return value;
+        if let (true, [only], Some(fields)) = (
+            self.grid.is_empty(),
+            &self.columns[..],
+            value.as_object_mut(),
+        ) {
+            fields.extend(self.column_json(only));
         }
-        let columns = self.columns.iter().map(|column| {
-            let at = self.grid_json(column).collect();
-            let mut value = Map::from_iter([("at".to_owned(), Value::Object(at))]);
-            value.extend(self.column_json(column));
-            Value::Object(value)
-        });
-        let best = self.best().map(|best| {
-            let searched = (
-                self.searched.path.clone(),
-                json_of(&self.searched, best.searched),
-            );
-            Value::Object(self.grid_json(best.column).chain([searched]).collect())
-        });
-        let grid = self.grid.iter();
-        let grid = grid.map(|field| json!({ "path": field.path, "unit": field.label.unit }));
-        let sought = self.sought.as_ref().map(|sought| &sought.path);
-        fields.insert("grid".to_owned(), grid.collect());
-        fields.insert("sought".to_owned(), json!(sought));
-        fields.insert("best_that_meets".to_owned(), json!(best));
-        fields.insert("columns".to_owned(), columns.collect());
         value
     }
 
@@ -138,24 +143,28 @@ impl Region {
             runs.map(|run| json!({ "from": value(run.from), "to": value(run.to) }))
                 .collect()
         };
-        let best = self.nearest_in(column).map(|(point, sample)| {
+        let result = |(point, sample): (&DesignPoint, &Sample)| {
             json!({
                 "value": value(point.value),
                 "statistic": sample.statistic.map(|(value, _)| value),
                 "std_error": sample.statistic.map(|(_, std)| std),
-                "failing": sample.failure_rate(),
+                "failing": sample.counts.failure_rate(),
+                "main_failure": sample.counts.main_failure.map(|(kind, _)| kind),
             })
+        };
+        let best = self.nearest([column]);
+        let results = json!({
+            "meets": runs(Side::Meets),
+            "misses": runs(Side::Misses),
+            "best": best.map(|(_, point, sample)| result((point, sample))),
+            "failing_end": self.failing_end(column).map(result),
+            "narrowed": column.narrowed,
+            "ended": format!("{:?}", column.ended).to_lowercase(),
         });
-        Map::from_iter([
-            ("meets".to_owned(), runs(Side::Meets)),
-            ("misses".to_owned(), runs(Side::Misses)),
-            ("best".to_owned(), json!(best)),
-            ("narrowed".to_owned(), json!(column.narrowed)),
-            (
-                "ended".to_owned(),
-                json!(format!("{:?}", column.ended).to_lowercase()),
-            ),
-        ])
+        match results {
+            Value::Object(results) => results,
+            _ => Map::new(),
+        }
     }
 }
 

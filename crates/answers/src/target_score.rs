@@ -1,10 +1,8 @@
 //! Scores of the trials of a cell against a target: how certainly they meet it or miss it.
 
-use palpate_scene::Scene;
+use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Scores, Summary, share_at_most};
-
-use crate::inverse_quantities::drop_undefined_moments;
 
 /// Share of failures that a cell without any success must certainly exceed to miss the target.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
@@ -13,7 +11,7 @@ const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// Target in a scene: a limit on a statistic of one of its quantities.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SceneTarget {
+pub(crate) struct SceneTarget {
     target: Target,
     max_failures: f64,
     quantities: &'static [Quantity],
@@ -22,11 +20,11 @@ pub(super) struct SceneTarget {
 }
 
 /// Reason why a statistic has no value although trials succeed.
-pub(super) struct NoValue(pub(super) &'static str);
+pub(crate) struct NoValue(pub(crate) &'static str);
 
 impl SceneTarget {
     /// Target in a scene with these quantities; `None` if the target's quantity is not among them.
-    pub(super) fn new(
+    pub(crate) fn new(
         target: Target,
         max_failures: f64,
         quantities: &'static [Quantity],
@@ -44,12 +42,12 @@ impl SceneTarget {
         })
     }
 
-    pub(super) fn quantity(&self) -> Quantity {
+    pub(crate) fn quantity(&self) -> Quantity {
         self.quantities[self.place]
     }
 
     /// Batches without trials yet. They will store only the quantities that the target needs.
-    pub(super) fn batches(&self, first: u64) -> Batches {
+    pub(crate) fn batches(&self, first: u64) -> Batches {
         let of = self.quantity().inverse_of();
         let of = of.and_then(|of| self.quantities.iter().position(|one| *one == of));
         let stored = [self.place].into_iter().chain(of).collect();
@@ -85,7 +83,7 @@ impl SceneTarget {
     }
 
     /// Scores of the statistic and of the share of failures, and the statistic if it is defined.
-    pub(super) fn scores(
+    pub(crate) fn scores(
         &self,
         scene: &Scene,
         batches: &Batches,

@@ -2,40 +2,39 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use palpate_scene::Scenes;
+use palpate_scene::{SceneTrial, Scenes};
 use palpate_study::config::{ConfigError, Study};
 use palpate_sweep::{Batches, CERTAIN, Curves, Growth, Runner, ScoreRequest, Scores};
 
-use super::feasible_region::Sample;
-use super::field::{Field, single_values};
-use super::question::{DesignError, MAX_CELLS, Question};
-use super::target_score::{NoValue, SceneTarget};
-use crate::trial::SceneTrial;
+use crate::error::AnswerError;
+use crate::region::{Region, Sample};
+use crate::target_score::{NoValue, SceneTarget};
+use crate::trial_counts::TrialCounts;
 
 /// Number of the first trial that verifies an answer. The search uses the trials before.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
 /// Largest number of scenes that are stored for further trials. Scenes with a camera are large.
 const MAX_CACHED_SCENES: usize = 64;
+/// Failure of readings that determine an estimate only because of their noise.
+const UNDETERMINED: &str = "undetermined";
 
 /// Trials of the cells of a study at values of the searched field, as far as the search has run them.
-pub(super) struct CellCurves<'a> {
+pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
     /// Receives the number of values and of trials so far.
     progress: &'a dyn Fn(usize, u64),
-    cells: usize,
     /// Scenes by value and cell.
     scenes: BTreeMap<Place, Setup>,
     /// Trials by value and cell, those of the search (`false`) and fresh ones (`true`).
-    samples: BTreeMap<(Place, bool), CellTrials>,
+    samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Study with the field at a value.
-#[derive(Clone, Copy)]
+/// Study with the fields of the grid fixed.
 struct Source<'a> {
-    question: &'a Question,
     study: &'a Study,
-    field: &'a Field,
+    region: &'a Region,
+    fixed: Vec<(String, Vec<toml::Value>)>,
 }
 
 /// Value, by its bits, and cell.
@@ -45,55 +44,44 @@ type Place = (u64, usize);
 enum Setup {
     /// A scene, and the target in it.
     Scene(Box<SceneTrial>, SceneTarget),
-    /// Nothing can be estimated from the readings.
-    NotEstimable,
+    /// The readings determine no estimate: kind of the failure.
+    NotEstimable(&'static str),
 }
 
-/// Trials of a cell at a value, and their statistics.
-struct CellTrials {
-    batches: Batches,
-    sample: Sample,
-}
-
-impl<'a> CellCurves<'a> {
-    pub(super) fn new(
+impl<'a> CellTrials<'a> {
+    /// No trials yet, at a place in the grid of a region.
+    pub(crate) fn new(
         study: &'a Study,
-        question: &'a Question,
-        field: &'a Field,
+        region: &'a Region,
+        place: &[f64],
         runner: &'a Runner,
         progress: &'a dyn Fn(usize, u64),
-    ) -> Result<Self, DesignError> {
-        let mut curves = Self {
+    ) -> Self {
+        Self {
             source: Source {
-                question,
                 study,
-                field,
+                region,
+                fixed: region.fixed_at(place),
             },
             runner,
             progress,
-            cells: 0,
             scenes: BTreeMap::new(),
             samples: BTreeMap::new(),
-        };
-        curves.cells = curves.source.study_at(field.first())?.cell_count();
-        match curves.cells {
-            cells if cells > MAX_CELLS => Err(DesignError::TooManyCells(cells)),
-            _ => Ok(curves),
         }
     }
 
     /// Trials of each cell at a value: those of the search, or fresh ones.
-    pub(super) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
+    pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self
             .samples
             .range(((bits, 0), false)..=((bits, usize::MAX), true));
         let chosen = at_value.filter(|((_, fresh), _)| *fresh == is_fresh);
-        chosen.map(|(_, trials)| trials.sample).collect()
+        chosen.map(|(_, (_, sample))| *sample).collect()
     }
 
     /// Sets up the scenes of values and cells that have none yet.
-    fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), DesignError> {
+    fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), AnswerError> {
         if self.scenes.len() > MAX_CACHED_SCENES {
             self.scenes.retain(|place, _| places.contains(place));
         }
@@ -103,7 +91,7 @@ impl<'a> CellCurves<'a> {
         let missing: Vec<Place> = missing.copied().collect();
         let mut values: Vec<u64> = missing.iter().map(|(value, _)| *value).collect();
         values.dedup();
-        let source = self.source;
+        let source = &self.source;
         let study = |place: usize| source.study_at(f64::from_bits(values[place]));
         let studies: Result<Vec<Study>, ConfigError> =
             self.runner.map(values.len(), study).into_iter().collect();
@@ -117,80 +105,94 @@ impl<'a> CellCurves<'a> {
         }
         Ok(())
     }
+
+    /// Error for a statistic without a value.
+    fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> AnswerError {
+        let found = self.source.study_at(ask.value);
+        let found = found.and_then(|study| Ok((study.cell(ask.cell)?.coordinates, study)));
+        let (coordinates, study) = match found {
+            Ok(found) => found,
+            Err(error) => return error.into(),
+        };
+        let pairs = study.paths.iter().zip(coordinates);
+        let place: Vec<String> = pairs
+            .map(|(path, text)| format!("{path} = {text}"))
+            .collect();
+        let target = &self.source.region.question.target;
+        AnswerError::Undefined {
+            statistic: target.statistic.name(),
+            quantity: target.quantity.map_or("", |quantity| quantity.name),
+            place: place.join(", "),
+            why,
+        }
+    }
 }
 
 impl Source<'_> {
     fn study_at(&self, value: f64) -> Result<Study, ConfigError> {
-        let mut fields = single_values(&self.question.set);
-        fields.push((
-            self.field.path.clone(),
-            vec![self.field.config_value(value)],
-        ));
-        self.study.varied(&fields)
+        let searched = self.region.searched.fixed_at(value);
+        self.study.varied(&[&self.fixed[..], &[searched]].concat())
     }
 
-    fn setup(&self, study: &Study, cell: usize) -> Result<Setup, DesignError> {
-        let Question {
-            target,
-            max_failures,
-            ..
-        } = self.question;
+    fn setup(&self, study: &Study, cell: usize) -> Result<Setup, AnswerError> {
+        let question = &self.region.question;
         let scene = study.scene(cell)?;
         if scene.estimable().is_err() {
-            return Ok(Setup::NotEstimable);
+            let failure = scene.trial(0, |_, _| ()).err();
+            return Ok(Setup::NotEstimable(failure.unwrap_or(UNDETERMINED)));
         }
         let quantities = scene.quantities();
-        let Some(target) = SceneTarget::new(*target, *max_failures, quantities) else {
-            let known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
-            return Err(DesignError::NoQuantity {
-                scene: study.cell(cell)?.config.scene.kind(),
-                name: target.quantity.map_or("", |quantity| quantity.name),
-                known: known.join(", "),
-            });
+        let target = SceneTarget::new(question.target, question.max_failures, quantities);
+        let Some(target) = target else {
+            let kind = study.cell(cell)?.config.scene.kind();
+            let name = question
+                .target
+                .quantity
+                .map_or("", |quantity| quantity.name);
+            return Err(AnswerError::no_quantity(kind, name, quantities));
         };
         Ok(Setup::Scene(Box::new(SceneTrial::new(scene)), target))
     }
 }
 
-impl Curves for CellCurves<'_> {
-    type Error = DesignError;
+impl Curves for CellTrials<'_> {
+    type Error = AnswerError;
 
     fn cells(&self) -> usize {
-        self.cells
+        self.source.region.cells.len()
     }
 
-    fn scores(&mut self, asked: &[ScoreRequest]) -> Result<Vec<Scores>, DesignError> {
+    fn scores(&mut self, asked: &[ScoreRequest]) -> Result<Vec<Scores>, AnswerError> {
         let place = |ask: &ScoreRequest| (ask.value.to_bits(), ask.cell);
         let places: BTreeSet<Place> = asked.iter().map(place).collect();
         self.set_up(&places)?;
         let (scenes, samples) = (&self.scenes, &mut self.samples);
+        let mut wanted: BTreeMap<(Place, bool), u64> = BTreeMap::new();
         for ask in asked {
+            let key = (place(ask), ask.fresh);
+            wanted.insert(key, ask.trials);
             let first = if ask.fresh { FIRST_FRESH_TRIAL } else { 0 };
-            let batches = match &scenes[&place(ask)] {
-                Setup::Scene(_, target) => target.batches(first),
-                Setup::NotEstimable => Batches::from_trial(first),
+            let (batches, counts) = match &scenes[&key.0] {
+                Setup::Scene(_, target) => (target.batches(first), TrialCounts::default()),
+                Setup::NotEstimable(kind) => {
+                    (Batches::from_trial(first), TrialCounts::not_estimable(kind))
+                }
             };
             let sample = Sample {
                 cell: ask.cell,
-                trials: 0,
-                failed: 0,
+                counts,
                 statistic: None,
             };
-            let trials = CellTrials { batches, sample };
-            samples.entry((place(ask), ask.fresh)).or_insert(trials);
+            samples.entry(key).or_insert((batches, sample));
         }
-        let wanted: BTreeMap<(Place, bool), u64> = asked
-            .iter()
-            .map(|ask| ((place(ask), ask.fresh), ask.trials))
-            .collect();
         let mut growths: Vec<Growth<'_, SceneTrial>> = Vec::new();
-        for (key, cell_trials) in samples.iter_mut() {
+        for (key, (batches, _)) in samples.iter_mut() {
             if let (Some(&trials), Some(Setup::Scene(trial, _))) =
                 (wanted.get(key), scenes.get(&key.0))
             {
                 growths.push(Growth {
                     trial,
-                    batches: &mut cell_trials.batches,
+                    batches,
                     trials,
                 });
             }
@@ -201,50 +203,25 @@ impl Curves for CellCurves<'_> {
             let Some(Setup::Scene(trial, target)) = scenes.get(&place(ask)) else {
                 return Ok(([-CERTAIN; 2], None));
             };
-            let batches = &samples[&(place(ask), ask.fresh)].batches;
+            let (batches, _) = &samples[&(place(ask), ask.fresh)];
             target.scores(&trial.scene, batches)
         });
         let mut all_scores = Vec::with_capacity(asked.len());
         for (ask, scored) in asked.iter().zip(scored) {
             let (scores, estimate) = scored.map_err(|NoValue(why)| self.undefined(ask, why))?;
-            if let Some(CellTrials { batches, sample }) =
-                self.samples.get_mut(&(place(ask), ask.fresh))
+            let key = (place(ask), ask.fresh);
+            if let (Some((batches, sample)), Setup::Scene(..)) =
+                (self.samples.get_mut(&key), &self.scenes[&key.0])
             {
-                let all = batches.statistics();
                 sample.statistic = estimate.map(|one| (one.value, one.std_error()));
-                (sample.trials, sample.failed) = (all.trials, all.failed());
+                sample.counts = (&batches.statistics()).into();
             }
             all_scores.push(scores);
         }
         let values: BTreeSet<u64> = self.samples.keys().map(|((value, _), _)| *value).collect();
-        let trials = self.samples.values().map(|cell| cell.sample.trials).sum();
+        let all_samples = self.samples.values();
+        let trials = all_samples.map(|(_, sample)| sample.counts.trials).sum();
         (self.progress)(values.len(), trials);
         Ok(all_scores)
-    }
-}
-
-impl CellCurves<'_> {
-    /// Error for a statistic without a value.
-    fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> DesignError {
-        let study = match self.source.study_at(ask.value) {
-            Ok(study) => study,
-            Err(error) => return error.into(),
-        };
-        let cell = study.cell(ask.cell);
-        let coordinates = cell.map_or(Vec::new(), |cell| cell.coordinates);
-        let pairs = study.paths.iter().zip(coordinates);
-        let place: Vec<String> = pairs
-            .map(|(path, text)| format!("{path} = {text}"))
-            .collect();
-        let quantity = match self.scenes.get(&(ask.value.to_bits(), ask.cell)) {
-            Some(Setup::Scene(_, target)) => target.quantity().name,
-            _ => "",
-        };
-        DesignError::Undefined {
-            statistic: self.source.question.target.statistic.name(),
-            quantity,
-            place: place.join(", "),
-            why,
-        }
     }
 }

@@ -4,7 +4,7 @@ use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
 use palpate_sweep::{SearchRange, Span};
 
-use super::question::DesignError;
+use crate::error::AnswerError;
 
 /// Varied field.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,26 +22,21 @@ pub struct Field {
 }
 
 impl Field {
-    /// Field of a study that is varied as `vary` says, beside fields that are set.
+    /// Field of a study that is varied as `vary` says, beside `fixed` fields with one value each.
     ///
     /// # Errors
-    /// [`DesignError`] if there is no such field, or if it does not accept such values.
-    pub(super) fn new(
+    /// [`AnswerError`] if there is no such field, or if it does not accept such values.
+    pub(crate) fn new(
         study: &Study,
-        set: &[(String, toml::Value)],
+        fixed: &[(String, Vec<toml::Value>)],
         vary: &Vary,
-    ) -> Result<Self, DesignError> {
+    ) -> Result<Self, AnswerError> {
         let path = vary.path.clone();
-        let first = match &vary.values {
-            Varied::Range { from, .. } => toml::Value::Float(*from),
-            Varied::Listed(values) => values.first().cloned().unwrap_or(false.into()),
-        };
-        let set = single_values(set);
-        // Other set fields may decide which type of value this field accepts.
-        let takes = study.varied(&set)?.takes(&path);
+        // Fixed fields may decide which type of value this field accepts.
+        let takes = study.varied(fixed)?.takes(&path);
         let no_range = |why| {
             let path = path.clone();
-            Err(DesignError::NoRange { path, why })
+            Err(AnswerError::NoRange { path, why })
         };
         let (listed, span) = match (&vary.values, takes) {
             (Varied::Listed(values), _) => {
@@ -63,24 +58,22 @@ impl Field {
                 (Vec::new(), Span::new(from, to, is_whole))
             }
         };
-        // The config reports an unknown path, or a value that the field does not accept.
-        let first = match (takes, span.is_whole && listed.is_empty()) {
-            (_, true) => toml::Value::Integer(span.from as i64),
-            _ => first,
-        };
-        let varied = study.varied(&[set, vec![(path.clone(), vec![first])]].concat())?;
-        let column = varied.columns.last().cloned().unwrap_or_default();
-        Ok(Self {
-            label: Label::of_field(&column),
+        let mut field = Self {
+            column: String::new(),
+            label: Label::of_field(&path),
             path,
-            column,
             listed,
             span,
-        })
+        };
+        // The config reports an unknown path, or a value that the field does not accept.
+        let varied = study.varied(&[fixed, &[field.fixed_at(field.first())]].concat())?;
+        field.column = varied.columns.last().cloned().unwrap_or_default();
+        field.label = Label::of_field(&field.column);
+        Ok(field)
     }
 
     /// Values for the search.
-    pub(super) fn among(&self) -> SearchRange {
+    pub(crate) fn among(&self) -> SearchRange {
         match self.listed.len() {
             0 => SearchRange::Span(self.span),
             count => SearchRange::Listed(count),
@@ -88,20 +81,21 @@ impl Field {
     }
 
     /// First value; of listed values, its index.
-    pub(super) fn first(&self) -> f64 {
+    pub(crate) fn first(&self) -> f64 {
         match self.is_listed() {
             true => 0.0,
             false => self.span.from,
         }
     }
 
-    /// Value as the config has it.
-    pub(super) fn config_value(&self, value: f64) -> toml::Value {
-        match self.listed.get(value as usize) {
+    /// The field with one value, as the config has it.
+    pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
+        let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
             None if self.span.is_whole => toml::Value::Integer(value as i64),
             None => toml::Value::Float(value),
-        }
+        };
+        (self.path.clone(), vec![value])
     }
 
     /// Value as a number; `None` for a listed value that is not a number.
@@ -124,8 +118,13 @@ impl Field {
         self.label.value(&self.text(value))
     }
 
+    /// The field and a value, in words.
+    pub(crate) fn named_value(&self, value: f64) -> String {
+        format!("{} {}", self.label.words, self.value(value))
+    }
+
     /// Values from one to another with their unit.
-    pub(super) fn between(&self, from: f64, to: f64) -> String {
+    pub(crate) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),
             false => {
@@ -148,12 +147,4 @@ impl Field {
             None => number::shortest(value),
         }
     }
-}
-
-/// Set fields as varied fields with a single value each.
-pub(super) fn single_values(set: &[(String, toml::Value)]) -> Vec<(String, Vec<toml::Value>)> {
-    let fields = set.iter();
-    fields
-        .map(|(path, value)| (path.clone(), vec![value.clone()]))
-        .collect()
 }

@@ -9,7 +9,7 @@ const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverses, such as radii, whose sign the trials leave undecided. The inverse of a
 /// Gaussian number has no moments: its mean would depend on the few trials nearest to 0. Quantiles stay.
-pub(crate) fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
+pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
         let Some(of) = quantity.inverse_of() else {
             continue;

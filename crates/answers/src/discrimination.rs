@@ -6,10 +6,11 @@ use palpate_study::{Label, Quantity, Table, label, number};
 use palpate_sweep::{Order, Repeats, TrialMeans};
 use serde_json::{Value, json};
 
-use crate::design::settings_in_words;
+use crate::trial_counts::TrialCounts;
+use crate::words::{percent, settings_in_words};
 
-/// Digits of a share in percent.
-const DIGITS: usize = 3;
+/// Share of failed trials above which the answer states them.
+const STATED_FAILURES: f64 = 0.05;
 
 /// How certainly the objects of a study are distinguished, by one trial of each and by the mean of several.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,11 +52,9 @@ pub struct Object {
     /// True value of the quantity, its mean over a patch; `None` if every trial failed.
     pub truth: Option<f64>,
     /// True class of most places of a patch, if the quantity is the class.
-    pub class: Option<String>,
-    /// Number of trials.
-    pub trials: u64,
-    /// Number of failed trials.
-    pub failed: u64,
+    pub class: Option<&'static str>,
+    /// Numbers of trials.
+    pub counts: TrialCounts,
     /// Mean of the estimates; `None` if every trial failed.
     pub mean: Option<f64>,
 }
@@ -75,37 +74,31 @@ pub struct Pair {
 }
 
 impl Object {
-    /// Object of a cell with its trials.
+    /// Object of a cell with the means of its trials.
     pub(crate) fn new(
         cell: usize,
         label: Vec<String>,
-        told: &[TrialMeans],
-        class: Option<String>,
+        means: &[TrialMeans],
+        class: Option<&'static str>,
     ) -> Self {
-        let count = told.iter().flatten().count();
+        let found = || means.iter().flatten();
+        let count = found().count() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| {
-            let shares = told.iter().flatten().map(|told| of(told) / count as f64);
-            (count > 0)
-                .then(|| shares.sum::<f64>())
-                .filter(|mean| mean.is_finite())
+            let mean: f64 = found().map(|one| of(one) / count).sum();
+            (count > 0.0 && mean.is_finite()).then_some(mean)
         };
         // The true value is the same in all trials, except for rounding. The indentation of a press may differ.
-        let first = told.iter().flatten().next().map(|(_, truth)| *truth);
-        let is_same = told
-            .iter()
-            .flatten()
-            .all(|(_, truth)| Some(*truth) == first);
+        let first = found().next().map(|(_, truth)| *truth);
+        let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {
             cell,
             label,
-            truth: if is_same {
-                first
-            } else {
-                mean(|(_, truth)| *truth)
+            truth: match is_same {
+                true => first,
+                false => mean(|(_, truth)| *truth),
             },
             class,
-            trials: told.len() as u64,
-            failed: (told.len() - count) as u64,
+            counts: means.into(),
             mean: mean(|(estimate, _)| *estimate),
         }
     }
@@ -131,6 +124,8 @@ impl Discrimination {
             "second_trials",
             "first_failures",
             "second_failures",
+            "first_main_failure",
+            "second_main_failure",
             "told_apart",
             "low95",
             "high95",
@@ -143,9 +138,13 @@ impl Discrimination {
         for group in &self.groups {
             for pair in &group.pairs {
                 let [one, other] = [pair.first, pair.second].map(|place| &group.objects[place]);
-                let truth = |object: &Object| match &object.class {
-                    Some(class) => class.clone(),
+                let truth = |object: &Object| match object.class {
+                    Some(class) => class.to_owned(),
                     None => text(object.truth),
+                };
+                let failure = |object: &Object| {
+                    let main = object.counts.main_failure;
+                    main.map_or("", |(kind, _)| kind).to_owned()
                 };
                 let (repeats, known) = match pair.repeats {
                     Some(Repeats::Found(count)) => (count.to_string(), "found"),
@@ -160,10 +159,12 @@ impl Discrimination {
                     self.unit.to_owned(),
                     truth(one),
                     truth(other),
-                    one.trials.to_string(),
-                    other.trials.to_string(),
-                    one.failed.to_string(),
-                    other.failed.to_string(),
+                    one.counts.trials.to_string(),
+                    other.counts.trials.to_string(),
+                    one.counts.failed.to_string(),
+                    other.counts.failed.to_string(),
+                    failure(one),
+                    failure(other),
                     text(order.map(|order| order.probability)),
                     text(order.map(|order| order.low)),
                     text(order.map(|order| order.high)),
@@ -198,8 +199,6 @@ impl Discrimination {
     /// Settings of a group in words; empty if no other field is swept.
     pub fn settings_in_words(&self, group: &Group) -> String {
         settings_in_words(&self.columns, &group.settings)
-            .collect::<Vec<_>>()
-            .join(", ")
     }
 
     /// Object in words: its swept values with their units.
@@ -210,14 +209,13 @@ impl Discrimination {
     }
 
     fn pair(&self, group: &Group, pair: &Pair) -> String {
-        let [one, other] =
-            [pair.first, pair.second].map(|place| self.object_in_words(&group.objects[place]));
+        let objects = [pair.first, pair.second].map(|place| &group.objects[place]);
+        let [one, other] = objects.map(|object| self.object_in_words(object));
         let trials = &self.trials;
         let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
             return format!("{one} and {other} are alike in {}", self.quantity.words);
         };
-        let share = |share: f64| number::significant(100.0 * share, DIGITS);
-        let sure = share(self.confidence);
+        let sure = percent(self.confidence);
         let repeats = match repeats {
             Repeats::Found(1) => format!("one is enough for {sure} %"),
             Repeats::Found(count) => format!("{} {trials} for {sure} %", number::grouped(count)),
@@ -227,11 +225,19 @@ impl Discrimination {
             Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
             Repeats::Unknown => format!("more {trials} than these can tell for {sure} %"),
         };
+        let failing = objects
+            .into_iter()
+            .filter(|object| object.counts.failure_rate() > STATED_FAILURES);
+        let failures = failing.map(|object| {
+            let at = self.object_in_words(object);
+            format!("; {}", object.counts.failures_in_words(trials, &at))
+        });
         format!(
-            "{one} and {other}: {} % of single {trials} tell them apart ({} to {}); {repeats}",
-            share(order.probability),
-            share(order.low),
-            share(order.high)
+            "{one} and {other}: {} % of single {trials} tell them apart ({} to {}); {repeats}{}",
+            percent(order.probability),
+            percent(order.low),
+            percent(order.high),
+            failures.collect::<String>()
         )
     }
 
@@ -255,9 +261,17 @@ impl Discrimination {
                     "repeats": repeats,
                 })
             });
+            let objects = group.objects.iter().map(|object| {
+                json!({
+                    "object": self.object_in_words(object),
+                    "failing": object.counts.failure_rate(),
+                    "main_failure": object.counts.main_failure.map(|(kind, _)| kind),
+                })
+            });
             json!({
                 "settings": self.settings_in_words(group),
-                "pairs": pairs.collect::<Vec<_>>(),
+                "objects": objects.collect::<Value>(),
+                "pairs": pairs.collect::<Value>(),
             })
         });
         json!({
@@ -265,7 +279,7 @@ impl Discrimination {
             "study": study.config.name,
             "quantity": self.quantity.name,
             "confidence": self.confidence,
-            "groups": groups.collect::<Vec<_>>(),
+            "groups": groups.collect::<Value>(),
             "answer": self.sentences(),
         })
     }
@@ -299,12 +313,8 @@ impl Discrimination {
             true => "classes of most places of both right".to_owned(),
             false => format!("estimates of {by} in the right order"),
         };
-        let trials: Vec<u64> = self
-            .groups
-            .iter()
-            .flat_map(|group| group.objects.iter().map(|object| object.trials))
-            .collect();
-        let most = trials.iter().max().copied().unwrap_or(0);
+        let objects = self.groups.iter().flat_map(|group| &group.objects);
+        let most = objects.map(|object| object.counts.trials).max();
         let objects: Vec<String> = self
             .object_columns
             .iter()
@@ -315,7 +325,7 @@ impl Discrimination {
             title: title.to_owned(),
             subtitle: format!(
                 "Share of pairs of single trials with {told}; {} trials of each object.",
-                number::grouped(most)
+                number::grouped(most.unwrap_or(0))
             ),
             axis: objects.join(", "),
             panels: self.groups.iter().map(panel).collect(),

@@ -1,0 +1,71 @@
+//! Grid of the fields that are not searched: all combinations of their values.
+
+use palpate_sweep::SearchRange;
+
+use crate::error::AnswerError;
+use crate::field::Field;
+
+/// Largest number of combinations of the grid's values.
+pub(crate) const MAX_COLUMNS: usize = 64;
+/// Number of values of a range on the grid, by the number of fields on the grid.
+const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
+
+/// Combinations of the values of some fields; the last field varies fastest. Without fields, a single empty one.
+pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
+    let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
+    let mut places: Vec<Vec<f64>> = vec![Vec::new()];
+    for field in fields {
+        let values = match field.among() {
+            SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
+            SearchRange::Span(span) if span.from == span.to => vec![span.from],
+            SearchRange::Span(span) => span.spread(count, gap),
+        };
+        let all = places.len().saturating_mul(values.len());
+        if all > MAX_COLUMNS {
+            return Err(AnswerError::TooManyColumns(all));
+        }
+        let with = |place: &Vec<f64>| {
+            let one = |value: &f64| [place.as_slice(), &[*value]].concat();
+            values.iter().map(one).collect::<Vec<_>>()
+        };
+        places = places.iter().flat_map(with).collect();
+    }
+    Ok(places)
+}
+
+/// Combinations midway between the best one and its neighbours among the `known` ones along each range.
+pub(crate) fn neighbours(
+    fields: &[Field],
+    gap: f64,
+    best: &[f64],
+    known: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    let mut midway = Vec::new();
+    for (axis, field) in fields.iter().enumerate() {
+        if field.is_listed() {
+            continue;
+        }
+        let is_beside = |place: &&Vec<f64>| {
+            let mut others = place.iter().zip(best).enumerate();
+            others.all(|(other, (value, best))| other == axis || value == best)
+        };
+        let along = known.iter().filter(is_beside).map(|place| place[axis]);
+        let here = best[axis];
+        let below = along.clone().filter(|value| *value < here);
+        let above = along.filter(|value| *value > here);
+        let between = [
+            below
+                .reduce(f64::max)
+                .and_then(|low| field.span.between(low, here, gap)),
+            above
+                .reduce(f64::min)
+                .and_then(|high| field.span.between(here, high, gap)),
+        ];
+        midway.extend(between.into_iter().flatten().map(|value| {
+            let mut place = best.to_vec();
+            place[axis] = value;
+            place
+        }));
+    }
+    midway
+}

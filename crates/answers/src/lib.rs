@@ -1,0 +1,38 @@
+//! Answers about a study: which values of its fields meet a target, and which of its objects its trials distinguish.
+//!
+//! | question | answer |
+//! |---|---|
+//! | [`Question`]: which values of one or several fields meet a target? | [`design`] returns a [`Region`] |
+//! | how certainly do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
+//!
+//! Both run trials on a [`Runner`](palpate_sweep::Runner). An answer prints itself as sentences, tables, JSON and a figure.
+//! If failed trials decide an answer, it names the most frequent kind of failure.
+
+mod cell_trials;
+mod design;
+mod discrimination;
+mod distinguish;
+mod error;
+mod field;
+mod grid;
+mod question;
+mod region;
+mod region_figure;
+mod region_table;
+mod region_text;
+mod target_score;
+mod trial_counts;
+mod words;
+
+pub use design::design;
+pub use discrimination::{Discrimination, Group, Object, Pair};
+pub use distinguish::distinguish;
+pub use error::AnswerError;
+pub use field::Field;
+pub use question::{Extreme, Question, Sought};
+pub use region::{Best, DesignPoint, Region, RegionColumn, Sample};
+pub use trial_counts::TrialCounts;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -1,0 +1,143 @@
+//! Figure of a design's answer.
+
+use palpate_report::{
+    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
+    MapPanel, ReportError, Stretch, design_figure,
+};
+use palpate_study::number;
+use palpate_sweep::Side;
+
+use crate::field::Field;
+use crate::region::{DesignPoint, Region, RegionColumn, Sample};
+use crate::words::settings_in_words;
+
+/// Largest number of cells with a line each. If there are more, only the decisive cell is drawn.
+const MAX_LINES: usize = 7;
+
+impl Region {
+    /// Figure of the region: the searched field over the last field of the grid, in a panel for each combination of the
+    /// others. Without a grid: the target's statistic over the searched field. `name` is the name of its files.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be drawn.
+    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+        let mut notes = vec![self.sentence()];
+        let chart = match self.grid.split_last() {
+            Some((last, further)) => DesignChart::Map(self.map(last, further)),
+            None => DesignChart::Curve(self.curve(&mut notes)),
+        };
+        design_figure(&DesignFigure {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            subtitle: format!("Target: {}.", self.target_in_words()),
+            notes,
+            searched: axis(&self.searched),
+            chart,
+        })
+    }
+
+    fn map(&self, last: &Field, further: &[Field]) -> DesignMap {
+        let is_beside = |one: &RegionColumn, other: &RegionColumn| {
+            one.at[..further.len()] == other.at[..further.len()]
+        };
+        let mut panels: Vec<&[RegionColumn]> = self.columns.chunk_by(is_beside).collect();
+        // A combination that was only tried near the best value gets no panel.
+        if panels.iter().any(|columns| columns.len() > 1) {
+            panels.retain(|columns| columns.len() > 1);
+        }
+        let best = self.best().map(|best| (best.column, best.searched));
+        let panel = |columns: &&[RegionColumn]| {
+            let pairs = further.iter().zip(&columns[0].at);
+            let words = pairs.map(|(field, value)| field.named_value(*value));
+            let here = best.filter(|(best, _)| columns.iter().any(|column| column.at == best.at));
+            let columns = columns.iter();
+            MapPanel {
+                title: words.collect::<Vec<_>>().join(", "),
+                columns: columns
+                    .map(|column| (column.at[further.len()], stretches(column)))
+                    .collect(),
+                best: here.map(|(column, value)| (column.at[further.len()], value)),
+            }
+        };
+        let panels: Vec<MapPanel> = panels.iter().map(panel).collect();
+        let words = self.question.sought.as_ref().map(|sought| {
+            let (field, _) = self.sought_field(sought);
+            format!("{} {}", sought.extreme.words()[0], field.label.words)
+        });
+        let is_marked = panels.iter().any(|panel| panel.best.is_some());
+        DesignMap {
+            other: axis(last),
+            panels,
+            best: words.filter(|_| is_marked),
+        }
+    }
+
+    fn curve(&self, notes: &mut Vec<String>) -> DesignCurve {
+        let (column, statistic) = (&self.columns[0], self.label());
+        let line = |label: String, sample_of: &dyn Fn(&DesignPoint) -> Option<Sample>| {
+            let points = column.points.iter().filter_map(|point| {
+                let sample = sample_of(point)?;
+                let (y, std) = sample.statistic?;
+                Some(CurvePoint {
+                    x: point.value,
+                    y,
+                    std,
+                    is_of_survivors: self.is_failing(&sample),
+                })
+            });
+            CurveLine {
+                label,
+                points: points.collect(),
+            }
+        };
+        let lines = match self.cells.len() {
+            cells if cells > MAX_LINES => {
+                let worst = |point: &DesignPoint| self.decisive(point).copied();
+                vec![line("the worst cell".to_owned(), &worst)]
+            }
+            _ => {
+                let cells = self.cells.iter().enumerate();
+                cells
+                    .map(|(cell, values)| {
+                        line(settings_in_words(&self.cell_columns, values), &|point| {
+                            point.searched.get(cell).copied()
+                        })
+                    })
+                    .collect()
+            }
+        };
+        let mut points = lines.iter().flat_map(|line| &line.points);
+        if points.any(|point| point.is_of_survivors) {
+            let share = number::rounded(100.0 * self.question.max_failures);
+            notes.push(format!(
+                "Circled: points of which more than {share} % of the trials failed."
+            ));
+        }
+        let limit = self.question.target.limit;
+        DesignCurve {
+            limit: (limit, statistic.value(&number::exact(limit))),
+            statistic,
+            lines,
+            runs: stretches(column),
+        }
+    }
+}
+
+fn stretches(column: &RegionColumn) -> Vec<Stretch> {
+    let runs = column.runs.iter().map(|run| Stretch {
+        from: run.from,
+        to: run.to,
+        meets: run.side == Side::Meets,
+    });
+    runs.collect()
+}
+
+fn axis(field: &Field) -> FieldAxis {
+    let names = 0..field.listed.len();
+    FieldAxis {
+        label: field.label.clone(),
+        is_log: field.span.is_log,
+        ends: (field.span.from, field.span.to),
+        names: names.map(|place| field.text(place as f64)).collect(),
+    }
+}

@@ -1,0 +1,514 @@
+//! Figure of the answer of `palpate design`: which values of the searched field meet the target. Of a single field it shows
+//! the target's statistic over the field with the limit, of several fields the searched one over another.
+
+use super::drawing::Figure;
+use super::scale::{Scale, Spacing};
+use super::series::{self, Content, Line, Mark, Plot, PointSet};
+use super::sheet::{Key, MARKER, STROKE, Sample, Words};
+use super::style::{Colour, INK, Marker, Style, WHITE};
+use super::symbol::Symbol;
+use super::uncertainty::normal;
+use crate::ReportError;
+use palpate_study::Label;
+use plotters::style::Color;
+
+/// Answer of a design to draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignFigure {
+    /// Name of the figure's files, without extension.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// Line below the title, about the target.
+    pub subtitle: String,
+    /// Lines below the picture.
+    pub notes: Vec<String>,
+    /// Field that was searched.
+    pub searched: FieldAxis,
+    /// Its values that meet the target.
+    pub chart: DesignChart,
+}
+
+/// Axis of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldAxis {
+    /// Label and unit.
+    pub label: Label,
+    /// Whether the axis is logarithmic.
+    pub is_log: bool,
+    /// Smallest and largest value of the range.
+    pub ends: (f64, f64),
+    /// Names of listed values; then a value is an index into them.
+    pub names: Vec<String>,
+}
+
+/// What is drawn over the searched field, or along which other field it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DesignChart {
+    /// The target's statistic over the searched field.
+    Curve(DesignCurve),
+    /// The searched field over another field.
+    Map(DesignMap),
+}
+
+/// Statistic over the searched field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignCurve {
+    /// Label and unit of the statistic.
+    pub statistic: Label,
+    /// Limit of the statistic, and the text beside its line.
+    pub limit: (f64, String),
+    /// The statistic in each cell.
+    pub lines: Vec<CurveLine>,
+    /// Ranges of values that meet or miss the target, ascending; values between them are undecided.
+    pub runs: Vec<Stretch>,
+}
+
+/// Statistic of a cell over the field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveLine {
+    /// Name of the cell; empty if it is the only one.
+    pub label: String,
+    /// Points in the order of x.
+    pub points: Vec<CurvePoint>,
+}
+
+/// Value of a statistic, in the unit of the tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Value of the field.
+    pub x: f64,
+    /// Value of the statistic.
+    pub y: f64,
+    /// Its standard error.
+    pub std: f64,
+    /// Whether the value represents only the successful trials, because too many trials failed.
+    pub is_of_survivors: bool,
+}
+
+/// Searched field over another field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignMap {
+    /// The other field.
+    pub other: FieldAxis,
+    /// Panels, at least one.
+    pub panels: Vec<MapPanel>,
+    /// Label of the best value, if one is marked.
+    pub best: Option<String>,
+}
+
+/// Map at some values of further fields.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapPanel {
+    /// Values of the further fields; may be empty.
+    pub title: String,
+    /// Values of the other field, ascending, with the ranges of the searched field as in [`DesignCurve::runs`].
+    pub columns: Vec<(f64, Vec<Stretch>)>,
+    /// Values of the other and of the searched field at the best value, if it is in this panel.
+    pub best: Option<(f64, f64)>,
+}
+
+/// Range of values on one side of the target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// Whether the values meet the target; otherwise they miss it.
+    pub meets: bool,
+}
+
+/// Background of values that meet the target (blue), and of undecided values (grey, with another lightness).
+const MEETS: Colour = Colour(190, 220, 242);
+const OPEN: Colour = Colour(226, 226, 226);
+/// Background of values that miss the target.
+const MISSES: Colour = WHITE;
+/// Width of the limit line.
+const LIMIT: u32 = 6;
+/// Marker of a point on the boundary of the target, and marker of the best value.
+const CROSSING: Style = Style {
+    colour: INK,
+    marker: Marker::Circle,
+};
+const BEST: Style = Style {
+    colour: INK,
+    marker: Marker::Diamond,
+};
+const BEST_SIZE: f64 = 36.0;
+/// Share of the panel by which a single value is widened to each side, so that it is visible.
+const HALF_WIDTH: f64 = 0.003;
+/// Half the width of a column without neighbours, as a share of the panel's width.
+const ALONE: f64 = 0.03;
+/// Ratio of the values above which the axis of the statistic is logarithmic.
+const MIN_LOG_RATIO: f64 = 8.0;
+
+/// Draws the answer of a design, with a blue background where values meet the target and a grey one where they are
+/// undecided. Of a single field it shows the statistic with 95 % bars and the limit as a dashed line, of several fields the
+/// contour of the target.
+///
+/// ```
+/// use palpate_report::{
+///     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, MapPanel, Stretch,
+///     design_figure,
+/// };
+/// use palpate_study::Label;
+///
+/// let axis = |column: &str| FieldAxis {
+///     label: Label::of_field(column),
+///     is_log: false,
+///     ends: (0.1, 1.0),
+///     names: Vec::new(),
+/// };
+/// let runs = |limit: f64| vec![
+///     Stretch { from: 0.1, to: 0.48 * limit, meets: true },
+///     Stretch { from: 0.52 * limit, to: 1.0, meets: false },
+/// ];
+/// let point = |x: f64| CurvePoint { x, y: 0.1 * x, std: 0.001, is_of_survivors: false };
+/// let curve = DesignCurve {
+///     statistic: Label::in_percent("rms relative error", "%"),
+///     limit: (0.05, "5 %".to_owned()),
+///     lines: vec![CurveLine { label: String::new(), points: [0.1, 0.2, 0.5, 1.0].map(point).to_vec() }],
+///     runs: runs(1.0),
+/// };
+/// let map = DesignMap {
+///     other: axis("scene.motion.duration_s"),
+///     panels: vec![MapPanel { title: String::new(), columns: [0.5, 1.0].map(|x| (x, runs(x))).to_vec(), best: None }],
+///     best: None,
+/// };
+/// for chart in [DesignChart::Curve(curve), DesignChart::Map(map)] {
+///     let figure = design_figure(&DesignFigure {
+///         name: "answer".to_owned(),
+///         title: "Which pads?".to_owned(),
+///         subtitle: "at most 5 %".to_owned(),
+///         notes: Vec::new(),
+///         searched: axis("scene.sensor.pitch_mm"),
+///         chart,
+///     })?;
+///     assert!(figure.svg.contains("sensor pitch (mm)") && figure.svg.contains("undecided"));
+/// }
+/// # Ok::<(), palpate_report::ReportError>(())
+/// ```
+///
+/// # Errors
+/// The picture is too large.
+pub fn design_figure(answer: &DesignFigure) -> Result<Figure, ReportError> {
+    let words = Words::new(&answer.name, &answer.title, &answer.subtitle, &answer.notes);
+    let plot = match &answer.chart {
+        DesignChart::Curve(curve) => curve_plot(&answer.searched, curve),
+        DesignChart::Map(map) => map_plot(&answer.searched, map),
+    };
+    series::figure(words, vec![plot])
+}
+
+fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
+    let (limit, limit_label) = &curve.limit;
+    let points = || curve.lines.iter().flat_map(|line| &line.points);
+    let values = || points().map(|point| point.y).chain([*limit]);
+    let least = values().fold(f64::INFINITY, f64::min);
+    let most = values().fold(f64::NEG_INFINITY, f64::max);
+    let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
+    let spacings = [field.spacing(), Spacing::log(is_log)];
+    let factors = [field.factor(), curve.statistic.factor];
+    // A log axis is not extended for bars that end far below all points.
+    let bars = points().flat_map(|point| normal(point.y, point.std));
+    let ys = values()
+        .chain(bars)
+        .filter(|y| !is_log || *y >= 0.5 * least);
+    let ys = ys.map(|y| y * factors[1]);
+    let y = Scale::around(
+        spacings[1],
+        ys.filter(|y| spacings[1].refusal(*y).is_none()),
+    );
+    let bands = Bands {
+        field,
+        along: field.scale(),
+        across: y.clone(),
+        is_along_x: true,
+    };
+    let mut grounds = Vec::new();
+    let column = bands.column(0.0, &curve.runs);
+    bands.between((0.0, &column), (1.0, &column), &mut grounds);
+    let place = |point: &CurvePoint| (point.x * factors[0], point.y * factors[1]);
+    let line = |(number, line): (usize, &CurveLine)| {
+        let is_drawn = |point: &&CurvePoint| {
+            let (x, y) = place(point);
+            spacings[0].refusal(x).is_none() && spacings[1].refusal(y).is_none()
+        };
+        let drawn: Vec<&CurvePoint> = line.points.iter().filter(is_drawn).collect();
+        let places = drawn.iter().map(|point| place(point));
+        let survivors = drawn.iter().filter(|point| point.is_of_survivors);
+        let bars = drawn.iter().map(|point| {
+            let ends = normal(point.y, point.std);
+            let ends = ends.map(|end| spacings[1].nearest(end * factors[1]));
+            (point.x * factors[0], ends)
+        });
+        // A line joins the points unless the values of x are names.
+        let runs = match field.names.is_empty() {
+            true => vec![places.collect()],
+            false => places.map(|place| vec![place]).collect(),
+        };
+        Line {
+            circled: survivors.map(|point| place(point)).collect(),
+            bars: bars.collect(),
+            ..Line::new(Style::of(number), false, runs)
+        }
+    };
+    let named = curve.lines.iter().enumerate();
+    let named = named.filter(|(_, line)| !line.label.is_empty());
+    let entry = |(number, line): (usize, &CurveLine)| {
+        let style = Style::of(number);
+        let sample = Sample::line(style.colour.stroke_width(STROKE));
+        (sample.with(Symbol::new(style, MARKER)), line.label.clone())
+    };
+    let of_limit = Sample::dashed(INK.stroke_width(LIMIT));
+    let of_limit = (of_limit, format!("limit, {limit_label}"));
+    let mark = Mark {
+        on_x: false,
+        at: limit * factors[1],
+        label: limit_label.clone(),
+        style: INK.stroke_width(LIMIT),
+    };
+    let is_drawn = spacings[1].refusal(mark.at).is_none();
+    let content = Content {
+        grounds,
+        lines: curve.lines.iter().enumerate().map(line).collect(),
+        ..Content::default()
+    };
+    let labels = [field.label.text(), curve.statistic.text()];
+    Plot {
+        key: [of_limit]
+            .into_iter()
+            .chain(ground_key())
+            .chain(named.map(entry))
+            .collect(),
+        marks: is_drawn.then_some(mark).into_iter().collect(),
+        marker: 0.8 * MARKER,
+        ..Plot::new(labels, [bands.along, y], vec![content])
+    }
+}
+
+fn map_plot(field: &FieldAxis, map: &DesignMap) -> Plot {
+    let bands = Bands {
+        field,
+        along: field.scale(),
+        across: map.other.scale(),
+        is_along_x: false,
+    };
+    let is_named = !map.other.names.is_empty();
+    let panel = |panel: &MapPanel| {
+        let columns = panel.columns.iter().map(|(at, runs)| {
+            let at = bands.across.place(at * map.other.factor());
+            bands.column(at, runs)
+        });
+        let columns: Vec<Column> = columns.collect();
+        let best = panel.best.map(|(x, y)| PointSet {
+            label: String::new(),
+            style: BEST,
+            size: BEST_SIZE,
+            at: vec![(x * map.other.factor(), y * field.factor())],
+        });
+        Content {
+            title: panel.title.clone(),
+            grounds: bands.grounds(&columns, is_named),
+            lines: bands.contours(&columns, is_named),
+            points: best.into_iter().collect(),
+        }
+    };
+    let contour = Sample::line(INK.stroke_width(STROKE)).with(Symbol::new(CROSSING, 0.7 * MARKER));
+    let best = Sample::symbol(Symbol::new(BEST, BEST_SIZE).open());
+    let best = map.best.iter().map(|words| (best, words.clone()));
+    Plot {
+        key: ground_key()
+            .into_iter()
+            .chain([(contour, "just meets it".to_owned())])
+            .chain(best)
+            .collect(),
+        marker: 0.7 * MARKER,
+        ..Plot::new(
+            [map.other.label.text(), field.label.text()],
+            [bands.across.clone(), bands.along.clone()],
+            map.panels.iter().map(panel).collect(),
+        )
+    }
+}
+
+fn ground_key() -> Key {
+    let grounds = [
+        (MEETS, "meets the target"),
+        (MISSES, "misses it"),
+        (OPEN, "undecided"),
+    ];
+    let entry = |(colour, words): (Colour, &str)| (Sample::ground(colour), words.to_owned());
+    grounds.map(entry).into()
+}
+
+impl FieldAxis {
+    fn spacing(&self) -> Spacing {
+        Spacing::log(self.is_log && self.ends.0 > 0.0 && self.names.is_empty())
+    }
+
+    fn scale(&self) -> Scale {
+        if !self.names.is_empty() {
+            return Scale::of_names(self.names.clone());
+        }
+        let ends = [self.ends.0, self.ends.1].into_iter();
+        let ends = ends.map(|end| self.spacing().nearest(end * self.factor()));
+        Scale::around(self.spacing(), ends)
+    }
+
+    /// Factor from values of the field to displayed numbers.
+    fn factor(&self) -> f64 {
+        match self.names.is_empty() {
+            true => self.label.factor,
+            false => 1.0,
+        }
+    }
+}
+
+/// Values of the searched field, whose scale is `along`, over another scale. Positions along both are from 0 to 1.
+struct Bands<'a> {
+    field: &'a FieldAxis,
+    along: Scale,
+    across: Scale,
+    /// Whether the searched field is on x.
+    is_along_x: bool,
+}
+
+/// Ranges of the searched field at one position of the other scale; each range meets or misses the target throughout.
+struct Column {
+    at: f64,
+    /// Whether each run meets the target.
+    sides: Vec<bool>,
+    /// Ends of each run.
+    runs: Vec<[f64; 2]>,
+}
+
+impl Bands<'_> {
+    fn column(&self, at: f64, runs: &[Stretch]) -> Column {
+        let ends = runs.iter().map(|run| self.ends((run.from, run.to)));
+        Column {
+            at,
+            sides: runs.iter().map(|run| run.meets).collect(),
+            runs: ends.collect(),
+        }
+    }
+
+    /// Positions of both ends of a range of values of the searched field.
+    fn ends(&self, (from, to): (f64, f64)) -> [f64; 2] {
+        let half = if self.field.names.is_empty() {
+            0.0
+        } else {
+            0.5
+        };
+        [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
+    }
+
+    /// Whether the curve between two columns is known well enough to be drawn as one.
+    fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
+        !is_named && self.field.names.is_empty() && one.sides == other.sides
+    }
+
+    /// Background areas: between alike columns, and around other columns up to the middle between neighbours.
+    fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
+        let mut grounds = Vec::new();
+        let pairs = columns.windows(2);
+        let closest = pairs
+            .map(|pair| pair[1].at - pair[0].at)
+            .fold(f64::INFINITY, f64::min);
+        let alone = ALONE.min(0.5 * closest);
+        for (number, one) in columns.iter().enumerate() {
+            let edge = |other: Option<&Column>, sign: f64| match other {
+                _ if is_named || columns.len() == 1 => one.at + sign * alone,
+                Some(other) if !self.are_alike(is_named, one, other) => 0.5 * (one.at + other.at),
+                _ => one.at,
+            };
+            let before = number.checked_sub(1).and_then(|before| columns.get(before));
+            let (left, right) = (edge(before, -1.0), edge(columns.get(number + 1), 1.0));
+            if right > left {
+                self.between((left, one), (right, one), &mut grounds);
+            }
+        }
+        for pair in columns
+            .windows(2)
+            .filter(|pair| self.are_alike(is_named, &pair[0], &pair[1]))
+        {
+            self.between((pair[0].at, &pair[0]), (pair[1].at, &pair[1]), &mut grounds);
+        }
+        grounds
+    }
+
+    /// Adds the background areas between the runs of column `one` at `left` and those of column `other` at `right`.
+    fn between(
+        &self,
+        (left, one): (f64, &Column),
+        (right, other): (f64, &Column),
+        grounds: &mut Vec<(Vec<(f64, f64)>, Colour)>,
+    ) {
+        let mut ground =
+            |[low, high]: [f64; 2], [next_low, next_high]: [f64; 2], colour: Colour| {
+                let thin = if high - low < HALF_WIDTH {
+                    HALF_WIDTH
+                } else {
+                    0.0
+                };
+                let corners = [
+                    (left, low - thin),
+                    (right, next_low - thin),
+                    (right, next_high + thin),
+                    (left, high + thin),
+                ];
+                grounds.push((corners.map(|corner| self.at(corner)).to_vec(), colour));
+            };
+        let whole = self.ends(match self.field.names.len() {
+            0 => self.field.ends,
+            count => (0.0, count as f64 - 1.0),
+        });
+        ground(whole, whole, OPEN);
+        for ((run, next), meets) in one.runs.iter().zip(&other.runs).zip(&one.sides) {
+            ground(*run, *next, if *meets { MEETS } else { MISSES });
+        }
+    }
+
+    /// Contours through the crossings of alike neighbours, with a bar over the undecided range at each crossing.
+    fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
+        let crossings = |column: &Column| -> Vec<[f64; 2]> {
+            let sides = column.sides.windows(2);
+            let runs = column.runs.windows(2).zip(sides);
+            let crossed =
+                runs.filter(|(_, side)| self.field.names.is_empty() && side[0] != side[1]);
+            crossed.map(|(pair, _)| [pair[0][1], pair[1][0]]).collect()
+        };
+        let mut contours = Vec::new();
+        for chain in columns.chunk_by(|one, other| self.are_alike(is_named, one, other)) {
+            let crossed: Vec<_> = chain.iter().map(crossings).collect();
+            for number in 0..crossed[0].len() {
+                let ends = chain
+                    .iter()
+                    .zip(&crossed)
+                    .map(|(column, all)| (column.at, all[number]));
+                let middles = ends
+                    .clone()
+                    .map(|(at, [low, high])| self.at((at, 0.5 * (low + high))));
+                let bars = ends.map(|(at, ends)| {
+                    (self.across.value(at), ends.map(|end| self.along.value(end)))
+                });
+                contours.push(Line {
+                    bars: bars.collect(),
+                    ..Line::new(CROSSING, false, vec![middles.collect()])
+                });
+            }
+        }
+        contours
+    }
+
+    /// Point at a position across and a position along the searched field.
+    fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
+        let [across, along] = [(&self.across, across), (&self.along, along)]
+            .map(|(scale, position)| scale.value(position.clamp(0.0, 1.0)));
+        match self.is_along_x {
+            true => (along, across),
+            false => (across, along),
+        }
+    }
+}

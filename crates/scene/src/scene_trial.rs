@@ -1,0 +1,51 @@
+//! Trials of a scene as the runner of sweeps repeats them.
+
+use std::ops::Range;
+
+use palpate_sweep::{Record, Trial};
+
+use crate::roll::Arch;
+use crate::scene::Scene;
+
+/// Scene whose trials the runner repeats.
+#[derive(Debug)]
+pub struct SceneTrial {
+    /// The scene.
+    pub scene: Scene,
+    /// Vector instructions for trials side by side. No result depends on them.
+    pub arch: Arch,
+}
+
+impl SceneTrial {
+    /// Trials of a scene, with the widest vectors of the processor.
+    pub fn new(scene: Scene) -> Self {
+        Self {
+            scene,
+            arch: Arch::new(),
+        }
+    }
+}
+
+impl Trial for SceneTrial {
+    fn quantities(&self) -> usize {
+        self.scene.quantities().len()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.scene
+            .trial(trial, |quantity, one| record.observe(quantity, one))
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        match &self.scene {
+            Scene::Roll(roll) => roll.side_by_side(self.arch, trials, |observed| {
+                record.observe_together(observed)
+            }),
+            _ => 0,
+        }
+    }
+
+    fn is_random(&self) -> bool {
+        self.scene.is_random()
+    }
+}
