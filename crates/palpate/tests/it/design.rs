@@ -147,11 +147,11 @@ fn too_many_failures_miss_the_target() {
     let ends = [&few, &more].map(|answer| number(answer, "/meets/0/to"));
     assert!(ends[0] < ends[1], "{ends:?}");
     // The answer names the failure that decides, with its share.
-    assert_eq!(few["failing_end"]["main_failure"], "unresolved");
+    assert_eq!(few["failing_end"]["main_failure"], "not-rolling");
     assert!(number(&few, "/failing_end/failing") > 0.05);
     let said = few["answer"].as_str().unwrap();
     assert!(
-        said.contains(" misses it, because ") && said.contains("(`unresolved`)"),
+        said.contains(" misses it, because ") && said.contains("(`not-rolling`"),
         "{said}"
     );
 }
