@@ -1,7 +1,8 @@
 //! Ladders of EP2: methods, their knots and the number of contacts; grids of the map.
 
 use anyhow::Result;
-use palpate_scene::{Outcome, Scene};
+use palpate_scene::Scene;
+use palpate_sweep::Observation;
 
 use super::ladder::{Ladder, Rung, RungError, SceneRungs};
 use super::scene_trials::{
@@ -208,10 +209,11 @@ fn map_error(coarse: &Scene, fine: &Scene) -> Result<RungError> {
     let maps = outcomes(coarse, TRIALS)?;
     let trials = maps.iter().map(|map| {
         let mut squares = Squares::default();
-        let column = |all: &[(usize, Outcome)], quantity, pick: fn(&Outcome) -> f64| -> Vec<f64> {
-            let of_it = all.iter().filter(|(index, _)| *index == quantity);
-            of_it.map(|(_, outcome)| pick(outcome)).collect()
-        };
+        let column =
+            |all: &[(usize, Observation)], quantity, pick: fn(&Observation) -> f64| -> Vec<f64> {
+                let of_it = all.iter().filter(|(index, _)| *index == quantity);
+                of_it.map(|(_, outcome)| pick(outcome)).collect()
+            };
         let [k, h] = [GAUSSIAN, MEAN].map(|one| column(map, one, |it| it.estimate));
         let [true_k, true_h] = [GAUSSIAN, MEAN].map(|one| column(&truths, one, |it| it.truth));
         let (side, fine_side) = (k.len().isqrt(), true_k.len().isqrt());

@@ -3,8 +3,9 @@
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result, anyhow, ensure};
-use palpate_scene::{Outcome, Scene, Scenes};
+use palpate_scene::{Scene, Scenes};
 use palpate_study::config;
+use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
@@ -178,13 +179,13 @@ pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
 
 /// Outcomes of each trial, with the indices of their quantities. A failed trial has estimates of 0, so its relative error
 /// is 1.
-pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Outcome)>>> {
+pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Observation)>>> {
     let attempts = (0..scene.trials(trials)).map(|trial| {
         let mut outcomes = Vec::new();
         let done = scene.trial(trial, |index, outcome| outcomes.push((index, outcome)));
         done.ok().map(|()| outcomes)
     });
-    let attempts: Vec<Option<Vec<(usize, Outcome)>>> = attempts.collect();
+    let attempts: Vec<Option<Vec<(usize, Observation)>>> = attempts.collect();
     let succeeded = attempts.iter().flatten().next();
     let mut failed = succeeded.context("every trial failed")?.clone();
     for (_, outcome) in &mut failed {
