@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{CurvatureForm, Meridian, Parameters, Shape, Surface, SurfaceError};
