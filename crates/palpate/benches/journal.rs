@@ -63,7 +63,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
         trials_out: false,
     };
     let tasks = [simulation.tasks(); 2];
-    let header = Header::new(String::new(), request, &Warnings::default(), tasks);
+    let header = Header::new(String::new(), request, Warnings::default(), tasks);
     let mut journal = Journal::new(dir, &header).unwrap();
     let made = |results: palpate::CellResults| {
         let rows = simulation.rows(&results);

@@ -53,6 +53,7 @@ mod shard;
 mod simulation;
 pub mod study_options;
 mod trace_pass;
+mod warnings;
 
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, ColumnType, ValueKind, Values, columns, columns_of_csv};
@@ -79,10 +80,11 @@ pub use palpate_sweep::{
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
-pub use run_files::{Map, resolved};
+pub use run_files::resolved;
 pub use shard::Shard;
-pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, Warnings, run};
+pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, run};
 pub use trace_pass::{TraceError, trace};
+pub use warnings::{Warnings, warning_files};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

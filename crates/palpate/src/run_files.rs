@@ -2,12 +2,11 @@
 
 use std::fmt::{Display, Write};
 
-use palpate_scene::Scene;
 use palpate_study::config::{
     LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study, StudyConfig, to_toml,
 };
 use palpate_study::number::Shortest;
-use palpate_study::{MapTable, Quantity, Table, push_row};
+use palpate_study::{Quantity, Table, push_row};
 use palpate_sweep::{CellStatistics, Summary, TrialObservations};
 
 use crate::columns::ColumnType;
@@ -240,61 +239,6 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
         table.rows.extend(rows);
     }
     table
-}
-
-/// Maps, or profiles, of the first trial of every cell.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Map {
-    /// Rows of all cells.
-    pub table: Table,
-    /// What is missing for a failed cell: "cells" or "estimates of cells".
-    pub lacks: &'static str,
-    /// Numbers of the cells whose trial 0 failed, with the kind of the failure.
-    pub failed: Vec<(usize, &'static str)>,
-}
-
-/// Map of the first trial of one cell.
-#[derive(Clone, Debug)]
-pub(crate) struct CellMap {
-    cell: usize,
-    table: MapTable,
-    pub(crate) failed: Option<&'static str>,
-}
-
-impl CellMap {
-    /// Map of a scene. `table` is an empty table for scenes of its kind.
-    pub(crate) fn new(scene: &Scene, cell: usize, mut table: MapTable) -> Self {
-        let failed = scene.map(cell, 0, &mut table).err();
-        Self {
-            cell,
-            table,
-            failed,
-        }
-    }
-
-    /// Rows of the table as CSV text.
-    pub(crate) fn rows(&self) -> String {
-        self.table.table.rows_to_csv()
-    }
-}
-
-impl Map {
-    /// Joins the maps of cells of the same kind.
-    pub(crate) fn joined(cells: impl Iterator<Item = CellMap>) -> Self {
-        let mut map = Self::default();
-        for CellMap {
-            cell,
-            table: MapTable { table, lacks, .. },
-            failed,
-        } in cells
-        {
-            map.table.header = table.header;
-            map.table.rows.extend(table.rows);
-            map.lacks = lacks;
-            map.failed.extend(failed.map(|name| (cell, name)));
-        }
-        map
-    }
 }
 
 /// Contents of `run.toml`: the config of a study with every default and with this version of palpate. Running it gives the

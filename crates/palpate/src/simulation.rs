@@ -8,10 +8,9 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
-use palpate_study::MapTable;
-use palpate_study::Table;
+use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
+use palpate_study::{MapTable, Table, Warning};
 use palpate_sweep::{
     CellStatistics, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError, SweepOutput,
     Task, TrialObservations,
@@ -19,10 +18,11 @@ use palpate_sweep::{
 use thiserror::Error;
 
 use crate::columns::ColumnType;
-use crate::run_files::{self, CellMap, Map, Row};
+use crate::run_files::{self, Row};
 use crate::shard::{Shard, ShardTasks};
+use crate::warnings::Warnings;
 
-pub use cell_results::{CellResults, CellRows, Warnings};
+pub use cell_results::{CellResults, CellRows};
 pub(crate) use cell_setup::CellTruth;
 
 use cell_setup::CellSetup;
@@ -147,9 +147,9 @@ impl<'a> Simulation<'a> {
             {
                 return Err(self.study.error_at(0, "outputs", UNLIKE_MAPS));
             }
-            let lines = warnings_of(&scene);
-            if !lines.is_empty() {
-                lock(&warnings).add(number, lines);
+            let of_cell = warnings_of(&scene);
+            if !of_cell.is_empty() {
+                lock(&warnings).add(number, &of_cell);
             }
             if place < MAX_CACHED {
                 lock(&self.cached).insert(number, (cell, scene));
@@ -215,11 +215,6 @@ impl<'a> Simulation<'a> {
         &self.warnings
     }
 
-    /// Warnings of the checked cells as lines, each once, with its cells.
-    pub fn warnings(&self) -> Vec<String> {
-        self.warnings.lines(self.tasks.cells.len())
-    }
-
     /// Columns of `cells.csv` and `failures.csv`, of `map.csv` if the config requests maps, and of the table of trials with
     /// per-trial output.
     pub fn columns(&self) -> [Option<Vec<ColumnType>>; 4] {
@@ -238,11 +233,6 @@ impl<'a> Simulation<'a> {
             self.maps.as_ref().map(named),
             self.has_trials.then(|| beside(&run_files::TRIALS)),
         ]
-    }
-
-    /// What a map lacks for a failed cell: "cells" or "estimates of cells".
-    pub fn lacks(&self) -> &'static str {
-        self.maps.as_ref().map_or("cells", |maps| maps.lacks)
     }
 
     /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` returns `Break`. Any thread
@@ -294,15 +284,26 @@ impl<'a> Simulation<'a> {
             ControlFlow::Continue(())
         };
         self.stream(0, cancelled, progress, |results| results, take)?;
+        // Cells that report their warnings when they run are not counted twice.
+        let mut warnings = match self.is_sampled() {
+            true => Warnings::default(),
+            false => self.warnings.clone(),
+        };
+        cells
+            .iter()
+            .for_each(|cell| warnings.add(cell.cell, &cell.warnings));
         let rows: Vec<Row<'_>> = cells.iter().map(CellResults::row).collect();
         Ok(Ran {
             cells: run_files::cells(self.study, &rows, self.states_bounds),
             failures: run_files::failures(&rows),
             trials: self.has_trials.then_some(trials),
-            map: self.maps.is_some().then(|| {
+            map: self.maps.as_ref().map(|maps| {
+                let mut table = maps.table.clone();
                 let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
-                Map::joined(maps)
+                maps.for_each(|map| table.rows.extend(map.rows));
+                table
             }),
+            warnings: warnings.grouped(self.tasks.cells.len()),
             statistics: cells.into_iter().map(|cell| cell.statistics).collect(),
         })
     }
@@ -322,14 +323,22 @@ impl<'a> Simulation<'a> {
                 (cell, scene)
             }
         };
-        let map = self.maps.clone();
+        let mut warnings = match self.is_sampled() {
+            true => warnings_of(&scene),
+            false => Vec::new(),
+        };
+        let map = self.maps.clone().map(|mut map| {
+            if let Err(failure) = scene.map(number, 0, &mut map) {
+                let lacks = map.lacks;
+                let text = format!("the map lacks {lacks} whose trial 0 failed as `{failure}`");
+                warnings.push(Warning::new("failed-map", text, []));
+            }
+            map.table
+        });
         Ok(CellSetup {
             cell: number,
-            warnings: match self.is_sampled() {
-                true => warnings_of(&scene),
-                false => Vec::new(),
-            },
-            map: map.map(|table| CellMap::new(&scene, number, table)),
+            warnings,
+            map,
             truth: Arc::new(CellTruth::new(&scene, cell)),
             trial: SceneTrial {
                 scene,
@@ -422,8 +431,7 @@ impl Simulation<'_> {
         CellRows {
             cells: run_files::cells_csv(self.study, &rows[0], self.states_bounds),
             failures: run_files::failures(&rows).rows_to_csv(),
-            map: map.map_or_else(String::new, CellMap::rows),
-            map_failed: map.and_then(|map| map.failed),
+            map: map.map_or_else(String::new, Table::rows_to_csv),
             trials: results.statistics.trials,
             kinds: results.statistics.failures.clone(),
             warnings: results.warnings.clone(),
@@ -431,11 +439,14 @@ impl Simulation<'_> {
     }
 }
 
-/// Warnings of a scene, one line each.
-fn warnings_of(scene: &Scene) -> Vec<String> {
+/// Warnings of a scene.
+fn warnings_of(scene: &Scene) -> Vec<Warning> {
     let needs = scene.needs().into_iter();
-    let warnings = needs.filter(|need| need.warning().is_some());
-    warnings.map(|need| need.to_string()).collect()
+    let warning = |need| match need {
+        Need::Warning(warning) => Some(warning),
+        Need::Model(_) => None,
+    };
+    needs.filter_map(warning).collect()
 }
 
 /// Results of the trials of a [`Simulation`].
@@ -448,7 +459,9 @@ pub struct Ran {
     /// Table `failures.csv`: one row per cell and kind of failure.
     pub failures: Table,
     /// Table `map.csv`, of the first trial of every cell; `None` if the config does not request it.
-    pub map: Option<Map>,
+    pub map: Option<Table>,
+    /// Warnings of the cells, one per code.
+    pub warnings: Vec<Warning>,
     /// Table of all trials as CSV text, one row per observation or failure; `None` without
     /// [per-trial output](Simulation::with_trials).
     pub trials: Option<String>,

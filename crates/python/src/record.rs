@@ -1,5 +1,6 @@
 //! Results with named fields.
 
+use palpate::Warning;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -218,6 +219,11 @@ impl Record {
 fn no_field(record: &Bound<'_, Record>, name: &str) -> PyResult<String> {
     let kind = record.get_type().name()?;
     Ok(format!("{kind} has no field {name:?}"))
+}
+
+/// Warnings as a list of records.
+pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny>> {
+    Ok(field(to_python(py, &warnings)?)?.unbind())
 }
 
 /// Field as it is handed out.

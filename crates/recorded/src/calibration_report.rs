@@ -3,6 +3,7 @@
 use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
 
 use super::calibration_file::calibration_toml;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 /// A calibration, and the lines fitted to each series alone.
@@ -98,8 +99,8 @@ impl CalibrationReport {
         lines
     }
 
-    /// Warnings about the calibration, one line each.
-    pub fn warnings(&self) -> Vec<String> {
+    /// Warnings about the calibration.
+    pub fn warnings(&self) -> Vec<Warning> {
         let unit = self.length_unit.as_str();
         let normal = self.calibration.normal_part();
         let lateral = self.calibration.lateral_part();
@@ -116,37 +117,48 @@ impl CalibrationReport {
             }),
         ];
         let mut warnings = Vec::new();
+        let mut warn = |code, text: String, numbers: &[_]| {
+            warnings.push(Warning::new(code, text, numbers.iter().copied()));
+        };
         if self.copies > 0 {
-            warnings.push(format!(
+            let text = format!(
                 "{} points repeat others to the last digit: copies are no new readings, and make the stated uncertainty too small",
                 self.copies
-            ));
+            );
+            warn("repeated-rows", text, &[("copies", self.copies as f64)]);
         }
         for (what, residual, (line, with_intercept), range, series) in parts.into_iter().flatten() {
             if let Some(free) =
                 with_intercept.filter(|free| free.r_squared - line.r_squared > OFF_REST)
             {
-                warnings.push(format!(
+                let [free, line] = [free, line].map(|line| line.r_squared);
+                let text = format!(
                     "a line with an intercept explains the {what} points far better (R^2 {}) than one through rest (R^2 {}): are they changes from rest, and in the order of the displacements?",
-                    figures(free.r_squared, 3),
-                    figures(line.r_squared, 3)
-                ));
+                    figures(free, 3),
+                    figures(line, 3)
+                );
+                let numbers = [("r_squared", line), ("r_squared_with_intercept", free)];
+                warn("not-through-rest", text, &numbers);
             }
             let largest = range[0].abs().max(range[1].abs());
             let percent = 100.0 * residual / largest;
             if residual > LARGE_RESIDUAL * largest {
-                warnings.push(format!(
+                let text = format!(
                     "the {what} residual is {} {unit}, {percent:.0} % of the largest displacement",
                     figures(residual, 3)
-                ));
+                );
+                let numbers = [("residual", residual), ("largest", largest)];
+                warn("large-calibration-residual", text, &numbers);
             }
             let std = line.slope_std.unwrap_or(0.0);
             if line.slope.abs() < 2.0 * std {
-                warnings.push(format!(
-                    "the {what} slope, {}, is not told apart from 0: its standard error is {}",
+                let text = format!(
+                    "the {what} slope, {}, is not significantly different from 0: its standard error is {}",
                     figures(line.slope, 3),
                     figures(std, 2)
-                ));
+                );
+                let numbers = [("slope", line.slope), ("slope_std", std)];
+                warn("insignificant-slope", text, &numbers);
             }
             let slopes: Vec<f64> = series
                 .iter()
@@ -156,9 +168,10 @@ impl CalibrationReport {
             let spread = (high - low) / (0.5 * (low + high)).abs();
             if spread > LARGE_SPREAD {
                 let percent = 100.0 * spread;
-                warnings.push(format!(
-                    "the {what} slopes of the series differ by up to {percent:.0} %: a series tells its displacements with an error of scale"
-                ));
+                let text = format!(
+                    "the {what} slopes of the series differ by up to {percent:.0} %: displacements from one series have an error of scale"
+                );
+                warn("different-slopes", text, &[("relative_difference", spread)]);
             }
         }
         warnings

@@ -20,7 +20,7 @@ use super::error::RecordedError;
 use super::frame_pair::{Frame, find};
 use layout_matching::Matched;
 use nominal_sensor::TERMS_BEFORE;
-use palpate_study::FieldError;
+use palpate_study::{FieldError, Warning};
 
 /// Lowest usable green level of the ground, of 255, and largest share of central pixels at full scale in green.
 const DARKEST: u8 = 40;
@@ -66,7 +66,7 @@ pub(super) struct SeenAtRest {
     /// The camera that was fitted to them.
     pub(super) camera: CameraEstimate,
     /// Warning if markers are missing.
-    pub(super) missing: Option<String>,
+    pub(super) missing: Option<Warning>,
     /// Picture of each marker of the layout; `None` if the frame does not show it whole.
     pub(super) seen: Vec<Option<Seen>>,
     /// Index of each marker of the layout in the list of found markers.

@@ -42,8 +42,8 @@ pub struct CameraReading {
     has_tangential: bool,
     fates: TrackCounts,
     field: Field,
-    /// Warning about the camera's scale.
-    scale: Option<String>,
+    /// Warnings about the frames and the camera's scale.
+    warnings: Vec<Warning>,
     /// Relative standard error of the slope of normal displacements.
     slope_share: f64,
 }
@@ -115,13 +115,15 @@ impl CameraReading {
             !(calibrated / FAR_OFF..=calibrated * FAR_OFF).contains(&px_per_rad)
         });
         let scale = far.map(|calibrated| {
+            let numbers = [("stated", px_per_rad), ("calibrated", calibrated)];
             let [stated, calibrated] = [px_per_rad, calibrated].map(Number::rounded);
-            format!(
+            let text = format!(
                 "the camera's scale is stated as {stated} px per rad, but the calibration, the sensor's radius and the depth of its markers make it {calibrated}"
-            )
+            );
+            Warning::new("camera-scale", text, numbers)
         });
         Ok(Self {
-            scale,
+            warnings: frames.warnings().into_iter().chain(scale).collect(),
             slope_share: slope_share(calibration),
             field,
             unit,
@@ -143,7 +145,7 @@ impl CameraReading {
         let origin = origin(frames, file);
         let field = Field::new(displaced).map_err(|error| no_field(&origin, error))?;
         Ok(Self {
-            scale: None,
+            warnings: frames.warnings(),
             slope_share: 0.0,
             field,
             unit,
@@ -168,8 +170,10 @@ impl CameraReading {
         consistency::doubts(doubts, is_contradicted, &self.origin).collect()
     }
 
-    /// Report of the object, with the tracking statuses and the outward displacement of the markers.
-    pub(super) fn pressed_by(&self, object: PressReport) -> TrackedPress {
+    /// Report of the object, with the tracking statuses, the outward displacement of the markers, and the warnings
+    /// about the frames.
+    pub(super) fn pressed_by(&self, mut object: PressReport) -> TrackedPress {
+        object.warnings.extend(self.warnings.iter().cloned());
         let outward = self.field.outward().mean.filter(|_| self.has_tangential);
         TrackedPress {
             frames: self.fates,
@@ -216,14 +220,15 @@ impl CameraReading {
     }
 
     /// Warning if the calibrated slope is less certain than the estimator's `gain_std` allows.
-    fn gain(&self, options: &PressOptions) -> Option<String> {
+    fn gain(&self, options: &PressOptions) -> Option<Warning> {
         let told = options.estimator.priors().gain_std?;
         (self.slope_share > VAGUE.max(told)).then(|| {
-            format!(
+            let text = format!(
                 "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count: state it with setting `gain_std` {}",
                 100.0 * self.slope_share,
                 Number::rounded(self.slope_share)
-            )
+            );
+            Warning::new("uncertain-gain", text, [("gain_std", self.slope_share)])
         })
     }
 
@@ -246,9 +251,7 @@ impl CameraReading {
             extras: ExtraColumns::default(),
         };
         let mut object = estimate_press(&readings, options)?;
-        let scale = Warning::of("camera-scale", self.scale.clone());
-        let gain = Warning::of("uncertain-gain", self.gain(options));
-        object.warnings.extend(scale.into_iter().chain(gain));
+        object.warnings.extend(self.gain(options));
         Ok(self.pressed_by(object))
     }
 }

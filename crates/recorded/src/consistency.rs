@@ -99,12 +99,8 @@ impl StatedMismatch {
             true => "other-indentation",
             false => "unchecked-indentation",
         };
-        let numbers = self.p_value.map(|p_value| ("p_value", p_value));
-        Warning {
-            code,
-            text: self.words,
-            numbers: numbers.into_iter().collect(),
-        }
+        let p_value = self.p_value.map(|p_value| ("p_value", p_value));
+        Warning::new(code, self.words, p_value)
     }
 
     /// Whether the readings alone determine an indentation.

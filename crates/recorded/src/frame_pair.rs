@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::error::RecordedError;
 use palpate_estimators::tracks_table;
-use palpate_study::Table;
+use palpate_study::{Table, Warning};
 
 /// A camera's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,14 +66,16 @@ impl TrackCounts {
     }
 
     /// The warning where many markers were not found again.
-    fn warning(&self) -> Option<String> {
+    fn warning(&self) -> Option<Warning> {
         let missed = self.at_rest - self.tracked;
         let are_many = missed as f64 > FEW_LOST * self.at_rest as f64;
         (are_many && self.are_of_one_sensor()).then(|| {
-            format!(
+            let text = format!(
                 "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
                 self.at_rest, self.lost, self.merged, self.split
-            )
+            );
+            let numbers = [("missed", missed as f64), ("markers", self.at_rest as f64)];
+            Warning::new("lost-markers", text, numbers)
         })
     }
 }
@@ -198,25 +200,29 @@ impl FramePair {
         })
     }
 
-    /// Warnings about the tracks, one line each.
-    pub fn warnings(&self) -> Vec<String> {
+    /// Warnings about the tracks.
+    pub fn warnings(&self) -> Vec<Warning> {
         let [rest, pressed] = &self.files;
         let moved = self.moved_together().map(|(median, spacing)| {
-            format!(
+            let text = format!(
                 "half of the markers of {rest} moved by more than {median:.1} px, which stand {spacing:.1} px apart: another sensor in {pressed}, or a camera that moved?"
-            )
+            );
+            let numbers = [("median_shift_px", median), ("spacing_px", spacing)];
+            Warning::new("other-sensor", text, numbers)
         });
         let swapped = self.looks_swapped().map(|growth| {
             let percent = -100.0 * growth;
-            format!(
+            let text = format!(
                 "the marker that changed most shrank by {percent:.1} %: a press brings it nearer; are {rest} and {pressed} swapped?"
-            )
+            );
+            Warning::new("swapped-frames", text, [("growth", growth)])
         });
         let alike = self.moved_alike().filter(|_| moved.is_none());
-        let alike = alike.map(|how| {
-            format!(
+        let alike = alike.map(|(how, numbers)| {
+            let text = format!(
                 "all markers of {rest} {how} in {pressed}: did the camera move? what they have in common is no press"
-            )
+            );
+            Warning::new("moved-camera", text, numbers)
         });
         let lost = self.fates().warning();
         let moved = moved.into_iter().chain(alike);
@@ -251,7 +257,7 @@ impl FramePair {
     }
 
     /// Common motion of all markers, as if the camera moved: a shift, or a turn about the middle.
-    fn moved_alike(&self) -> Option<String> {
+    fn moved_alike(&self) -> Option<(String, Vec<(&'static str, f64)>)> {
         let shifts: Vec<([f64; 2], [f64; 2])> = self
             .tracks
             .iter()
@@ -269,7 +275,8 @@ impl FramePair {
         let apart = |(_, shift): &([f64; 2], [f64; 2])| libm::hypot(shift[0] - x, shift[1] - y);
         let size = libm::hypot(x, y);
         if size > ALIKE_PX && size > ALIKE * median(shifts.iter().map(apart))? {
-            return Some(format!("moved by about ({x:.1}, {y:.1}) px"));
+            let text = format!("moved by about ({x:.1}, {y:.1}) px");
+            return Some((text, vec![("shift_x_px", x), ("shift_y_px", y)]));
         }
         let turn = |([x, y], [along_x, along_y]): &([f64; 2], [f64; 2])| {
             (x * along_y - y * along_x) / (x * x + y * y)
@@ -279,10 +286,9 @@ impl FramePair {
         let arm = median(shifts.iter().map(|(arm, _)| libm::hypot(arm[0], arm[1])))?;
         let is_turned = all.abs() * arm > ALIKE_PX && all.abs() > ALIKE * apart;
         is_turned.then(|| {
-            format!(
-                "turned about the middle by about {:.1} degrees",
-                all.to_degrees()
-            )
+            let turn = all.to_degrees();
+            let text = format!("turned about the middle by about {turn:.1} degrees");
+            (text, vec![("turn_deg", turn)])
         })
     }
 

@@ -131,8 +131,7 @@ pub fn estimate_images(
         widened.doubts = contradiction.doubts(widened.doubts);
     }
     let blemished = meant.is_blemished() && !widened.doubts.is_empty();
-    let warnings = Warning::of("missing-markers", seen.missing)
-        .into_iter()
+    let warnings = (seen.missing.into_iter())
         .chain(Warning::of("other-camera", doubt))
         .chain(Warning::of("ignored-layer", options.other_body()))
         .chain(Warning::of(

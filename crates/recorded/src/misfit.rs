@@ -35,7 +35,7 @@ pub(super) fn with_p_values(
         let numbered = same.map(|one| {
             let numbers = contradiction.numbers.iter();
             numbers.for_each(|(name, number)| {
-                one.numbers.entry(name).or_insert(*number);
+                one.numbers.entry(name.clone()).or_insert(*number);
             });
         });
         if numbered.count() == 0 {

@@ -312,16 +312,6 @@ pub enum Need {
     Warning(Warning),
 }
 
-impl Need {
-    /// The warning, if this need is one.
-    pub fn warning(&self) -> Option<&Warning> {
-        match self {
-            Self::Warning(warning) => Some(warning),
-            Self::Model(_) => None,
-        }
-    }
-}
-
 impl From<String> for Need {
     fn from(model: String) -> Self {
         Self::Model(model)
@@ -338,7 +328,7 @@ impl fmt::Display for Need {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Model(model) => f.write_str(model),
-            Self::Warning(warning) => write!(f, "warning: {}", warning.text),
+            Self::Warning(warning) => warning.fmt(f),
         }
     }
 }

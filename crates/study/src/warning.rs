@@ -1,36 +1,47 @@
 //! Warnings about results.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// Message that a result may be wrong.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Message that a result may be wrong. Its `Display` text is a line for a terminal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Warning {
     /// Name of the kind of warning in kebab case, for example `large-contact`.
-    pub code: &'static str,
+    pub code: String,
     /// The message, one sentence.
     pub text: String,
     /// Numbers of the warning by name; lengths are in the unit of the study or the readings.
-    pub numbers: BTreeMap<&'static str, f64>,
+    pub numbers: BTreeMap<String, f64>,
 }
 
 impl Warning {
     /// A warning of this kind, with the numbers behind it.
-    pub fn new<const N: usize>(
-        code: &'static str,
+    pub fn new(
+        code: &str,
         text: impl Into<String>,
-        numbers: [(&'static str, f64); N],
+        numbers: impl IntoIterator<Item = (&'static str, f64)>,
     ) -> Self {
+        let numbers = numbers.into_iter();
         Self {
-            code,
+            code: code.to_owned(),
             text: text.into(),
-            numbers: numbers.into(),
+            numbers: numbers
+                .map(|(name, number)| (name.to_owned(), number))
+                .collect(),
         }
     }
 
     /// Returns a warning with this text, or `None` without a text.
-    pub fn of(code: &'static str, text: Option<impl Into<String>>) -> Option<Self> {
+    pub fn of(code: &str, text: Option<impl Into<String>>) -> Option<Self> {
         text.map(|text| Self::new(code, text, []))
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "warning: {}", self.text)
     }
 }

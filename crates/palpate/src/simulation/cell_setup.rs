@@ -4,11 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use palpate_scene::{Scene, SceneTrial};
-use palpate_study::Quantity;
 use palpate_study::config::{Cell, StopStatistic, Study};
+use palpate_study::{Quantity, Table, Warning};
 use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
-
-use crate::run_files::CellMap;
 
 /// Cell that is set up for its trials.
 #[derive(Debug)]
@@ -16,8 +14,8 @@ pub(super) struct CellSetup {
     pub(super) cell: usize,
     pub(super) trial: SceneTrial,
     pub(super) truth: Arc<CellTruth>,
-    pub(super) warnings: Vec<String>,
-    pub(super) map: Option<CellMap>,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) map: Option<Table>,
 }
 
 impl CellSetup {

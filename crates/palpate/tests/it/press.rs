@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
+use palpate::Warning;
 
 /// A ball, a plane, a dish and one that is tighter than the sensor.
 pub(crate) const PRESS: &str = r#"name = "a-press"
@@ -50,9 +51,25 @@ fn a_run_writes_cells_trace_and_profiles() {
         ended.stderr,
         "warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact \
          is at the edge (cell 3)\n\
-         warning: map.csv lacks estimates of cells whose trial 0 failed: 3 (edge-contact)\n"
+         warning: the map lacks estimates of cells whose trial 0 failed as `edge-contact` (cell 3)\n"
     );
-    let others = ["trace.csv", "readings.csv", "map.csv", "warnings.txt"];
+    let warnings: Vec<Warning> = serde_json::from_str(&desk.read("o/warnings.json")).unwrap();
+    let codes = warnings.iter().map(|warning| warning.code.as_str());
+    assert!(codes.eq(["failed-map", "no-press"]), "{warnings:?}");
+    assert_eq!(warnings[0].numbers["first_cell"], 3.0);
+    let lines: String = warnings
+        .iter()
+        .map(|warning| format!("{warning}\n"))
+        .collect();
+    assert_eq!(desk.read("o/warnings.txt"), lines);
+
+    let others = [
+        "trace.csv",
+        "readings.csv",
+        "map.csv",
+        "warnings.json",
+        "warnings.txt",
+    ];
     let mut names = [&RUN_FILES[..], &others].concat();
     names.sort_unstable();
     assert_eq!(desk.names("o"), names);

@@ -14,10 +14,11 @@ use crate::error;
 use crate::estimate::length_unit;
 use crate::json::of_json;
 use crate::pixels::frame;
+use crate::record::records;
 
 /// How the sight of a sensor's markers follows their displacements.
 ///
-/// `Calibration(toml)` reads what `palpate sensor calibrate` writes. `summary` and `warnings` are lines of text.
+/// `Calibration(toml)` reads what `palpate sensor calibrate` writes. `summary` is lines of text.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Calibration {
     pub(super) calibration: recorded::Calibration,
@@ -25,19 +26,19 @@ pub(crate) struct Calibration {
     /// The calibration in words, a line each: slopes, standard errors, R² and residuals.
     #[pyo3(get)]
     summary: Vec<String>,
-    /// Warnings, in words.
+    /// Warnings, each with `code`, `text` and `numbers`.
     #[pyo3(get)]
-    warnings: Vec<String>,
+    warnings: Py<PyAny>,
 }
 
-impl From<CalibrationReport> for Calibration {
-    fn from(report: CalibrationReport) -> Self {
-        Self {
+impl Calibration {
+    fn of(py: Python<'_>, report: CalibrationReport) -> PyResult<Self> {
+        Ok(Self {
             summary: report.summary(),
-            warnings: report.warnings(),
+            warnings: records(py, &report.warnings())?,
             unit: report.length_unit,
             calibration: report.calibration,
-        }
+        })
     }
 }
 
@@ -46,9 +47,10 @@ impl Calibration {
     #[new]
     #[pyo3(signature = (toml, summary=None, warnings=None))]
     fn new(
+        py: Python<'_>,
         toml: String,
         summary: Option<Vec<String>>,
-        warnings: Option<Vec<String>>,
+        warnings: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let file = RecordedFile::new("calibration", toml.into_bytes());
         let (calibration, unit) = parse_calibration(&file).map_err(error::recorded)?;
@@ -56,7 +58,7 @@ impl Calibration {
             calibration,
             unit,
             summary: summary.unwrap_or_default(),
-            warnings: warnings.unwrap_or_default(),
+            warnings: warnings.map_or_else(|| records(py, &[]), Ok)?,
         })
     }
 
@@ -85,9 +87,10 @@ impl Calibration {
     #[allow(clippy::type_complexity)]
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
-    ) -> (Bound<'py, PyAny>, (String, Vec<String>, Vec<String>)) {
+    ) -> (Bound<'py, PyAny>, (String, Vec<String>, Py<PyAny>)) {
         let own = slf.get();
-        let state = (own.to_toml(), own.summary.clone(), own.warnings.clone());
+        let warnings = own.warnings.clone_ref(slf.py());
+        let state = (own.to_toml(), own.summary.clone(), warnings);
         (slf.get_type().into_any(), state)
     }
 
@@ -138,6 +141,7 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 #[pyfunction]
 #[pyo3(signature = (*tables, source="hue", per_marker=false, length_unit=None))]
 pub(crate) fn calibrate(
+    py: Python<'_>,
     tables: Vec<Bound<'_, PyAny>>,
     source: &str,
     per_marker: bool,
@@ -155,7 +159,7 @@ pub(crate) fn calibrate(
     });
     let points: Vec<_> = points.collect::<PyResult<_>>()?;
     let report = recorded::calibrate(&points, &options).map_err(error::recorded)?;
-    Ok(report.into())
+    Calibration::of(py, report)
 }
 
 /// A table of columns as CSV, every digit of its numbers kept.
@@ -269,5 +273,5 @@ pub(crate) fn calibrate_frames(
         };
         recorded::calibrate(&[points], &options)
     });
-    Ok(report.map_err(error::recorded)?.into())
+    Calibration::of(py, report.map_err(error::recorded)?)
 }

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::json::of_json;
 use crate::pixels::frame;
+use crate::record::records;
 use crate::study::Study;
 
 /// Camera of a sensor: its place, its turn and its scale, with their covariance.
@@ -31,10 +32,10 @@ impl CameraCalibration {
         self.camera.summary()
     }
 
-    /// Warnings, in words.
+    /// Warnings, each with `code`, `text` and `numbers`.
     #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.camera.warnings.clone()
+    fn warnings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        records(py, &self.camera.warnings)
     }
 
     /// Unit of its lengths.

@@ -10,7 +10,7 @@ use crate::error;
 use crate::estimate::{PressEstimate, given};
 use crate::json::to_python;
 use crate::pixels::{frame, pixels};
-use crate::record::{Made, Record};
+use crate::record::{Made, Record, records};
 use crate::study::Study;
 use crate::table::table;
 
@@ -29,9 +29,9 @@ pub(crate) struct Tracked {
     /// How many markers had which fate: `at_rest`, `tracked`, `lost`, `merged`, `split`, `new`, `cut_at_rest`.
     #[pyo3(get)]
     fates: Py<PyAny>,
-    /// Warnings, in words.
+    /// Warnings about the frames, each with `code`, `text` and `numbers`; `estimate` has them too.
     #[pyo3(get)]
-    warnings: Vec<String>,
+    warnings: Py<PyAny>,
     /// Pressed frame with each marker's fate drawn on it, (h, w, 3) of uint8.
     #[pyo3(get)]
     overlay: Py<PyAny>,
@@ -56,7 +56,7 @@ impl Tracked {
     fn _restored(
         markers: Py<PyAny>,
         fates: Py<PyAny>,
-        warnings: Vec<String>,
+        warnings: Py<PyAny>,
         overlay: Py<PyAny>,
         difference: Py<PyAny>,
         readings: Option<Py<PyAny>>,
@@ -81,7 +81,7 @@ impl Tracked {
         let state = (
             own.markers.clone_ref(py),
             own.fates.clone_ref(py),
-            own.warnings.clone(),
+            own.warnings.clone_ref(py),
             own.overlay.clone_ref(py),
             own.difference.clone_ref(py),
             table(&own.readings),
@@ -208,7 +208,7 @@ pub(crate) fn track(
     let mut made = Tracked {
         markers: table(py, &tracked.table().to_csv(), Default::default())?,
         fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
-        warnings: tracked.warnings(),
+        warnings: records(py, &tracked.warnings())?,
         overlay: pixels(py, drawn)?,
         difference: pixels(py, difference)?,
         readings: None,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use palpate::config::{self, LengthUnit};
 use palpate::report::{Study as Scored, claims_csv, figures, score};
-use palpate::{Files, ReportError, figure, resolved};
+use palpate::{Files, ReportError, Warning, figure, resolved, warning_files};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,13 +15,14 @@ use super::runs::Found;
 use super::trace::Trace;
 use crate::error;
 use crate::figure::Figure;
+use crate::record::records;
 use crate::table::{csv_of, table};
 
 const CONFIG: &str = "run.toml";
 const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
 const MAP: &str = "map.csv";
-const WARNINGS: &str = "warnings.txt";
+const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
 /// Files of a pass.
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
@@ -46,9 +47,9 @@ pub(crate) struct Results {
     /// Table of all trials, a row per observation or failure; None unless the run was asked for it.
     #[pyo3(get)]
     trials_out: Option<Py<PyAny>>,
-    /// Lines that warn of cells in which the theory or the estimator does not hold.
+    /// Warnings of cells in which the theory or the estimator does not hold, each with `code`, `text` and `numbers`.
     #[pyo3(get)]
-    warnings: Vec<String>,
+    warnings: Py<PyAny>,
 }
 
 /// Error of tables and figures.
@@ -59,20 +60,15 @@ fn refused(error: ReportError) -> PyErr {
 impl Results {
     /// Results of a study that was run.
     pub(super) fn of(py: Python<'_>, study: Arc<palpate::Study>, found: Found) -> PyResult<Self> {
-        let Found {
-            ran,
-            warnings,
-            trace,
-        } = found;
+        let Found { ran, trace } = found;
         let mut files = BTreeMap::from([
             (CONFIG.to_owned(), resolved(&study)),
             (CELLS.to_owned(), ran.cells.to_csv()),
             (FAILURES.to_owned(), ran.failures.to_csv()),
         ]);
-        files.extend(ran.map.map(|map| (MAP.to_owned(), map.table.to_csv())));
-        if !warnings.is_empty() {
-            files.insert(WARNINGS.to_owned(), warnings.join("\n") + "\n");
-        }
+        files.extend(ran.map.map(|map| (MAP.to_owned(), map.to_csv())));
+        let warnings = warning_files(&ran.warnings).into_iter();
+        files.extend(warnings.map(|(name, text)| (name.to_owned(), text)));
         if let Some(trace) = trace {
             let markers = trace.camera.map(|seen| seen.markers);
             let tables = [Some(trace.contacts), Some(trace.readings), markers];
@@ -102,7 +98,9 @@ impl Results {
         let study = study.call((text(CONFIG)?,), Some(&named))?;
         let unit = of.config.length_unit;
         let table = |csv: &String| table(py, csv, unit);
-        let warnings = files.get(WARNINGS).map_or("", String::as_str).lines();
+        let warnings = files.get(WARNINGS[1]).map_or("[]", String::as_str);
+        let warnings: Vec<Warning> = serde_json::from_str(warnings)
+            .map_err(|error| error::RunError::new_err(format!("{}: {error}", WARNINGS[1])))?;
         Ok(Self {
             of: Arc::new(of),
             study: study.unbind(),
@@ -110,7 +108,7 @@ impl Results {
             failures: table(&text(FAILURES)?)?,
             map: files.get(MAP).map(table).transpose()?,
             trials_out: trials.as_ref().map(table).transpose()?,
-            warnings: warnings.map(str::to_owned).collect(),
+            warnings: records(py, &warnings)?,
             files,
         })
     }
@@ -127,9 +125,8 @@ impl Results {
     /// ConfigError for a config that is none.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
-        let names = [CONFIG, CELLS, FAILURES, MAP, WARNINGS]
-            .into_iter()
-            .chain(PASS);
+        let names = [CONFIG, CELLS, FAILURES, MAP].into_iter();
+        let names = names.chain(WARNINGS).chain(PASS);
         let there = names.filter(|name| folder.join(name).is_file());
         let text = |name: &str| {
             let path = folder.join(name);

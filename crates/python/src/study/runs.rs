@@ -56,7 +56,6 @@ pub(super) struct Asked {
 /// Results of a study.
 pub(super) struct Found {
     pub(super) ran: Ran,
-    pub(super) warnings: Vec<String>,
     /// Pass of the first cell, where the config asks for it.
     pub(super) trace: Option<Trace>,
 }
@@ -83,15 +82,13 @@ pub(super) fn run(
             simulation = simulation.with_trials();
         }
         let ran = simulation.run(&watch.cancelled, &|trials| watch.tell(trials))?;
-        let warnings = simulation.warnings();
         let first = first.filter(|_| study.config.outputs.contains(&Output::Trace));
         let trace = first.map(|first| trace(&study, first, None));
-        Ok((ran, warnings, trace))
+        Ok((ran, trace))
     })?;
-    let (ran, warnings, trace) = found.map_err(of_sweep)?;
+    let (ran, trace) = found.map_err(of_sweep)?;
     Ok(Found {
         ran,
-        warnings,
         trace: trace.transpose().map_err(of_trace)?,
     })
 }

@@ -1,6 +1,7 @@
 //! Report of a camera that was estimated from a frame at rest.
 
 use palpate_statistics::Number;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +47,8 @@ pub struct CameraEstimate {
     pub residuals_px: Vec<Residual>,
     /// Chi-squared of the frame per degree of freedom: about 1 if the model is right.
     pub reduced_chi_squared: f64,
-    /// Texts of the warnings.
-    pub warnings: Vec<String>,
+    /// Warnings about the camera.
+    pub warnings: Vec<Warning>,
 }
 
 impl CameraEstimate {

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use palpate_chromatouch::{Departure, Optics};
 use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
 use palpate_statistics::Number;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_tracking::Found;
 
@@ -207,10 +208,11 @@ impl Matched {
         let std = |number: usize| covariance[(number, number)].sqrt();
         let mut warnings = Vec::new();
         if widened > 1.0 {
-            warnings.push(format!(
+            let text = format!(
                 "the markers scatter {} times as much as the frame's noise explains; uncertainties are as much wider",
                 Number::rounded(widened)
-            ));
+            );
+            warnings.push(Warning::new("scatter-at-rest", text, [("ratio", widened)]));
         }
         warnings.extend(self.warning());
         let departure: [f64; Departure::NUMBERS] = self.rest.common[..]
@@ -260,13 +262,12 @@ impl Matched {
     }
 
     /// The warning if markers are missing.
-    pub(super) fn warning(&self) -> Option<String> {
-        let all = self.seen.len();
-        (self.missing > 0).then(|| {
-            format!(
-                "{} of the layout's {all} markers are missing at rest",
-                self.missing
-            )
+    pub(super) fn warning(&self) -> Option<Warning> {
+        let (all, missing) = (self.seen.len(), self.missing);
+        (missing > 0).then(|| {
+            let text = format!("{missing} of the layout's {all} markers are missing at rest");
+            let numbers = [("missing", missing as f64), ("markers", all as f64)];
+            Warning::new("missing-markers", text, numbers)
         })
     }
 

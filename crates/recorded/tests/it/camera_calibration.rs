@@ -224,7 +224,11 @@ fn missing_markers_are_told() {
     truth.lost = 6;
     let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
     assert!((69..=71).contains(&told.residuals_px.len()), "{told:?}");
-    assert!(told.warnings[0].contains("6 of the layout's 77 markers are missing"));
+    assert!(
+        told.warnings[0]
+            .text
+            .contains("6 of the layout's 77 markers are missing")
+    );
     truth.lost = 30;
     let said = refused(truth.frame(1), &study);
     assert!(said.contains("shows 47 of the 77 markers"), "{said}");

@@ -180,7 +180,8 @@ fn a_camera_that_moved_between_the_frames_is_told() {
     let [rest, pressed] = frames(&scene(&study), &study, 0);
     let told = |pressed: &Frame| {
         let tracked = track_frames(&rest, pressed).expect("tracks");
-        tracked.warnings().join("; ")
+        let texts = tracked.warnings().into_iter().map(|warning| warning.text);
+        texts.collect::<Vec<_>>().join("; ")
     };
     assert_eq!(told(&pressed), "");
     let shifted = told(&seen_from(&pressed, |x, y| [x - 4.0, y]));

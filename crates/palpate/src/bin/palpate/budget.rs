@@ -5,17 +5,20 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use palpate::config::SceneConfig;
-use palpate::{ConfigError, Goal, MODEL_ERROR_SHARE, Plan, PlanError, RunOptions, Runner, Study};
+use palpate::{
+    ConfigError, Goal, MODEL_ERROR_SHARE, Plan, PlanError, RunOptions, Runner, Study, Warning,
+    Warnings,
+};
 
 use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// Study whose trials and model have been chosen, with the lines and warnings to print about the choice.
+/// Study whose trials and model have been chosen, with the lines to print about the choice, and warnings.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
 }
 
 /// Chooses trials and model for `args`; `None` where they ask for no choice. The study's cells `numbers` are run.
@@ -101,21 +104,23 @@ fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
     trials.into_iter().chain(model).collect()
 }
 
-fn warnings(plan: &Plan, numbers: &[usize]) -> Vec<String> {
-    let failing = plan.failing.iter().map(|failing| {
-        format!(
-            "all {} trials of a pilot fail ({}) in cell {}: it is ignored when the number of trials is chosen",
-            failing.trials, failing.kind, numbers[failing.cell]
-        )
-    });
-    let heavy_tails = plan.heavy_tails.iter().map(|(cell, quantity)| {
-        format!(
-            "the errors of {quantity} in cell {} have heavy tails: a few trials decide their root mean square, \
-             and how well it is known is itself known roughly",
-            numbers[*cell]
-        )
-    });
-    failing.chain(heavy_tails).collect()
+fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
+    let mut warnings = Warnings::default();
+    for failing in &plan.failing {
+        let (trials, kind) = (failing.trials, failing.kind);
+        let text = format!(
+            "all {trials} trials of a pilot fail ({kind}): the number of trials is chosen without such cells"
+        );
+        let warning = Warning::new("failed-pilot", text, [("trials", trials as f64)]);
+        warnings.add(numbers[failing.cell], &[warning]);
+    }
+    if let Some((cell, quantity)) = plan.heavy_tails {
+        let text = format!(
+            "the errors of {quantity} have heavy tails: a few trials determine their root mean square, so its stated error is rough"
+        );
+        warnings.add(numbers[cell], &[Warning::new("heavy-tails", text, [])]);
+    }
+    warnings
 }
 
 /// Reason for the number of trials: which of target and budget decides it, and the error to be expected of the

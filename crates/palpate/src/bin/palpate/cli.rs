@@ -75,8 +75,8 @@ of it, and the tables are those of an undisturbed run. Another config is refused
 difference; --restart drops the journal. A shard leaves its journal, which `palpate merge` reads. Where the directory has tables of another
 config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
 What palpate wrote there of another study is removed; what it did not write, or what was changed since,
-is not replaced without --force. Warnings are in warnings.txt. A run in which every trial fails has
-status 1.")]
+is not replaced without --force. Warnings are in warnings.txt and warnings.json. A run in which every trial
+fails has status 1.")]
     Run(RunArgs),
     /// Put the shards of a run together: writes what one run of all would have written, to the byte.
     #[command(after_help = "Examples:

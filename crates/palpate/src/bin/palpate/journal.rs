@@ -12,14 +12,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
-use palpate::{CellRows, Warnings};
+use palpate::{CellRows, Warning, Warnings};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last is the version of its format.
-const MAGIC: &[u8; 8] = b"palpate\x04";
+const MAGIC: &[u8; 8] = b"palpate\x05";
 /// Size of the rows from which they are written, bytes.
 const MAX_PENDING: usize = 1 << 18;
 /// Time after which rows are written, and the file is synchronised with the disk.
@@ -35,8 +35,8 @@ pub(crate) struct Header {
     /// Config of the run, as `run.toml` has it.
     pub(crate) config: String,
     pub(crate) request: RunRequest,
-    /// Warnings of the checked cells: lines with the first cell, the place among its lines, and the number of cells.
-    warnings: Vec<(String, (u64, u64, u64))>,
+    /// Warnings of the plan and of the checked cells.
+    pub(crate) warnings: Warnings,
     /// Number of tasks of this run.
     pub(crate) tasks: u64,
     /// Number of tasks of all shards together.
@@ -74,12 +74,11 @@ pub(crate) struct CellRecord {
     pub(crate) cell: u64,
     /// Rows of `cells.csv`, `failures.csv`, `map.csv`, and the trial rows that no earlier record has.
     pub(crate) rows: [String; 4],
-    pub(crate) map_failed: Option<String>,
     pub(crate) trials: u64,
     /// Failed trials by kind.
     pub(crate) kinds: Vec<(String, u64)>,
     /// Warnings that are not in the header.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Vec<Warning>,
 }
 
 /// Rows of trials of a cell.
@@ -134,28 +133,16 @@ impl Header {
     pub(crate) fn new(
         config: String,
         request: RunRequest,
-        warnings: &Warnings,
+        warnings: Warnings,
         [tasks, all_tasks]: [u64; 2],
     ) -> Self {
-        let entries = warnings.entries();
-        let entry = |(line, (cell, place, count)): (&str, (usize, usize, usize))| {
-            (line.to_owned(), (cell as u64, place as u64, count as u64))
-        };
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             config,
             request,
-            warnings: entries.map(entry).collect(),
+            warnings,
             tasks,
             all_tasks,
-        }
-    }
-
-    /// Adds its warnings to `all`.
-    fn add_warnings_to(&self, all: &mut Warnings) {
-        for (line, (cell, place, count)) in &self.warnings {
-            let entry = (*cell as usize, *place as usize, *count as usize);
-            all.insert(line.clone(), entry);
         }
     }
 }
@@ -190,7 +177,6 @@ impl CellRecord {
             kinds: kinds
                 .map(|kind| (kind.kind.to_owned(), kind.count))
                 .collect(),
-            map_failed: rows.map_failed.map(str::to_owned),
             trials: rows.trials,
             warnings: rows.warnings,
             rows: [rows.cells, rows.failures, rows.map, String::new()],
@@ -468,11 +454,9 @@ pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
     let Some((mut reader, header)) = Reader::open(dir)? else {
         return Ok(None);
     };
-    let mut warnings = Warnings::default();
-    header.add_warnings_to(&mut warnings);
     let mut found = JournalState {
+        warnings: header.warnings.clone(),
         header,
-        warnings,
         tasks: 0,
         is_ended: false,
         totals: Totals::default(),
@@ -486,9 +470,7 @@ pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
             Record::Cells(cells, ms) => {
                 for cell in &cells {
                     found.totals.add(cell);
-                    found
-                        .warnings
-                        .add(cell.cell as usize, cell.warnings.clone());
+                    found.warnings.add(cell.cell as usize, &cell.warnings);
                     found.tasks += 1;
                 }
                 found.time += Duration::from_millis(ms);

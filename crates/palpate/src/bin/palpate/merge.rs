@@ -91,13 +91,10 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
     let mut warnings = Warnings::default();
-    for (line, entry) in shards
-        .values()
-        .flat_map(|(_, found)| found.warnings.entries())
-    {
-        warnings.insert(line.to_owned(), entry);
+    for (_, found) in shards.values() {
+        warnings.merge(found.warnings.clone());
     }
-    let warnings = warnings.lines(cells);
+    let warnings = warnings.grouped(cells);
     let mut readers = Vec::new();
     for (dir, _) in shards.values() {
         readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));

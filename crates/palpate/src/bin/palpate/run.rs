@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use palpate::{
-    RunOptions, Runner, Simulation, Study, Warnings, check_outputs, load, parse, resolved,
+    RunOptions, Runner, Simulation, Study, Warning, Warnings, check_outputs, load, parse, resolved,
 };
 
 use crate::answer_commands::note_ignored_fields;
@@ -39,9 +39,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )));
     }
     let study = study_of(args)?;
-    let warn = |line: &str| {
+    let warn = |warning: &Warning| {
         if !args.quiet {
-            eprintln!("{line}");
+            eprintln!("{warning}");
         }
     };
     note_ignored_fields(&study, std::iter::empty());
@@ -86,14 +86,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         false => journal_to_resume(&out, &request)?,
     };
     let numbers = numbers_of(&study, args.every_nth_cell.get());
-    let mut choice = None;
+    let (mut choice, mut planned) = (Vec::new(), Warnings::default());
     let study = match &found {
         Some(found) => parse("run.toml", &found.header.config).map_err(Failure::usage)?,
         None => {
             let allowed = budget::choose(&study, &numbers, args, start)?;
             match allowed {
                 Some(allowed) => {
-                    choice = Some((allowed.lines, allowed.warnings));
+                    (choice, planned) = (allowed.lines, allowed.warnings);
                     allowed.study
                 }
                 None => study,
@@ -132,30 +132,28 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     };
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
-    let warnings = match &found {
-        Some(found) => found.warnings.clone(),
-        None => simulation.check_warnings().clone(),
-    };
-    let known = warnings.lines(cells);
-    known.iter().for_each(|line| warn(line));
-    if let Some((lines, warnings)) = choice {
-        for warning in warnings {
-            eprintln!("warning: {warning}");
+    let (known, of_header) = match &found {
+        Some(found) => (found.warnings.clone(), found.header.warnings.clone()),
+        None => {
+            let mut known = planned.clone();
+            known.merge(simulation.check_warnings().clone());
+            // Cells that report their warnings when they run are not counted twice.
+            let is_sampled = simulation.is_sampled();
+            (known.clone(), if is_sampled { planned } else { known })
         }
-        print(&lines.join("\n"))?;
-    }
-    // Cells that report their warnings when they run are not counted twice.
-    let of_header = match simulation.is_sampled() {
-        true => Warnings::default(),
-        false => warnings,
     };
+    let known = known.grouped(cells);
+    known.iter().for_each(warn);
+    if !choice.is_empty() {
+        print(&choice.join("\n"))?;
+    }
     let tasks = [simulation.tasks(), simulation.all_tasks()];
-    let header = Header::new(config.clone(), request, &of_header, tasks);
-    let run = JournalRun::begin(&simulation, &out, header, of_header, found, args.restart)?;
+    let header = Header::new(config.clone(), request, of_header, tasks);
+    let run = JournalRun::begin(&simulation, &out, header, found, args.restart)?;
     let (totals, warnings) = run.run()?;
-    let lines = warnings.lines(cells);
-    let is_new = |line: &&String| simulation.is_sampled() && !known.contains(line);
-    lines.iter().filter(is_new).for_each(|line| warn(line));
+    let warnings = warnings.grouped(cells);
+    let is_new = |warning: &&Warning| !known.contains(warning);
+    warnings.iter().filter(is_new).for_each(warn);
     let of_shard = match is_whole {
         true => String::new(),
         false => format!("shard {} of {}, ", shard.number, shard.of),
@@ -166,7 +164,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         let trials_out = trials_out.as_ref();
         let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
         let (files, _) = drafts.fill(readers)?;
-        write_results(&mut folder, files, trace, &config, &lines, &of_study)?;
+        write_results(&mut folder, files, trace, &config, &warnings, &of_study)?;
         let path = out.join(JOURNAL);
         std::fs::remove_file(&path)
             .with_context(|| format!("cannot remove {}", path.display()))

@@ -135,7 +135,8 @@ impl LockedDir {
         let written: Vec<String> = files.iter().map(|(name, _)| (*name).to_owned()).collect();
         let is_written = |name: &str| written.iter().any(|written| written == name);
         let mut tables = Format::ALL.iter().flat_map(|format| format.tables());
-        let mut is_replaced = |name: &str| name == WARNINGS || tables.any(|table| table == name);
+        let mut is_replaced =
+            |name: &str| WARNINGS.contains(&name) || tables.any(|table| table == name);
         let stale: Vec<String> = entries
             .filter(|(name, entry)| {
                 let of = entry.study.as_ref();

@@ -28,8 +28,8 @@ pub(crate) const MAP: &str = "map.csv";
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
-/// Warnings of a run, one per line; missing if there are none.
-pub(crate) const WARNINGS: &str = "warnings.txt";
+/// Warnings of a run, as lines and as JSON; missing if there are none.
+pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
 /// Answer of a design: its tables, its text, its config, and the name of its figure.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
@@ -92,7 +92,8 @@ pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
                 .map(str::to_owned),
         )
         .flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-    let mut known = vec![CONFIG, NEXT_CONFIG, WARNINGS, CLAIMS];
+    let mut known = vec![CONFIG, NEXT_CONFIG, CLAIMS];
+    known.extend(WARNINGS);
     known.extend([CELLS, FAILURES, CELLS_PARQUET, FAILURES_PARQUET]);
     if writes(Output::Map) {
         known.extend([MAP, MAP_PARQUET]);

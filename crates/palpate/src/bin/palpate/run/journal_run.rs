@@ -40,7 +40,6 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         simulation: &'s Simulation<'a>,
         out: &Path,
         header: Header,
-        warnings: Warnings,
         found: Option<JournalState>,
         restarts: bool,
     ) -> Result<Self, Failure> {
@@ -68,7 +67,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
                 simulation,
                 journal: journal.map_err(Failure::work)?,
                 totals: Totals::default(),
-                warnings,
+                warnings: header.warnings,
                 tasks: 0,
                 rows: String::new(),
                 is_shared,
@@ -97,8 +96,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
     /// Records a finished cell.
     fn record_cell(&mut self, record: CellRecord) -> std::io::Result<()> {
         self.totals.add(&record);
-        let warnings = record.warnings.clone();
-        self.warnings.add(record.cell as usize, warnings);
+        self.warnings.add(record.cell as usize, &record.warnings);
         self.journal.cell(record)
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate::config::Output;
-use palpate::{ColumnType, Simulation, Study};
+use palpate::{ColumnType, Simulation, Study, Warning, warning_files};
 
 use crate::failure::Failure;
 use crate::journal::{JournalItem, Reader, Totals, TrialRows};
@@ -20,7 +20,8 @@ use crate::results::{trace_failure, trace_files};
 /// Names of the files that a run of the study may write besides its config.
 pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     let [cells, failures, map] = format.tables();
-    let mut names = vec![NEXT_CONFIG, cells, failures, WARNINGS];
+    let mut names = vec![NEXT_CONFIG, cells, failures];
+    names.extend(WARNINGS);
     if study.config.outputs.contains(&Output::Trace) {
         names.extend([TRACE, READINGS, MARKERS]);
         names.extend(FRAMES);
@@ -135,7 +136,6 @@ pub(crate) struct Drafts<'s> {
     /// Tables with their names, in the order of the rows in records.
     tables: [(&'static str, Option<TableWriter<Draft>>); 3],
     trials: Option<TrialsTable<'s>>,
-    lacks: &'static str,
 }
 
 /// Complete tables with their names.
@@ -169,13 +169,11 @@ impl<'s> Drafts<'s> {
                 table(map, of_maps)?,
             ],
             trials: trials.transpose()?,
-            lacks: simulation.lacks(),
         })
     }
 
     /// Writes the rows of all journals, in the order of the cells.
     pub(crate) fn fill(mut self, readers: Vec<Reader>) -> Result<(Tables, Totals), Failure> {
-        let mut failed: Vec<String> = Vec::new();
         let mut totals = Totals::default();
         merge_records(readers, &mut |item| {
             let trials = self.trials.as_mut();
@@ -194,15 +192,8 @@ impl<'s> Drafts<'s> {
                     table.write(rows)?;
                 }
             }
-            if let Some(kind) = &record.map_failed {
-                failed.push(format!("{} ({kind})", record.cell));
-            }
             Ok(())
         })?;
-        if let ([.., (map, Some(_))], false) = (&self.tables, failed.is_empty()) {
-            let (lacks, cells) = (self.lacks, failed.join(", "));
-            eprintln!("warning: {map} lacks {lacks} whose trial 0 failed: {cells}");
-        }
         if let Some(trials) = self.trials {
             trials.end()?;
         }
@@ -247,10 +238,10 @@ pub(crate) fn write_results(
     tables: Tables,
     trace: Vec<(&'static str, Vec<u8>)>,
     config: &str,
-    warnings: &[String],
+    warnings: &[Warning],
     study: &StudyId,
 ) -> Result<(), Failure> {
-    let warning_lines = warnings.join("\n") + "\n";
+    let warnings = warning_files(warnings);
     let mut files: Vec<(&str, Contents<'_>)> = Vec::new();
     files.extend(
         tables
@@ -263,9 +254,8 @@ pub(crate) fn write_results(
             .iter()
             .map(|(name, bytes)| (*name, Contents::Bytes(bytes))),
     );
-    if !warnings.is_empty() {
-        files.push((WARNINGS, Contents::Bytes(warning_lines.as_bytes())));
-    }
+    let warnings = warnings.iter();
+    files.extend(warnings.map(|(name, text)| (*name, Contents::Bytes(text.as_bytes()))));
     let written = folder.replace(files, study);
     let ended = folder.end();
     for line in written? {

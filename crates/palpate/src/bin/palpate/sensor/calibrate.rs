@@ -44,7 +44,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
     out.write(report.to_toml().as_bytes())?;
     for warning in report.warnings() {
-        eprintln!("warning: {warning}");
+        eprintln!("{warning}");
     }
     let mut lines = report.summary();
     lines.push(format!("-> {}", args.out.display()));
@@ -62,7 +62,7 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     let camera = calibrate_camera(&frame, &cell.config).map_err(Failure::work)?;
     out.write(camera.to_toml().as_bytes())?;
     for warning in &camera.warnings {
-        eprintln!("warning: {warning}");
+        eprintln!("{warning}");
     }
     let lines = [camera.summary(), format!("-> {}", args.out.display())];
     out.print(&lines.join("\n"))

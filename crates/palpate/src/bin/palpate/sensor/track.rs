@@ -48,16 +48,18 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         .chain(like);
     let mut folder = LockedDir::open(&args.out, Guard::new(inputs, args.force))?;
     folder.write(&files, None)?;
-    for warning in frames.warnings() {
-        eprintln!("warning: {warning}");
+    let estimate = read.map(|read| read.and_then(|read| read.estimate));
+    match &estimate {
+        // Its warnings contain those of the frames.
+        Some(Ok(estimate)) => warn(estimate)?,
+        _ => frames
+            .warnings()
+            .iter()
+            .for_each(|warning| eprintln!("{warning}")),
     }
     frames.of_one_sensor().map_err(Failure::work)?;
-    match read {
-        Some(read) => {
-            let estimate = read.and_then(|read| read.estimate).map_err(Failure::work)?;
-            warn(&estimate)?;
-            output::print(&output::json(&estimate)?)
-        }
+    match estimate {
+        Some(estimate) => output::print(&output::json(&estimate.map_err(Failure::work)?)?),
         None => output::print(&summary(&frames.fates(), &args.out)),
     }
 }
