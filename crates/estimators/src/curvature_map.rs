@@ -2,38 +2,41 @@
 
 use palpate_ep2::{MapPoint, Regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_study::MapTable;
 use palpate_study::config::LengthUnit;
+use palpate_study::{Column, MapTable, Unit};
 
-/// Header of a map: places, curvatures with their standard deviations, principal curvatures and
+/// Columns of a map: places, curvatures with their standard deviations, principal curvatures and
 /// directions, class, region, and the probability of each class. Maps of a study begin with their
 /// cell and have the true class.
-fn header(unit: LengthUnit, of_study: bool) -> String {
-    let unit = unit.as_str();
-    let (cell, true_class) = if of_study {
-        ("cell,", "true_class,")
-    } else {
-        ("", "")
-    };
-    let probabilities = ShapeClass::ALL.map(probability_column);
-    format!(
-        "{cell}x_{unit},y_{unit},z_{unit},normal_x,normal_y,normal_z,\
-         gaussian_curvature_per_{unit}2,gaussian_curvature_std_per_{unit}2,\
-         mean_curvature_per_{unit},mean_curvature_std_per_{unit},\
-         k_min_per_{unit},k_max_per_{unit},k_min_x,k_min_y,k_min_z,k_max_x,k_max_y,k_max_z,\
-         shape_index,class,{true_class}region,{}",
-        probabilities.join(",")
-    )
+fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
+    let cell = of_study.then(|| Column::count("cell"));
+    let true_class = of_study.then(|| Column::text("true_class"));
+    let gaussian = ["gaussian_curvature", "gaussian_curvature_std"];
+    let others = ["mean_curvature", "mean_curvature_std", "k_min", "k_max"];
+    let directions = [
+        "k_min_x", "k_min_y", "k_min_z", "k_max_x", "k_max_y", "k_max_z",
+    ];
+    (cell.into_iter())
+        .chain(Column::in_length(["x", "y", "z"], Unit::Length, unit))
+        .chain(Column::pure(["normal_x", "normal_y", "normal_z"]))
+        .chain(Column::in_length(gaussian, Unit::PerLengthSquared, unit))
+        .chain(Column::in_length(others, Unit::PerLength, unit))
+        .chain(Column::pure(directions))
+        .chain([Column::number("shape_index", "1"), Column::text("class")])
+        .chain(true_class)
+        .chain([Column::count("region")])
+        .chain(Column::pure(ShapeClass::ALL.map(probability_column)))
+        .collect()
 }
 
 /// Table for one map of recorded readings.
 pub fn map_table(unit: LengthUnit) -> MapTable {
-    MapTable::new(&header(unit, false), "cells")
+    MapTable::new(columns(unit, false))
 }
 
 /// Table for the maps of a study's cells, whose rows begin with the cell and have the true class.
 pub fn study_map_table(unit: LengthUnit) -> MapTable {
-    MapTable::new(&header(unit, true), "cells")
+    MapTable::new(columns(unit, true))
 }
 
 /// Adds the points of a map, with their regions if these are known.

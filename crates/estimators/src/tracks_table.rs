@@ -1,13 +1,21 @@
 //! Tables of tracked markers.
 
-use palpate_study::{Table, number};
+use palpate_study::{Column, Table, number};
 use palpate_tracking::Track;
 
 /// Table with one row per marker: its place and hue at rest (or pressed, if it is new), and their changes if it was
 /// tracked. Values that were not measured stay empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
-    let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
-    let mut table = Table::new(header.split(',').map(str::to_owned));
+    let mut table = Table::new([
+        Column::count("marker"),
+        Column::number("x_px", "px"),
+        Column::number("y_px", "px"),
+        Column::number("hue_turns", "turn"),
+        Column::number("dx_px", "px"),
+        Column::number("dy_px", "px"),
+        Column::number("dhue_turns", "turn"),
+        Column::text("status"),
+    ]);
     for (marker, track) in tracks.enumerate() {
         let seen = track.and_then(|track| track.rest.or(track.pressed));
         let change = track.and_then(Track::change);

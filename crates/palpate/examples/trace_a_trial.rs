@@ -22,10 +22,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let trial = Some(17);
     let trace = palpate::trace(&study, 0, trial)?;
     println!("{}", trace.what);
-    for column in columns(&trace.contacts, study.config.length_unit) {
-        if let Values::Numbers(numbers) = &column.values {
-            let last = numbers.last().copied().flatten();
-            println!("last {}: {:?}", column.name, last);
+    let contacts = &trace.contacts;
+    for (column, values) in columns(&contacts.to_csv(), &contacts.columns)? {
+        if let Values::Numbers(numbers) = &values {
+            println!("last {}: {:?}", column.name, numbers.last());
         }
     }
     print!("{}", trace.readings.to_csv());

@@ -12,7 +12,7 @@
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | trace one pass of a cell | [`trace`] |
 //! | write its config as a run does | [`resolved`] |
-//! | split tables into columns | [`columns`], [`columns_of_csv`] |
+//! | split tables into columns | [`columns`] |
 //! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
 //! | score the papers' claims on tables, and make their page | [`report`] |
 //! | look up the meaning of a word | [`glossary`] |
@@ -56,7 +56,7 @@ mod trace_pass;
 mod warnings;
 
 pub use check::{CellGroup, Check, Rungs, check};
-pub use columns::{Column, ColumnType, ValueKind, Values, columns, columns_of_csv};
+pub use columns::{Values, columns, stem, unit_of};
 pub use coverage::{Coverage, Family, coverage};
 pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
@@ -72,7 +72,9 @@ pub use palpate_scene::{
     marker_places,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
-pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, Warning, glossary};
+pub use palpate_study::{
+    Column, ColumnType, Quantity, Statistic, Table, Target, TargetError, Unit, Warning, glossary,
+};
 pub use palpate_sweep::{
     CellStatistics, Clock, EndReason, FailingCell, Failure, Goal, MODEL_ERROR_SHARE, NoThreads,
     Order, Plan, PlanError, Repeats, Run, RunOptions, Runner, Side, Summary, SweepError,
@@ -80,7 +82,7 @@ pub use palpate_sweep::{
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
-pub use run_files::resolved;
+pub use run_files::{resolved, result_columns};
 pub use shard::Shard;
 pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, run};
 pub use trace_pass::{TraceError, trace};

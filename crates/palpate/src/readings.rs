@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 use palpate_recorded::{Frame, RecordedFile};
-use palpate_study::Table;
+use palpate_study::{Column, Table};
 
 /// Readings with these columns, as a file of them would be read by [`recorded`](crate::recorded); `file` is the name that
 /// messages give.
@@ -18,7 +18,7 @@ use palpate_study::Table;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn readings<const N: usize>(file: &str, header: [&str; N], rows: &[[f64; N]]) -> RecordedFile {
-    let mut table = Table::new(header.map(str::to_owned));
+    let mut table = Table::new(Column::pure(header));
     for row in rows {
         table.push_numbers(*row);
     }

@@ -2,18 +2,37 @@
 
 use std::fmt::{Display, Write};
 
+use palpate_scene::map_table_of;
 use palpate_study::config::{
     LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study, StudyConfig, to_toml,
 };
 use palpate_study::number::Shortest;
-use palpate_study::{Quantity, Table, push_row};
+use palpate_study::{Column, Quantity, Statistic, Table, push_row};
+
 use palpate_sweep::{CellStatistics, Summary, TrialObservations};
 
-use crate::columns::ColumnType;
+use crate::columns::swept_column;
 use crate::simulation::CellTruth;
 
-/// Names of the columns of `failures.csv`.
-pub(crate) const FAILURES: [&str; 4] = ["cell", "kind", "count", "first_trial"];
+/// Columns of `failures.csv`.
+pub(crate) fn failure_columns() -> Vec<Column> {
+    let counts = ["count", "first_trial"].map(Column::count);
+    let first = [Column::count("cell"), Column::text("kind")];
+    first.into_iter().chain(counts).collect()
+}
+
+/// Columns that the tables of a run may have: of cells, failures, trials and, if its scene has maps, of these.
+pub fn result_columns(study: &Study) -> Vec<Column> {
+    let map = map_table_of(&study.config.scene, study.config.length_unit);
+    let map = map.map_or_else(Vec::new, |map| map.table.columns);
+    [
+        columns(study, true),
+        failure_columns(),
+        trial_columns(),
+        map,
+    ]
+    .concat()
+}
 
 /// Results of a cell: its number in the study, its true values and its statistics.
 pub(crate) struct Row<'a> {
@@ -42,20 +61,33 @@ fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Columns of `cells.csv`.
-pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<ColumnType> {
-    let behind = ["quantity", "unit"].into_iter().chain(STATISTICS);
-    let behind = behind.chain(states_bounds.then_some(STD_BOUND));
-    [ColumnType::beside_unit("cell")]
+pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
+    let statistic = |name| match name {
+        Statistic::Trials | Statistic::Failures => Column::count(name.name()),
+        Statistic::RelativeRmsError
+        | Statistic::RelativeMeanAbsError
+        | Statistic::Coverage50
+        | Statistic::Coverage80
+        | Statistic::Coverage95 => Column::number(name.name(), "1"),
+        other => in_unit_of_row(other.name()),
+    };
+    [Column::count("cell")]
         .into_iter()
-        .chain(swept(study).map(|place| ColumnType::of_swept(study, place)))
-        .chain(behind.map(ColumnType::beside_unit))
+        .chain(swept(study).map(|place| swept_column(study, place)))
+        .chain(["quantity", "unit"].map(Column::text))
+        .chain(Statistic::ALL.map(statistic))
+        .chain(states_bounds.then(|| in_unit_of_row(STD_BOUND)))
         .collect()
+}
+
+/// Column of numbers in the unit that the column `unit` has in their row.
+fn in_unit_of_row(name: &str) -> Column {
+    Column::number(name, Column::UNIT_OF_ROW)
 }
 
 /// Table with one row per cell and quantity. With presses, the bound on the standard deviation follows the statistics.
 pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
-    let columns = columns(study, states_bounds).into_iter();
-    let mut table = Table::new(columns.map(|column| column.name));
+    let mut table = Table::new(columns(study, states_bounds));
     let mut add = |fields: &[String]| table.rows.push(fields.to_vec());
     for row in ran {
         cell_rows(study, row, states_bounds, &mut add);
@@ -170,10 +202,15 @@ fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     }
 }
 
-/// Names of the columns of a table of trials.
-pub(crate) const TRIALS: [&str; 8] = [
-    "cell", "trial", "quantity", "unit", "estimate", "truth", "std", "failure",
-];
+/// Columns of a table of trials.
+pub(crate) fn trial_columns() -> Vec<Column> {
+    let counts = ["cell", "trial"].map(Column::count);
+    (counts.into_iter())
+        .chain(["quantity", "unit"].map(Column::text))
+        .chain(["estimate", "truth", "std"].map(in_unit_of_row))
+        .chain([Column::text("failure")])
+        .collect()
+}
 
 /// Adds the rows of a trial of a cell to a CSV text: one per observation, or one with the kind of its failure.
 pub(crate) fn push_trial(
@@ -227,7 +264,7 @@ fn decimal_place(number: f64) -> Option<i32> {
 
 /// Table with one row per cell and kind of failure.
 pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
-    let mut table = Table::new(FAILURES.map(str::to_owned));
+    let mut table = Table::new(failure_columns());
     for Row {
         cell, statistics, ..
     } in ran

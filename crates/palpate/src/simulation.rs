@@ -10,14 +10,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
-use palpate_study::{MapTable, Table, Warning};
+use palpate_study::{Column, MapTable, Table, Warning, header};
 use palpate_sweep::{
     CellStatistics, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError, SweepOutput,
     Task, TrialObservations,
 };
 use thiserror::Error;
 
-use crate::columns::ColumnType;
 use crate::run_files::{self, Row};
 use crate::shard::{Shard, ShardTasks};
 use crate::warnings::Warnings;
@@ -148,9 +147,7 @@ impl<'a> Simulation<'a> {
                 return Err(self.study.error_at(0, "outputs", UNLIKE_MAPS));
             }
             let of_cell = warnings_of(&scene);
-            if !of_cell.is_empty() {
-                lock(&warnings).add(number, &of_cell);
-            }
+            lock(&warnings).add(number, &of_cell);
             if place < MAX_CACHED {
                 lock(&self.cached).insert(number, (cell, scene));
             }
@@ -217,21 +214,13 @@ impl<'a> Simulation<'a> {
 
     /// Columns of `cells.csv` and `failures.csv`, of `map.csv` if the config requests maps, and of the table of trials with
     /// per-trial output.
-    pub fn columns(&self) -> [Option<Vec<ColumnType>>; 4] {
-        let unit = self.study.config.length_unit;
-        let beside = |names: &[&str]| {
-            let columns = names.iter().map(|name| ColumnType::beside_unit(name));
-            columns.collect::<Vec<_>>()
-        };
-        let named = |maps: &MapTable| {
-            let names = maps.table.header.iter();
-            names.map(|name| ColumnType::named(name, unit)).collect()
-        };
+    pub fn columns(&self) -> [Option<Vec<Column>>; 4] {
+        let maps = self.maps.as_ref();
         [
             Some(run_files::columns(self.study, self.states_bounds)),
-            Some(beside(&run_files::FAILURES)),
-            self.maps.as_ref().map(named),
-            self.has_trials.then(|| beside(&run_files::TRIALS)),
+            Some(run_files::failure_columns()),
+            maps.map(|maps| maps.table.columns.clone()),
+            self.has_trials.then(run_files::trial_columns),
         ]
     }
 
@@ -275,7 +264,7 @@ impl<'a> Simulation<'a> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
         let mut cells: Vec<CellResults> = Vec::new();
-        let mut trials = run_files::TRIALS.join(",") + "\n";
+        let mut trials = header(&run_files::trial_columns());
         let take = &mut |_: u64, taken: SweepOutput<CellResults>| {
             match taken {
                 SweepOutput::TrialRows(rows) => trials.push_str(&rows),
@@ -329,8 +318,8 @@ impl<'a> Simulation<'a> {
         };
         let map = self.maps.clone().map(|mut map| {
             if let Err(failure) = scene.map(number, 0, &mut map) {
-                let lacks = map.lacks;
-                let text = format!("the map lacks {lacks} whose trial 0 failed as `{failure}`");
+                let text =
+                    format!("the map lacks estimates, because trial 0 failed as `{failure}`");
                 warnings.push(Warning::new("failed-map", text, []));
             }
             map.table

@@ -1,7 +1,6 @@
 //! Warnings of a run, grouped by their codes.
 
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 
 use palpate_study::Warning;
 use serde::{Deserialize, Serialize};
@@ -49,16 +48,19 @@ impl Warnings {
     }
 
     fn insert(&mut self, group: Group) {
-        match self.by_code.entry(group.warning.code.clone()) {
-            Entry::Vacant(entry) => drop(entry.insert(group)),
-            Entry::Occupied(mut entry) => {
-                let cells = entry.get().cells + group.cells;
-                if group.first < entry.get().first {
-                    entry.insert(group);
-                }
-                entry.get_mut().cells = cells;
-            }
+        let empty = || Group {
+            cells: 0,
+            ..group.clone()
+        };
+        let known = self
+            .by_code
+            .entry(group.warning.code.clone())
+            .or_insert_with(empty);
+        let cells = known.cells + group.cells;
+        if group.first < known.first {
+            *known = group;
         }
+        known.cells = cells;
     }
 
     /// One warning per code, in the order of the first cells. If there are several `cells`, it states which have it: the

@@ -2,33 +2,44 @@
 
 use numpy::PyArray1;
 use palpate::config::LengthUnit;
-use palpate::{Values, columns_of_csv};
+use palpate::{Column, Table, Values, columns, stem, unit_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Table of a CSV text with lengths in this unit: a `palpate.Table`, which is a dict of arrays.
-pub(crate) fn table(py: Python<'_>, csv: &str, unit: LengthUnit) -> PyResult<Py<PyAny>> {
-    let columns = columns_of_csv(csv, unit)
+/// Table of a CSV text whose lengths are in this unit: a `palpate.Table`, which is a dict of arrays.
+pub(crate) fn table(
+    py: Python<'_>,
+    csv: &str,
+    known: &[Column],
+    unit: LengthUnit,
+) -> PyResult<Py<PyAny>> {
+    let columns = columns(csv, known)
         .map_err(|error| error::RunError::new_err(format!("no table: {error}")))?;
     let (arrays, units) = (PyDict::new(py), PyDict::new(py));
-    for column in columns {
-        let name = column.stem(unit);
-        match column.values {
-            Values::Numbers(ref numbers) => {
-                let numbers = numbers.iter().map(|number| number.unwrap_or(f64::NAN));
-                arrays.set_item(name, PyArray1::from_iter(py, numbers))?;
+    for (column, values) in columns {
+        let name = stem(&column.name, unit);
+        match values {
+            Values::Numbers(numbers) => {
+                arrays.set_item(name, PyArray1::from_vec(py, numbers))?;
             }
             Values::Texts(ref texts) => {
                 let texts = py.import("numpy")?.call_method1("array", (texts, "str"))?;
                 arrays.set_item(name, texts)?;
             }
         }
-        units.set_item(name, &column.unit)?;
+        let is_unit = |unit: &String| unit != "1" && unit != Column::UNIT_OF_ROW;
+        let stated = column.unit.filter(is_unit);
+        units.set_item(name, stated.or_else(|| unit_of(&column.name, unit)))?;
     }
     let class = py.import("palpate._table")?.getattr("Table")?;
     Ok(class.call1((arrays, units, csv))?.unbind())
+}
+
+/// Table of rows whose lengths are in this unit.
+pub(crate) fn table_of(py: Python<'_>, rows: &Table, unit: LengthUnit) -> PyResult<Py<PyAny>> {
+    table(py, &rows.to_csv(), &rows.columns, unit)
 }
 
 /// The CSV text that a table was made of.

@@ -18,7 +18,7 @@ use super::press_report::{PressReport, Row};
 use super::source::ReadingSource;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
-use palpate_study::{Table, Unit};
+use palpate_study::{Column, Table, Unit};
 
 /// Relative standard error of the calibrated slope above which a warning is given.
 const VAGUE: f64 = 0.05;
@@ -207,9 +207,9 @@ impl CameraReading {
             "tangential_x",
             "tangential_y",
         ];
-        let columns = &columns[..if self.has_tangential { 5 } else { 3 }];
-        let unit = self.unit.as_str();
-        let mut table = Table::new(columns.iter().map(|name| format!("{name}_{unit}")));
+        let columns = Column::in_length(columns, Unit::Length, self.unit).into_iter();
+        let columns = columns.take(if self.has_tangential { 5 } else { 3 });
+        let mut table = Table::new(columns);
         for one in displaced {
             let [x, y] = one.place.map(|angle| self.radius * angle);
             let along = self.has_tangential.then_some(one.tangential);

@@ -10,9 +10,8 @@ use serde::Serialize;
 use super::Value;
 use super::extra_columns::ExtraColumns;
 use palpate_estimators::{map_table, push_map};
-use palpate_study::Unit;
-use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
+use palpate_study::{Column, Unit, Warning};
 
 /// Thresholds below which curvatures count as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -146,10 +145,10 @@ impl GlideMap {
         let mut table = map.table;
         for name in &self.extras.names {
             let mut name = name.clone();
-            while table.header.contains(&name) {
+            while table.columns.iter().any(|column| column.name == name) {
                 name = format!("readings_{name}");
             }
-            table.header.push(name);
+            table.columns.push(Column::text(&name));
         }
         for (place, row) in table.rows.iter_mut().enumerate() {
             row.extend(self.extras.row(place));

@@ -12,7 +12,7 @@ mod sensors;
 
 use crate::Study;
 use claim::{Claim, Finding};
-use palpate_study::Table;
+use palpate_study::{Column, Table};
 use std::fmt;
 
 /// Verdict on a claim by the tables.
@@ -136,28 +136,26 @@ fn of_claim(claims: &[Claim], study: &Study, number: u32) -> Score {
     }
 }
 
-/// Text of `claims.csv`: `claim,verdict,paper_says,measured,why`, one row per score (only the header if there is none).
+/// Table of `claims.csv`, one row per score.
 ///
 /// ```
-/// use palpate_report::claims_csv;
+/// use palpate_report::claims_table;
 ///
-/// assert_eq!(claims_csv(&[]), "claim,verdict,paper_says,measured,why\n");
+/// assert_eq!(claims_table(&[]).to_csv(), "claim,verdict,paper_says,measured,why\n");
 /// ```
-pub fn claims_csv(scores: &[Score]) -> String {
-    let header = ["claim", "verdict", "paper_says", "measured", "why"];
-    let mut table = Table::new(header.map(str::to_owned));
+pub fn claims_table(scores: &[Score]) -> Table {
+    let texts = ["verdict", "paper_says", "measured", "why"].map(Column::text);
+    let mut table = Table::new(std::iter::once(Column::count("claim")).chain(texts));
     let row = |score: &Score| {
-        let Score {
-            paper_says,
-            measured,
-            why,
-            ..
-        } = score.clone();
-        let (claim, verdict) = (score.claim.to_string(), score.verdict.to_string());
-        vec![claim, verdict, paper_says, measured, why]
+        let first = [score.claim.to_string(), score.verdict.to_string()];
+        let texts = [&score.paper_says, &score.measured, &score.why];
+        first
+            .into_iter()
+            .chain(texts.map(String::clone))
+            .collect::<Vec<_>>()
     };
     table.rows = scores.iter().map(row).collect();
-    table.to_csv()
+    table
 }
 
 /// One line per score, under a header: number, claim, published value, measured value, verdict and study; then a line

@@ -13,7 +13,7 @@
 //! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
 //! | the answer of `palpate design` | a [`Figure`] | [`design_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
-//! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
+//! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_table`] |
 //! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -31,7 +31,7 @@ mod study;
 mod table;
 mod tradeoff;
 
-pub use claims::{Score, Verdict, claims_csv, is_claim, score, scorecard_lines};
+pub use claims::{Score, Verdict, claims_table, is_claim, score, scorecard_lines};
 pub use error::ReportError;
 pub use files::Files;
 pub use page::page;

@@ -26,7 +26,7 @@ pub use palpate_rolling::TOLERANCES;
 pub use pattern::{CutPattern, marker_places};
 pub use press::{CurvatureScore, PressFailure, PressScene};
 pub use roll::{Arch, RollScene};
-pub use scene::{Need, Scene, Scenes, Trials, quantities_of};
+pub use scene::{Need, Scene, Scenes, Trials, map_table_of, quantities_of};
 pub use scene_trial::SceneTrial;
 pub use trace::{CameraTrace, Trace, TraceError};
 

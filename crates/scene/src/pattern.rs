@@ -1,14 +1,12 @@
 //! Flat pattern that the skin of a sensor is cut from.
 
-use std::fmt::Write;
-
 use palpate_chromatouch::{FoldStrain, Layout, Pattern, PatternError};
 use palpate_study::config::{
     BareFingertipConfig, ConfigError, LengthUnit, PressConfig, PressProbeConfig, SceneConfig, Study,
 };
 
 use palpate_estimators::{LAYOUT, MarkerSphere};
-use palpate_study::FieldError;
+use palpate_study::{Column, FieldError, Table};
 
 /// The flat pattern of a study's sensor, ready to be cut.
 ///
@@ -42,10 +40,10 @@ pub struct CutPattern {
     pub markers: usize,
     /// The greatest and the rms strain of folding.
     pub fold_strain: FoldStrain,
-    /// CSV of the folding strain over half a gore from its middle meridian: `longitude_deg,latitude_deg,strain`.
-    pub strain: String,
-    /// CSV table of the folding strain for 3 to 12 gores: `gores,greatest_fold_strain,rms_fold_strain`.
-    pub strain_by_gores: String,
+    /// Folding strain over half a gore from its middle meridian.
+    pub strain: Table,
+    /// Folding strain for 3 to 12 gores.
+    pub strain_by_gores: Table,
 }
 
 impl CutPattern {
@@ -156,27 +154,28 @@ fn pattern_error(error: &PatternError) -> FieldError {
 /// Steps of the strain table: as many from the middle meridian to the edge as from the equator to the apex.
 const STEPS: u32 = 18;
 
-fn strain_over_gore(gores: u32) -> Result<String, PatternError> {
+fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {
     let strain = FoldStrain::of(gores)?;
-    let mut csv = "longitude_deg,latitude_deg,strain\n".to_owned();
+    let degrees = ["longitude_deg", "latitude_deg"].map(|name| Column::number(name, "deg"));
+    let mut table = Table::new(degrees.into_iter().chain(Column::pure(["strain"])));
     for along in 0..=STEPS {
         for across in 0..=STEPS {
             let share = |step: u32| f64::from(step) / f64::from(STEPS);
             let longitude = std::f64::consts::PI / f64::from(gores) * share(across);
             let latitude = std::f64::consts::FRAC_PI_2 * share(along);
             let here = strain.at(longitude, latitude)?;
-            let degrees = [longitude.to_degrees(), latitude.to_degrees()];
-            let _ = writeln!(csv, "{},{},{here}", degrees[0], degrees[1]);
+            table.push_numbers([longitude.to_degrees(), latitude.to_degrees(), here]);
         }
     }
-    Ok(csv)
+    Ok(table)
 }
 
-fn strain_by_gores() -> Result<String, PatternError> {
-    let mut csv = "gores,greatest_fold_strain,rms_fold_strain\n".to_owned();
+fn strain_by_gores() -> Result<Table, PatternError> {
+    let strains = Column::pure(["greatest_fold_strain", "rms_fold_strain"]);
+    let mut table = Table::new(std::iter::once(Column::count("gores")).chain(strains));
     for gores in 3..=12 {
         let strain = FoldStrain::of(gores)?;
-        let _ = writeln!(csv, "{gores},{},{}", strain.greatest(), strain.rms());
+        table.push(gores as usize, [strain.greatest(), strain.rms()]);
     }
-    Ok(csv)
+    Ok(table)
 }

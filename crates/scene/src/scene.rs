@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Deref;
 
+use palpate_estimators::study_map_table;
 use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
 use palpate_sweep::Observation;
@@ -69,6 +70,15 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
         SceneConfig::Glide(_) => &GLIDE_QUANTITIES,
         SceneConfig::Press(press) => PressScene::quantities_of(press),
         SceneConfig::Fingertip(sensor) => MeasuredSensor::quantities_of(&sensor.probe),
+    }
+}
+
+/// Empty table for the maps of a config's scene, as [`Trials::map_table`] returns it, without building the scene.
+pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
+    match config {
+        SceneConfig::Glide(_) => Some(study_map_table(unit)),
+        SceneConfig::Press(_) => Some(PressScene::profile_table(unit)),
+        SceneConfig::Roll(_) | SceneConfig::Fingertip(_) => None,
     }
 }
 
@@ -297,7 +307,7 @@ pub trait Trials {
     /// of their cell.
     ///
     /// # Errors
-    /// The stable name of the failure; the map then lacks the items that [`MapTable::lacks`] names.
+    /// The stable name of the failure; the map then lacks estimates of the cell.
     fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
         Ok(())
     }

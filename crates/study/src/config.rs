@@ -43,7 +43,7 @@ pub use glide::{
     GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, PositionNoise, Reports,
 };
 pub use glide_estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
-pub use load::{Cell, Study, SweptKind, load, parse, plots};
+pub use load::{Cell, Study, load, parse, plots};
 pub use marker_sensor::{
     BareFingertipConfig, CalibrationConfig, CameraConfig, DiscsConfig, LayoutConfig, LayoutTable,
     LensConfig, LensName, NamedLayout, NormalFrom, PressProbeConfig, PressSensorConfig,

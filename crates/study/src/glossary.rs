@@ -138,7 +138,7 @@ subjects! {
         "other-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
         "slipped-marker": "Warning about presses: one marker contradicts the others, but too weakly to be left out as an outlier.";
     }
-    "Warnings about calibrations, frames and runs" {
+    "Warnings about readings, calibrations and runs" {
         "not-through-rest": "A line with an intercept fits the calibration far better than a line through rest: the points may not be changes from rest.";
         "large-calibration-residual": "The residual of a calibration is more than 10 % of the largest displacement.";
         "insignificant-slope": "The slope of a calibration is not significantly different from 0.";
@@ -149,9 +149,7 @@ subjects! {
         "lost-markers": "Many markers were not found again in the pressed frame.";
         "failed-pilot": "All pilot trials of a cell failed, so the number of trials is chosen without it.";
         "heavy-tails": "A few trials determine the root mean square error, so its stated error is rough.";
-        "failed-map": "The map lacks a cell, because its trial 0 failed.";
-    }
-    "Warnings about readings" {
+        "failed-map": "The map lacks estimates of a cell, because its trial 0 failed.";
         "poor-fit": "The p-value is below 1e-6: the readings contradict the model or the stated noise. No other warning names the cause.";
         "small-residuals": "The residuals are smaller than the stated noise predicts, so the intervals are too wide.";
         "unknown-noise": "The noise is estimated from few readings, so its estimate is rough.";

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::Table;
 use crate::config::LengthUnit;
+use crate::quantity::Unit;
 
 /// Physical quantity that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -332,13 +333,10 @@ pub fn roll_readings_table(
     readings: impl IntoIterator<Item = [f64; 4]>,
     unit: LengthUnit,
 ) -> Table {
-    let unit = unit.as_str();
-    let mut table = Table::new(ROLLS.iter().map(|column| {
-        if column.measure == Measure::Length {
-            format!("{}_{unit}", column.name)
-        } else {
-            column.name.to_owned()
-        }
+    let mut table = Table::new(ROLLS.iter().flat_map(|column| match column.measure {
+        Measure::Length => crate::Column::in_length([column.name], Unit::Length, unit),
+        Measure::Angle => [crate::Column::number(column.name, "rad")],
+        _ => [crate::Column::count(column.name)],
     }));
     for (probe, reading) in readings.into_iter().enumerate() {
         table.push(probe, reading);

@@ -5,22 +5,100 @@ use std::io::Read;
 
 use csv::{Reader, ReaderBuilder, StringRecord};
 
+use crate::config::LengthUnit;
 use crate::number_text::shortest;
+use crate::quantity::Unit;
 
-/// A table with a header, to be written as CSV.
+/// Column of a table: its name, and the unit and type of its values.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Name in the table's header. It ends with the unit, unless each row has its own or there is none.
+    pub name: String,
+    /// Unit of all numbers, `1` of pure numbers; [`Column::UNIT_OF_ROW`] if each row has its own. `None` of texts, and of
+    /// parameters of a formula, whose unit only the formula determines.
+    pub unit: Option<String>,
+    /// Type of the values.
+    pub values: ColumnType,
+}
+
+/// Type of the values of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnType {
+    /// Numbers.
+    Number,
+    /// Whole numbers.
+    Whole,
+    /// Whole numbers that are not negative: counts, and numbers of cells and trials.
+    Count,
+    /// Texts.
+    Text,
+}
+
+impl Column {
+    /// Unit of numbers if the column `unit` has the unit of each row.
+    pub const UNIT_OF_ROW: &'static str = "column unit";
+
+    fn new(name: &str, unit: Option<&str>, values: ColumnType) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit: unit.map(str::to_owned),
+            values,
+        }
+    }
+
+    /// Column of numbers in a unit that is no length; `1` for pure numbers.
+    pub fn number(name: &str, unit: &str) -> Self {
+        Self::new(name, Some(unit), ColumnType::Number)
+    }
+
+    /// Columns of pure numbers.
+    pub fn pure<const N: usize>(names: [&str; N]) -> [Self; N] {
+        names.map(|name| Self::number(name, "1"))
+    }
+
+    /// Columns of lengths or curvatures. Their names get the unit: `x_mm`, `mean_curvature_per_mm`.
+    pub fn in_length<const N: usize>(
+        names: [&str; N],
+        unit: Unit,
+        length: LengthUnit,
+    ) -> [Self; N] {
+        let unit = unit.of(length);
+        let ending = unit.replace("1/", "per_").replace('^', "");
+        names.map(|name| Self::number(&format!("{name}_{ending}"), unit))
+    }
+
+    /// Column of counts, or of numbers of cells, trials or other things.
+    pub fn count(name: &str) -> Self {
+        Self::new(name, Some("1"), ColumnType::Count)
+    }
+
+    /// Column of texts.
+    pub fn text(name: &str) -> Self {
+        Self::new(name, None, ColumnType::Text)
+    }
+}
+
+impl From<String> for Column {
+    /// Column of numbers or texts in an unknown unit.
+    fn from(name: String) -> Self {
+        Self::new(&name, None, ColumnType::Number)
+    }
+}
+
+/// A table of columns, to be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Column names, units appended.
-    pub header: Vec<String>,
-    /// Rows of as many fields.
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// Rows with the text of each value.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// A table of these columns, without rows.
-    pub fn new(header: impl IntoIterator<Item = String>) -> Self {
+    pub fn new(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Self {
-            header: header.into_iter().collect(),
+            columns: columns.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
         }
     }
@@ -39,7 +117,7 @@ impl Table {
 
     /// CSV text of the table (RFC 4180): what holds a comma, a quote or a line's end is quoted.
     pub fn to_csv(&self) -> String {
-        csv(&self.header) + &self.rows_to_csv()
+        header(&self.columns) + &self.rows_to_csv()
     }
 
     /// CSV text of the rows alone.
@@ -50,10 +128,11 @@ impl Table {
     }
 }
 
-/// CSV text of one row, with the line's end.
-pub fn csv(row: &[String]) -> String {
+/// First line of a table of these columns, with the line's end.
+pub fn header(columns: &[Column]) -> String {
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let mut text = String::new();
-    push_row(&mut text, row);
+    push_row(&mut text, &names);
     text
 }
 
@@ -130,18 +209,15 @@ fn push_field(text: &mut String, field: &str) {
 pub struct MapTable {
     /// Rows so far.
     pub table: Table,
-    /// What the map lacks if a trial fails: "cells" or "estimates of cells".
-    pub lacks: &'static str,
     /// Fields of the unfinished row.
     row: Vec<String>,
 }
 
 impl MapTable {
-    /// An empty table. `header` lists the column names, separated by commas.
-    pub fn new(header: &str, lacks: &'static str) -> Self {
+    /// An empty table of these columns.
+    pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
         Self {
-            table: Table::new(header.split(',').map(str::to_owned)),
-            lacks,
+            table: Table::new(columns),
             row: Vec::new(),
         }
     }

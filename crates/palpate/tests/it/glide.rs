@@ -210,7 +210,7 @@ fn a_cell_without_a_map_is_told() {
         "fraction_of_ifd = 0.0 }, normal = { kind = \"gaussian\", std_deg = 90 } }",
     );
     let ended = Desk::with(&lost).palpate("run c.toml --out o");
-    let warning = "warning: the map lacks cells whose trial 0 failed as `folded` (2 of 2 cells, the first is 0)\n";
+    let warning = "warning: the map lacks estimates, because trial 0 failed as `folded` (2 of 2 cells, the first is 0)\n";
     assert!(ended.stderr.starts_with(warning), "{}", ended.stderr);
     assert!(ended.stderr.contains("\nerror: every trial failed: "));
     assert_eq!(ended.status, Some(1));

@@ -51,7 +51,7 @@ fn a_run_writes_cells_trace_and_profiles() {
         ended.stderr,
         "warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact \
          is at the edge (cell 3)\n\
-         warning: the map lacks estimates of cells whose trial 0 failed as `edge-contact` (cell 3)\n"
+         warning: the map lacks estimates, because trial 0 failed as `edge-contact` (cell 3)\n"
     );
     let warnings: Vec<Warning> = serde_json::from_str(&desk.read("o/warnings.json")).unwrap();
     let codes = warnings.iter().map(|warning| warning.code.as_str());

@@ -11,7 +11,7 @@ pub(super) fn table<'py>(
     rows: &Rows,
     study: &Study,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let table = crate::table::table(py, &rows.to_csv(), study.config.length_unit)?;
+    let table = crate::table::table_of(py, rows, study.config.length_unit)?;
     Ok(table.into_bound(py))
 }
 

@@ -1,11 +1,11 @@
 //! Calibration of a camera sensor.
 
-use palpate::Table as Rows;
 use palpate::config::LengthUnit;
 use palpate::recorded::{
     self, CalibrateOptions, CalibrationReport, KnownDisplacements, NormalFrom, RecordedFile,
     calibration_toml, frame_calibration_points, parse_calibration, parse_calibration_points,
 };
+use palpate::{Column, Table as Rows};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -169,7 +169,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
         .get_type::<PyDict>()
         .call1((table,))?
         .cast_into::<PyDict>()?;
-    let mut names: Vec<String> = Vec::new();
+    let mut names: Vec<Column> = Vec::new();
     let mut all: Vec<Vec<f64>> = Vec::new();
     for (name, column) in columns.iter() {
         let name: String = name.extract()?;
@@ -188,7 +188,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
             let message = format!("[{row}]: must be finite, is {}", column[row]);
             return Err(at(message, &[place, row], Some(column[row])));
         }
-        names.push(name);
+        names.push(Column::number(&name, "1"));
         all.push(column);
     }
     let mut rows = Rows::new(names);

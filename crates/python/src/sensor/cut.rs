@@ -4,7 +4,7 @@ use palpate::CutPattern;
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::table::table;
+use crate::table::table_of;
 
 /// Flat pattern that a skin is cut from.
 #[pyclass(frozen, module = "palpate")]
@@ -97,7 +97,7 @@ pub(crate) fn pattern_of<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let cut = CutPattern::of(study).map_err(error::config)?;
     let unit = study.config.length_unit;
-    let table = |csv: String| table(py, &csv, unit);
+    let table = |rows| table_of(py, &rows, unit);
     let pattern = Pattern {
         svg: cut.svg,
         dxf: cut.dxf,

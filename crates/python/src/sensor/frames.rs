@@ -12,7 +12,7 @@ use crate::json::to_python;
 use crate::pixels::{frame, pixels};
 use crate::record::{Made, Record, records};
 use crate::study::Study;
-use crate::table::table;
+use crate::table::table_of;
 
 impl Made for TrackedPress {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -206,7 +206,7 @@ pub(crate) fn track(
     });
     let (tracked, [drawn, difference], estimated) = seen.map_err(error::recorded)?;
     let mut made = Tracked {
-        markers: table(py, &tracked.table().to_csv(), Default::default())?,
+        markers: table_of(py, &tracked.table(), Default::default())?,
         fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
         warnings: records(py, &tracked.warnings())?,
         overlay: pixels(py, drawn)?,
@@ -216,8 +216,8 @@ pub(crate) fn track(
         estimate: None,
     };
     if let Some((estimate, readings, field, unit)) = estimated {
-        made.readings = Some(table(py, &readings.to_csv(), unit)?);
-        made.field = Some(table(py, &field.to_csv(), unit)?);
+        made.readings = Some(table_of(py, &readings, unit)?);
+        made.field = Some(table_of(py, &field, unit)?);
         made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());
     }
     Ok(made)

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use palpate::config::{self, LengthUnit};
-use palpate::report::{Study as Scored, claims_csv, figures, score};
-use palpate::{Files, ReportError, Warning, figure, resolved, warning_files};
+use palpate::report::{Study as Scored, claims_table, figures, score};
+use palpate::{Files, ReportError, Warning, figure, resolved, result_columns, warning_files};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,7 +16,7 @@ use super::trace::Trace;
 use crate::error;
 use crate::figure::Figure;
 use crate::record::records;
-use crate::table::{csv_of, table};
+use crate::table::{csv_of, table, table_of};
 
 const CONFIG: &str = "run.toml";
 const CELLS: &str = "cells.csv";
@@ -97,7 +97,8 @@ impl Results {
         let study = py.import("palpate")?.getattr("Study")?;
         let study = study.call((text(CONFIG)?,), Some(&named))?;
         let unit = of.config.length_unit;
-        let table = |csv: &String| table(py, csv, unit);
+        let columns = result_columns(&of);
+        let table = |csv: &String| table(py, csv, &columns, unit);
         let warnings = files.get(WARNINGS[1]).map_or("[]", String::as_str);
         let warnings: Vec<Warning> = serde_json::from_str(warnings)
             .map_err(|error| error::RunError::new_err(format!("{}: {error}", WARNINGS[1])))?;
@@ -172,7 +173,7 @@ impl Results {
     #[getter]
     fn claims(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let study = Scored::read(self.in_memory()).map_err(refused)?;
-        table(py, &claims_csv(&score(&[study])), LengthUnit::Unit)
+        table_of(py, &claims_table(&score(&[study])), LengthUnit::Unit)
     }
 
     /// Draws a plot: that of this name in the config, by default its first, or one of these keys of a `[[plot]]`:

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use super::runs::of_trace;
 use crate::error;
 use crate::figure::Figure;
-use crate::table::{csv_of, table};
+use crate::table::{csv_of, table_of};
 use crate::watch::watched_alone;
 
 /// One pass of a cell, written down.
@@ -45,7 +45,7 @@ impl Trace {
         let unit = study.config.length_unit;
         let traced = watched_alone(py, None, move |_| trace(&study, cell, trial))?;
         let traced = traced.map_err(of_trace)?;
-        let table = |rows: palpate::Table| table(py, &rows.to_csv(), unit);
+        let table = |rows| table_of(py, &rows, unit);
         let (mut markers, mut frames) = (None, None);
         if let Some(seen) = traced.camera {
             markers = Some(table(seen.markers)?);

@@ -1,7 +1,7 @@
 //! Each claim on tables that agree with it, tables that contradict it, and tables that do not test it.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
-use palpate_report::{Study, Verdict, claims_csv, score};
+use palpate_report::{Study, Verdict, claims_table, score};
 
 // ---- 1 and 2: noise in the angular velocity
 
@@ -360,7 +360,7 @@ fn unknown_claims_and_other_quantities_are_not_testable() {
 
 #[test]
 fn claims_csv_has_a_row_per_claim() {
-    let text = claims_csv(&score(&[angular_velocity("claims = [2, 1]")]));
+    let text = claims_table(&score(&[angular_velocity("claims = [2, 1]")])).to_csv();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "claim,verdict,paper_says,measured,why");
     assert!(lines[1].starts_with("1,holds,"), "{text}");

@@ -3,7 +3,7 @@
 use palpate_ep2::{Contact, Ep2Error, regions};
 use palpate_estimators::push_map_point;
 use palpate_study::config::LengthUnit;
-use palpate_study::{MapTable, Table};
+use palpate_study::{Column, MapTable, Table, Unit};
 
 use super::glide_trial::GlideScene;
 use crate::trace::{Trace, counted};
@@ -13,11 +13,8 @@ const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 impl GlideScene {
     /// Records one pass of every finger: in trial number `trial`, or without noise if it is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
-        let header = std::iter::once("finger".to_owned())
-            .chain(lengths(["x", "y", "z"], unit))
-            .chain(NORMAL.map(str::to_owned))
-            .chain(lengths(["tip_x", "tip_y", "tip_z"], unit));
-        let mut contacts = Table::new(header);
+        let tip = Column::in_length(["tip_x", "tip_y", "tip_z"], Unit::Length, unit);
+        let mut contacts = Table::new(places(unit).chain(Column::pure(NORMAL)).chain(tip));
         for one in &self.touches {
             let touch = &one.touch;
             let row = touch.point.iter().chain(touch.normal.iter());
@@ -63,9 +60,8 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let with_normals = contacts
         .first()
         .is_some_and(|contact| contact.normal.is_some());
-    let normal = with_normals.then_some(NORMAL).into_iter().flatten();
-    let header = std::iter::once("finger".to_owned()).chain(lengths(["x", "y", "z"], unit));
-    let mut table = Table::new(header.chain(normal.map(str::to_owned)));
+    let normal = with_normals.then(|| Column::pure(NORMAL));
+    let mut table = Table::new(places(unit).chain(normal.into_iter().flatten()));
     for contact in contacts {
         let normal = contact.normal.iter().flat_map(|normal| normal.iter());
         let row: Vec<f64> = contact.position.iter().chain(normal).copied().collect();
@@ -74,8 +70,8 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     table
 }
 
-fn lengths(names: [&'static str; 3], unit: LengthUnit) -> impl Iterator<Item = String> {
-    names
-        .into_iter()
-        .map(move |name| format!("{name}_{}", unit.as_str()))
+/// Columns of the finger and its place.
+fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
+    let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
+    std::iter::once(Column::count("finger")).chain(places)
 }

@@ -2,7 +2,7 @@
 
 use palpate_estimators::tracks_table;
 use palpate_study::config::LengthUnit;
-use palpate_study::{MapTable, Table};
+use palpate_study::{Column, MapTable, Table, Unit};
 
 use super::PressFailure;
 use super::trial::PressScene;
@@ -21,12 +21,11 @@ impl PressScene {
         unit: LengthUnit,
     ) -> Result<Trace, PressFailure> {
         let (truth, sensor) = self.case.press()?;
-        let unit = unit.as_str();
-        let named = |name: &&str| format!("{name}_{unit}");
         let truths = ["x", "y", "radial_position", "normal_displacement"];
-        let tangential = ["tangential_x", "tangential_y"];
-        let header = truths.iter().chain(&tangential).map(named);
-        let mut contacts = Table::new(std::iter::once("marker".to_owned()).chain(header));
+        let truths = Column::in_length(truths, Unit::Length, unit);
+        let tangential = Column::in_length(["tangential_x", "tangential_y"], Unit::Length, unit);
+        let columns = std::iter::once(Column::count("marker")).chain(truths);
+        let mut contacts = Table::new(columns.chain(tangential.clone()));
         let distances = self.markers.distances(self.geometry.at);
         let rows = self.places.iter().zip(distances).zip(&truth.markers);
         for (marker, (([x, y], distance), moved)) in rows.enumerate() {
@@ -35,10 +34,9 @@ impl PressScene {
         }
 
         let reading = self.reading(trial)?;
-        let tangential = self.has_tangential.then_some(&tangential);
-        let header = ["x", "y", "normal_displacement"];
-        let header = header.iter().chain(tangential.into_iter().flatten());
-        let mut readings = Table::new(header.map(named));
+        let tangential = self.has_tangential.then_some(tangential);
+        let columns = Column::in_length(["x", "y", "normal_displacement"], Unit::Length, unit);
+        let mut readings = Table::new(columns.into_iter().chain(tangential.into_iter().flatten()));
         for (marker, normal, tangential) in reading.markers() {
             let [x, y] = self.places[marker];
             let mut row = vec![x, y, normal];
@@ -64,9 +62,10 @@ impl PressScene {
         };
         Ok(Trace {
             what: format!(
-                "{count}{} under a stated indentation of {} {unit}{scale}",
+                "{count}{} under a stated indentation of {} {}{scale}",
                 counted(contacts.rows.len(), "marker"),
-                reading.indentation
+                reading.indentation,
+                unit.as_str()
             ),
             contacts,
             readings,
@@ -76,13 +75,16 @@ impl PressScene {
 
     /// Empty table of profiles: true and estimated displacements against the distance from the contact. Values that
     /// an estimate does not provide stay empty.
-    pub(super) fn profile_table(unit: LengthUnit) -> MapTable {
-        let unit = unit.as_str();
-        let header = format!(
-            "cell,radial_position_{unit},normal_displacement_{unit},radial_displacement_{unit},\
-             estimated_normal_displacement_{unit},estimated_radial_displacement_{unit}"
-        );
-        MapTable::new(&header, "estimates of cells")
+    pub(crate) fn profile_table(unit: LengthUnit) -> MapTable {
+        let names = [
+            "radial_position",
+            "normal_displacement",
+            "radial_displacement",
+            "estimated_normal_displacement",
+            "estimated_radial_displacement",
+        ];
+        let lengths = Column::in_length(names, Unit::Length, unit);
+        MapTable::new(std::iter::once(Column::count("cell")).chain(lengths))
     }
 
     /// Adds the profile of this scene, with the estimate of trial number `trial`.

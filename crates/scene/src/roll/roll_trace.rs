@@ -5,9 +5,9 @@ use palpate_rolling::{Contact, Motion};
 use super::motion_noise::NoiseTrial;
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
-use palpate_study::Table;
 use palpate_study::config::{LengthUnit, Side};
 use palpate_study::readings::roll_readings_table;
+use palpate_study::{Column, Table, Unit};
 
 /// Number of samples of each roll in the table, besides the first contact.
 const SAMPLES: usize = 100;
@@ -24,7 +24,7 @@ impl RollScene {
             trial.unwrap_or_default(),
         );
 
-        let mut contacts = Table::new(header(unit));
+        let mut contacts = Table::new(columns(unit));
         let mut readings = Vec::new();
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
         for (probe, roll) in self.rolls.iter().enumerate() {
@@ -73,16 +73,15 @@ impl RollScene {
     }
 }
 
-fn header(unit: LengthUnit) -> impl Iterator<Item = String> {
-    let unit = unit.as_str();
-    let lengths = [
+fn columns(unit: LengthUnit) -> impl Iterator<Item = Column> {
+    let places = [
         "object_x", "object_y", "object_z", "probe_x", "probe_y", "probe_z",
     ];
-    let lengths = lengths.map(|name| format!("{name}_{unit}"));
-    let normal = ["normal_x", "normal_y", "normal_z"].map(str::to_owned);
-    let header = ["probe", "t_s"].map(str::to_owned).into_iter();
-    let header = header.chain(lengths).chain(normal);
-    header.chain([format!("arc_length_{unit}")])
+    [Column::count("probe"), Column::number("t_s", "s")]
+        .into_iter()
+        .chain(Column::in_length(places, Unit::Length, unit))
+        .chain(Column::pure(["normal_x", "normal_y", "normal_z"]))
+        .chain(Column::in_length(["arc_length"], Unit::Length, unit))
 }
 
 fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {

@@ -10,6 +10,7 @@ use super::tree::{Node, Value};
 use super::{plot, sample, schema, sweep, tree, validate};
 use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
+use crate::table::ColumnType;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -46,17 +47,6 @@ pub struct Cell {
     pub coordinates: Vec<String>,
     /// The config with the swept values put in, without sweeps and plots.
     pub config: StudyConfig,
-}
-
-/// Kind of the values that a swept field takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SweptKind {
-    /// Numbers of a field that counts.
-    Whole,
-    /// Numbers.
-    Number,
-    /// Words, truth values, labels of tables, or some of these among numbers.
-    Text,
 }
 
 /// Reads a study from a file.
@@ -431,10 +421,10 @@ impl Study {
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
-    /// Kind of the values that a swept field takes in all cells, by its place among the [paths](Self::paths).
+    /// Type of the values that a swept field has in all cells, by its place among the [paths](Self::paths).
     ///
     /// ```
-    /// use palpate_study::config::{SweptKind, parse};
+    /// use palpate_study::{ColumnType, config::parse};
     ///
     /// let text = r#"
     /// name = "balls"
@@ -451,23 +441,23 @@ impl Study {
     /// values = [1, 2]
     /// "#;
     /// let study = parse("balls.toml", text)?;
-    /// assert_eq!(study.swept_kind(0), SweptKind::Number);
-    /// assert_eq!(study.swept_kind(1), SweptKind::Whole);
+    /// assert_eq!(study.swept_kind(0), ColumnType::Number);
+    /// assert_eq!(study.swept_kind(1), ColumnType::Whole);
     /// # Ok::<(), palpate_study::config::ConfigError>(())
     /// ```
-    pub fn swept_kind(&self, place: usize) -> SweptKind {
+    pub fn swept_kind(&self, place: usize) -> ColumnType {
         let path = self.paths.get(place).map_or("", String::as_str);
         let Some((axis, column)) = self.grid.axis(path) else {
-            return SweptKind::Text;
+            return ColumnType::Text;
         };
         let is_number = |row| axis.row(row)[column].node.as_number().is_some();
         let keys: Vec<&str> = path.split('.').collect();
         if !axis.is_range() && !(0..axis.len()).all(is_number) {
-            SweptKind::Text
+            ColumnType::Text
         } else if schema::is_whole(&SCHEMA, &keys) {
-            SweptKind::Whole
+            ColumnType::Whole
         } else {
-            SweptKind::Number
+            ColumnType::Number
         }
     }
 

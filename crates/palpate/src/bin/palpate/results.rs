@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow};
 use palpate::{Trace, TraceError, load, resolved};
 use palpate_report::{
-    Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_lines,
+    Figure, Files, Study, claims_table, figures, page, press_figures, score, scorecard_lines,
 };
 
 use crate::cli::{PlotArgs, ReportArgs, TraceArgs};
@@ -84,7 +84,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
         .map(|dir| load_results(dir))
         .collect::<Result<Vec<_>, _>>()?;
     for study in &studies {
-        let claims = claims_csv(&score(std::slice::from_ref(study)));
+        let claims = claims_table(&score(std::slice::from_ref(study))).to_csv();
         let mut folder = LockedDir::open(study.dir(), Guard::new([], args.force))?;
         folder.write(&[(CLAIMS, claims)], Some(&id_of(study)?))?;
     }

@@ -89,16 +89,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let (mut choice, mut planned) = (Vec::new(), Warnings::default());
     let study = match &found {
         Some(found) => parse("run.toml", &found.header.config).map_err(Failure::usage)?,
-        None => {
-            let allowed = budget::choose(&study, &numbers, args, start)?;
-            match allowed {
-                Some(allowed) => {
-                    (choice, planned) = (allowed.lines, allowed.warnings);
-                    allowed.study
-                }
-                None => study,
+        None => match budget::choose(&study, &numbers, args, start)? {
+            Some(allowed) => {
+                (choice, planned) = (allowed.lines, allowed.warnings);
+                allowed.study
             }
-        }
+            None => study,
+        },
     };
     let runner = Runner::new(&RunOptions {
         threads: args.threads.map(|threads| threads.min(MAX_THREADS)),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Error};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use palpate::{ColumnType, ValueKind};
+use palpate::{Column, ColumnType};
 use palpate_study::Rows;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
@@ -29,7 +29,7 @@ const VERSION_KEY: &str = "palpate_version";
 /// Table that is being written.
 pub(super) struct Writer<W: Write + Send> {
     file: SerializedFileWriter<W>,
-    columns: Vec<(ColumnType, Values)>,
+    columns: Vec<(Column, Values)>,
     rows: usize,
 }
 
@@ -49,11 +49,7 @@ enum Present {
 
 impl<W: Write + Send> Writer<W> {
     /// Table with these columns, without rows. `about` are entries of its metadata.
-    pub(super) fn new(
-        sink: W,
-        columns: Vec<ColumnType>,
-        about: &[(&str, String)],
-    ) -> io::Result<Self> {
+    pub(super) fn new(sink: W, columns: Vec<Column>, about: &[(&str, String)]) -> io::Result<Self> {
         let version = (VERSION_KEY, env!("CARGO_PKG_VERSION").to_owned());
         let mut entries: Vec<(&str, String)> = vec![version];
         entries.extend(about.iter().cloned());
@@ -83,8 +79,8 @@ impl<W: Write + Send> Writer<W> {
                 return Err(io::Error::other(problem));
             }
             for ((column, values), field) in self.columns.iter_mut().zip(row) {
-                if !values.push(column.kind, field) {
-                    let (name, word) = (&column.name, word(column.kind));
+                if !values.push(column.values, field) {
+                    let (name, word) = (&column.name, word(column.values));
                     let problem = format!("column {name}: `{field}` is no {word}");
                     return Err(io::Error::other(problem));
                 }
@@ -141,11 +137,11 @@ impl<W: Write + Send> Writer<W> {
 }
 
 /// Column without values.
-fn empty_column(column: ColumnType) -> (ColumnType, Values) {
-    let present = match column.kind {
-        ValueKind::Number => Present::Numbers(Vec::new()),
-        ValueKind::Whole | ValueKind::Count => Present::Whole(Vec::new()),
-        ValueKind::Text => Present::Texts(Vec::new()),
+fn empty_column(column: Column) -> (Column, Values) {
+    let present = match column.values {
+        ColumnType::Number => Present::Numbers(Vec::new()),
+        ColumnType::Whole | ColumnType::Count => Present::Whole(Vec::new()),
+        ColumnType::Text => Present::Texts(Vec::new()),
     };
     let levels = Vec::new();
     (column, Values { levels, present })
@@ -153,14 +149,14 @@ fn empty_column(column: ColumnType) -> (ColumnType, Values) {
 
 impl Values {
     /// Adds the value of a field. An empty field is a missing value. Returns false if the field is not of this kind.
-    fn push(&mut self, kind: ValueKind, field: &str) -> bool {
+    fn push(&mut self, kind: ColumnType, field: &str) -> bool {
         self.levels.push(i16::from(!field.is_empty()));
         if field.is_empty() {
             return true;
         }
         match &mut self.present {
             Present::Numbers(numbers) => added(numbers, field.parse().ok()),
-            Present::Whole(numbers) if kind == ValueKind::Count => {
+            Present::Whole(numbers) if kind == ColumnType::Count => {
                 added(numbers, field.parse().ok().map(u64::cast_signed))
             }
             Present::Whole(numbers) => added(numbers, whole(field)),
@@ -169,12 +165,12 @@ impl Values {
     }
 }
 
-fn word(kind: ValueKind) -> &'static str {
+fn word(kind: ColumnType) -> &'static str {
     match kind {
-        ValueKind::Number => "number",
-        ValueKind::Whole => "whole number",
-        ValueKind::Count => "whole number from 0 on",
-        ValueKind::Text => "text",
+        ColumnType::Number => "number",
+        ColumnType::Whole => "whole number",
+        ColumnType::Count => "whole number from 0 on",
+        ColumnType::Text => "text",
     }
 }
 
@@ -195,13 +191,13 @@ fn whole(field: &str) -> Option<i64> {
     field.parse().ok().or_else(of_float)
 }
 
-fn schema(columns: &[ColumnType]) -> Result<TypePtr, ParquetError> {
-    let field = |column: &ColumnType| {
-        let (physical, logical) = match column.kind {
-            ValueKind::Number => (Physical::DOUBLE, None),
-            ValueKind::Whole => (Physical::INT64, Some(LogicalType::integer(64, true))),
-            ValueKind::Count => (Physical::INT64, Some(LogicalType::integer(64, false))),
-            ValueKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
+    let field = |column: &Column| {
+        let (physical, logical) = match column.values {
+            ColumnType::Number => (Physical::DOUBLE, None),
+            ColumnType::Whole => (Physical::INT64, Some(LogicalType::integer(64, true))),
+            ColumnType::Count => (Physical::INT64, Some(LogicalType::integer(64, false))),
+            ColumnType::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
         Type::primitive_type_builder(&column.name, physical)
             .with_repetition(Repetition::OPTIONAL)
@@ -219,7 +215,7 @@ const UNIT_KEY: &str = "unit";
 
 /// Metadata entry with the schema of the columns, from which Arrow programs read all metadata: the schema message of Arrow's
 /// stream format, as base64. It repeats the other entries.
-fn arrow_schema(columns: &[ColumnType], entries: &[(&str, String)]) -> (&'static str, String) {
+fn arrow_schema(columns: &[Column], entries: &[(&str, String)]) -> (&'static str, String) {
     let entries = entries.iter().map(|(key, value)| key_value(key, value));
     let schema = ipc::Schema {
         fields: Some(columns.iter().map(arrow_field).collect()),
@@ -242,7 +238,7 @@ fn arrow_schema(columns: &[ColumnType], entries: &[(&str, String)]) -> (&'static
     ("ARROW:schema", STANDARD.encode(bytes))
 }
 
-fn arrow_field(column: &ColumnType) -> ipc::Field {
+fn arrow_field(column: &Column) -> ipc::Field {
     let whole = |is_signed| {
         let bit_width = 64;
         ipc::Type::Int(Box::new(ipc::Int {
@@ -255,13 +251,13 @@ fn arrow_field(column: &ColumnType) -> ipc::Field {
     ipc::Field {
         name: Some(column.name.clone()),
         nullable: true,
-        type_: Some(match column.kind {
-            ValueKind::Number => ipc::Type::FloatingPoint(Box::new(ipc::FloatingPoint {
+        type_: Some(match column.values {
+            ColumnType::Number => ipc::Type::FloatingPoint(Box::new(ipc::FloatingPoint {
                 precision: ipc::Precision::Double,
             })),
-            ValueKind::Whole => whole(true),
-            ValueKind::Count => whole(false),
-            ValueKind::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
+            ColumnType::Whole => whole(true),
+            ColumnType::Count => whole(false),
+            ColumnType::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
         }),
         // Readers reject a field without a list of children.
         children: Some(Vec::new()),
@@ -289,7 +285,7 @@ fn plain(error: ParquetError) -> io::Error {
 }
 
 /// Whether palpate wrote the file with these columns.
-pub(super) fn is_table(path: &Path, columns: &[ColumnType]) -> bool {
+pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
     let reader = File::open(path).map(SerializedFileReader::new);
     let Ok(Ok(reader)) = reader else {
         return false;

@@ -5,8 +5,8 @@ use std::io::{self, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context, Error};
-use palpate::ColumnType;
-use palpate_study::{Rows, csv};
+use palpate::Column;
+use palpate_study::{Rows, header};
 
 use super::names::Format;
 use super::output_dir::begins_as;
@@ -33,7 +33,7 @@ impl<W: Write + Send> TableWriter<W> {
         name: impl Into<String>,
         mut sink: W,
         format: Format,
-        columns: Vec<ColumnType>,
+        columns: Vec<Column>,
         about: &[(&str, String)],
     ) -> Result<Self, Failure> {
         let name = name.into();
@@ -85,14 +85,8 @@ fn cannot(error: io::Error, name: &str) -> Failure {
     Failure::work(error.context(format!("cannot write {name}; the same command tries again")))
 }
 
-/// First line of a table as CSV.
-fn header(columns: &[ColumnType]) -> String {
-    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-    csv(&names)
-}
-
 /// Whether a file is a table that palpate wrote with these columns.
-pub(crate) fn is_table(path: &Path, format: Format, columns: &[ColumnType]) -> bool {
+pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool {
     match format {
         Format::Csv => begins_as(path, header(columns).as_bytes()),
         #[cfg(feature = "parquet")]
@@ -127,10 +121,10 @@ fn read_csv<const N: usize>(
     take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let mut rows = Rows::new(BufReader::new(File::open(path)?));
-    let header = rows.header()?;
+    let names = rows.header()?;
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {
-        let found = header.iter().position(|column| column == name);
+        let found = names.iter().position(|column| column == name);
         *place = found.with_context(|| format!("it has no column `{name}`"))?;
     }
     while let Some((_, row)) = rows.next_row()? {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate::config::Output;
-use palpate::{ColumnType, Simulation, Study, Warning, warning_files};
+use palpate::{Column, Simulation, Study, Warning, warning_files};
 
 use crate::failure::Failure;
 use crate::journal::{JournalItem, Reader, Totals, TrialRows};
@@ -71,7 +71,7 @@ impl TrialsOut {
         }
     }
 
-    fn begin(&self, columns: Vec<ColumnType>, study: &StudyId) -> Result<TrialsTable<'_>, Failure> {
+    fn begin(&self, columns: Vec<Column>, study: &StudyId) -> Result<TrialsTable<'_>, Failure> {
         let (writer, about) = (self.file.begin()?, study.about());
         let table = TableWriter::new("the trials", writer, self.format, columns.clone(), &about);
         Ok(TrialsTable {
@@ -86,7 +86,7 @@ impl TrialsOut {
 struct TrialsTable<'s> {
     output: &'s TrialsOut,
     table: TableWriter<OutputWriter<'s>>,
-    columns: Vec<ColumnType>,
+    columns: Vec<Column>,
 }
 
 impl TrialsTable<'_> {
@@ -151,7 +151,7 @@ impl<'s> Drafts<'s> {
         study: &StudyId,
     ) -> Result<Self, Failure> {
         let [of_cells, of_failures, of_maps, of_trials] = simulation.columns();
-        let table = |name: &'static str, columns: Option<Vec<ColumnType>>| {
+        let table = |name: &'static str, columns: Option<Vec<Column>>| {
             let Some(columns) = columns else {
                 return Ok((name, None));
             };

@@ -26,8 +26,8 @@ pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
         &[
             ("pattern.svg", pattern.svg),
             ("pattern.dxf", pattern.dxf),
-            ("strain.csv", pattern.strain),
-            ("strain-by-gores.csv", pattern.strain_by_gores),
+            ("strain.csv", pattern.strain.to_csv()),
+            ("strain-by-gores.csv", pattern.strain_by_gores.to_csv()),
         ],
         Some(&of_study),
     )?;
