@@ -92,7 +92,7 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
 /// ```
 #[derive(Debug)]
 pub struct SharedModels {
-    /// Layers; the key is the bits of their thickness and their depths.
+    /// Layers. The key holds the bits of the thickness and of the depths.
     layers: Cache<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Cache<RestFrames, Result<RestMarkers, PressFailure>>,
     changes: Cache<CalibrationFrames, Result<ImageChanges, PressFailure>>,
@@ -109,13 +109,13 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// A layer with tables, as [`Body::bonded_layer`] makes it.
+    /// Returns a layer with tables, as [`Body::bonded_layer`] builds it.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// One layer at several depths, with tables, as [`Body::bonded_layers`] makes it.
+    /// Returns one layer at several depths, with tables, as [`Body::bonded_layers`] builds it.
     pub(crate) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
         let numbers = [thickness].into_iter().chain(depths.iter().copied());
         let key = numbers.map(f64::to_bits).collect();

@@ -16,7 +16,7 @@ pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> Fie
     FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
 }
 
-/// Error at the parameter of a sensor, which is a field of `table`.
+/// Error of a sensor's parameter; its config field is in `table`.
 pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
     let path = format!("{table}.{}", error.setting);
     range_error(&path, error.expected, error.value)

@@ -1,4 +1,4 @@
-//! A sensor without contact: folding strains of its skin, and the image area of its markers.
+//! A sensor without contact: folding strain of its skin, and image area of its markers.
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
@@ -8,11 +8,11 @@ use palpate_sweep::Observation;
 
 use crate::scene::{Need, Trials};
 
-/// A sensor that touches nothing, and its computed quantities. Nothing is estimated or random.
+/// A sensor without contact, and its computed quantities. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSensor {
     quantities: &'static [Quantity],
-    /// Values of the quantities, in their order; `None` if the marker is not wholly in the camera's field.
+    /// Values of the quantities, in their order; `None` if the marker is not entirely in the camera's field.
     values: Vec<Option<f64>>,
     needs: Vec<Need>,
 }
@@ -42,7 +42,7 @@ impl MeasuredSensor {
     pub fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
-        let mut needs = vec![format!("{markers} markers, touching nothing").into()];
+        let mut needs = vec![format!("{markers} markers, no contact").into()];
         let mut values = Vec::new();
         if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
@@ -101,7 +101,7 @@ impl Trials for MeasuredSensor {
     }
 }
 
-/// Image area of the larger disc of a marker, px²; `None` if it is not wholly in the camera's field.
+/// Image area of the larger disc of a marker, px²; `None` if the disc is not entirely in the camera's field.
 fn area(
     sphere: &MarkerSphere<'_>,
     config: &BareFingertipConfig,
@@ -113,7 +113,7 @@ fn area(
     };
     let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
         .map_err(|error| optics_error(&error))?;
-    // Fails unless such discs can be made in the skin.
+    // Fails if the skin cannot contain such discs.
     sphere.array(&[[0.0; 2]])?;
     let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
     let larger = f64::max(

@@ -56,7 +56,7 @@ impl CutPattern {
         let refuse = |error: FieldError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
         let unit_mm = millimetres(config.length_unit).ok_or_else(|| {
-            let message = "a cutting file is in millimetres: must be m, cm, mm or um";
+            let message = "must be m, cm, mm or um, because a cutting file is in millimetres";
             study.error_at(0, "length_unit", message)
         })?;
         planned(&MarkerSphere::of(probe), unit_mm).map_err(refuse)
@@ -69,7 +69,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
         SceneConfig::Press(PressConfig { probe, .. })
         | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => Ok(probe),
         SceneConfig::Roll(_) | SceneConfig::Glide(_) => {
-            let message = "has no sensor with markers; a press and a fingertip have";
+            let message = "has no sensor with markers; only `press` and `fingertip` have one";
             Err(study.error_at(0, "scene.kind", message))
         }
     }
@@ -111,7 +111,7 @@ fn millimetres(unit: LengthUnit) -> Option<f64> {
 
 fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, FieldError> {
     let Layout::Gores { gores, .. } = sphere.layout else {
-        let message = "has no gores: a skin is cut along them";
+        let message = "has no gores, along which the skin is cut";
         return Err(FieldError::at(LAYOUT, message));
     };
     let diameters = sphere.diameters()?;
@@ -151,7 +151,7 @@ fn pattern_error(error: &PatternError) -> FieldError {
     FieldError::at(path, error)
 }
 
-/// Steps of the strain table: as many from the middle meridian to the edge as from the equator to the apex.
+/// Number of steps of the strain table from the middle meridian to the edge, and from the equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {

@@ -22,7 +22,7 @@ pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames,
 pub use curvature_score::CurvatureScore;
 pub use trial::PressScene;
 
-/// Why a press, or a trial of it, has no estimate.
+/// Reason why a press or one of its trials has no estimate.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 pub enum PressFailure {
     /// The press is impossible, or no press fits its readings.

@@ -191,7 +191,7 @@ impl Scenes for Study {
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
         let config = self.cell(cell)?.config;
         let Some(scene) = config.scene.with_model(&rung.model) else {
-            let message = format!("{} is no model of this kind of scene", rung.name);
+            let message = format!("{} is not a model of this kind of scene", rung.name);
             return Err(self.error_at(cell, "scene.model", message));
         };
         Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))
@@ -252,8 +252,8 @@ pub trait Trials {
         Ok(())
     }
 
-    /// Runs trial number `trial` and reports outcomes, each with the index of its quantity: one of each quantity, or
-    /// one at each point of a patch.
+    /// Runs trial number `trial` and reports outcomes, each with the index of its quantity: one of each quantity, or,
+    /// for a patch, one of each quantity at every point.
     ///
     /// # Errors
     /// The stable name of the failure; outcomes of a failed trial do not count.

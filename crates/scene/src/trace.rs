@@ -39,7 +39,7 @@ pub enum TraceError {
     /// A roll ended early.
     #[error("probe {probe}: {error}")]
     Roll {
-        /// Which probe, from 0.
+        /// Index of the probe, from 0.
         probe: usize,
         /// Reason, with the time and the place.
         error: RollError,
@@ -47,7 +47,7 @@ pub enum TraceError {
     /// The sensor cannot read a contact.
     #[error("probe {probe}: {error}")]
     Sensor {
-        /// Which probe, from 0.
+        /// Index of the probe, from 0.
         probe: usize,
         /// Reason in words.
         error: BeyondPads,
@@ -56,7 +56,7 @@ pub enum TraceError {
     #[error(transparent)]
     Press(#[from] PressFailure),
     /// The scene has no contact.
-    #[error("a fingertip touches nothing: there is no pass to follow")]
+    #[error("the scene has no contact, so there is no pass to record")]
     Untouched,
 }
 

@@ -29,7 +29,7 @@ impl GlideScene {
     /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`FieldError`] with the path of the field that makes no scene.
+    /// [`FieldError`] with the path of the invalid field.
     pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, FieldError> {
         let glider = Self::glider(config)?;
         let (_, radius) = tip(config);

@@ -32,7 +32,7 @@ pub struct GlideScene {
     /// Contacts as the sensor reports them, without noise.
     pub(super) noiseless_readings: Vec<Contact>,
     pub(super) noise: ContactNoise,
-    /// Set if the sensor reports another point of the tip than the contact.
+    /// The round tip, if the sensor reports its lowest point instead of the contact.
     pub(super) tip: Option<RoundTip>,
     pub(super) method: GlideFit,
     pub(super) grid: TrueGrid,

@@ -35,7 +35,8 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor with these markers at rest by presses of its apex on a plane, with given displacements.
+    /// Calibrates a sensor by presses of its apex on a plane, whose true displacements are given. `rest` are the images
+    /// of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -135,7 +136,7 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
 }
 
 /// Rms errors of displacements in the calibration presses, over markers that move at least half as much as the marker
-/// that moves most. There a marker's two discs move most differently, and the readings depend most on the object's
+/// that moves most. There the motions of a marker's two discs differ most, and the readings depend most on the object's
 /// shape.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
@@ -182,7 +183,7 @@ fn along(moved: &MarkerDisplacement) -> f64 {
 /// The noise of calibration presses uses the trial numbers below this one; the noise of frames at rest uses those above.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
-/// Inputs of the images of the markers at rest: a cache key.
+/// Inputs that determine the images of the markers at rest; used as a cache key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RestFrames {
     camera: SimulatedCamera,
@@ -204,7 +205,7 @@ impl RestFrames {
         self.camera.optics.array().len()
     }
 
-    /// Images of the markers; `None` for invisible ones.
+    /// Images of the markers; `None` for markers that are not visible.
     pub(crate) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
         let measured = self.measurements(AT_REST)?.into_iter();
         Ok(measured.map(|one| one.map(|one| one.marker)).collect())
@@ -236,7 +237,7 @@ impl RestFrames {
 /// Image of each marker at rest; `None` if the camera does not find it.
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
-/// Inputs of the changes of images in calibration presses: a cache key.
+/// Inputs that determine the changes of images in calibration presses; used as a cache key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,

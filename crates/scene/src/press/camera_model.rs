@@ -75,7 +75,7 @@ impl ImageNoise {
 
     /// Covariance of the errors of a marker's image.
     fn errors(&self) -> MarkerErrors {
-        // An exact image has only numerical errors.
+        // Numerical errors of an image without noise: x and y (px), hue (turns), logarithm of the size.
         const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
         let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
         let mut covariance = [[0.0; 4]; 4];

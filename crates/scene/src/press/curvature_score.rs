@@ -84,8 +84,8 @@ impl PressScene {
     }
 
     /// Cramér–Rao bound on the standard deviation of the curvature, 1/length, from the pixel noise of the pressed
-    /// frame alone: the sensor is nominal and exactly known. `None` unless noisy frames are rendered and trials
-    /// redraw the sensor.
+    /// frame alone. The sensor is assumed to have exactly its nominal parameters. `None` unless noisy frames are
+    /// rendered and trials redraw the sensor.
     pub fn pixel_std_bound(&self) -> Option<f64> {
         let sensor = self.case.camera()?;
         let (variation, camera) = (sensor.variation.as_ref()?, &sensor.camera);
@@ -115,7 +115,7 @@ impl PressScene {
         Some(covariance[(0, 0)].sqrt()).filter(|std| std.is_finite())
     }
 
-    /// Two presses, with an unknown decreased and increased by a step, and this step.
+    /// Finite-difference step of an unknown, and the presses with the unknown decreased and increased by it.
     fn steps(&self, unknown: usize) -> (f64, [PressGeometry; 2]) {
         let radius = self.markers.skin().radius();
         let relative = self.markers.skin().curvature() + self.geometry.object.curvature;

@@ -15,9 +15,9 @@ use super::trial::{PressCase, PressEstimator, PressScene};
 use super::truth::TruePress;
 use crate::scene::Need;
 
-/// Warning about exact displacements along the skin.
-const EXACT_TANGENTIAL: &str = "displacements along the skin have no error and outweigh all \
-    others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
+/// Warning that displacements along the skin have no noise, although normal displacements have.
+const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so they outweigh all \
+    others; set `noise.tangential_displacement`, or `sensor.tangential` = false";
 
 impl PressScene {
     /// The models of the scene and its noise, with warnings.
@@ -62,7 +62,7 @@ impl PressScene {
         let regime = ContactRegime::of(skin.curvature(), object);
         let shape = match regime {
             ContactRegime::Convex => ": the object bulges",
-            ContactRegime::Concave => ": the object is hollow, less so than the sensor is round",
+            ContactRegime::Concave => ": the object is hollow, but less curved than the sensor",
             ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
         };
         let mut needs = vec![Need::from(format!("{} contact{shape}", regime.name()))];
@@ -202,7 +202,7 @@ fn displacement_noise(noise: &PressNoise) -> Option<String> {
         ),
         (noise.indentation.error.is_random(), "the given indentation"),
         (noise.gain.is_random(), "the gain of a press"),
-        (noise.has_outliers(), "some markers, which are wrong"),
+        (noise.has_outliers(), "outliers among the markers"),
     ];
     let errors = errors.into_iter().filter(|(is_random, _)| *is_random);
     let errors: Vec<&str> = errors.map(|(_, quantity)| quantity).collect();
@@ -273,7 +273,7 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
             ];
             let [estimated, object] = numbers.map(|(_, number)| Number::rounded(number));
             let text = format!(
-                "even without noise the estimated curvature is {estimated}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
+                "even without noise the estimated curvature is {estimated}, but the true one is {object}: the estimator's model does not match the simulated body, contact or readings"
             );
             Some(Warning::new("biased-estimate", text, numbers))
         }
@@ -290,7 +290,7 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < MIN_R_SQUARED).then(|| {
         let percent = 100.0 * explained.max(0.0);
-        let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: what it assumes of body, contact or readings does not hold here");
+        let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: its model does not match the simulated body, contact or readings");
         Warning::new("unexplained-readings", text, [("r_squared", explained)])
     })
 }

@@ -34,7 +34,7 @@ impl PressScene {
     /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `models`.
     ///
     /// # Errors
-    /// [`FieldError`] with the path of the field that makes no scene.
+    /// [`FieldError`] with the path of the invalid field.
     pub fn new(config: &PressConfig, seed: u64, models: &SharedModels) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
@@ -69,7 +69,7 @@ impl PressScene {
             Ok(contact) => setup.case(contact, camera)?,
             Err(error) => PressCase::NoPress(*error),
         };
-        // With a camera, the errors of the readings are not available at this point.
+        // `noise` does not contain the errors of a camera, so presses with a camera have no bound.
         let bounds = contact
             .ok()
             .filter(|_| camera.is_none())
@@ -110,8 +110,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Thickness of the layer, if its tables compute the true displacements: the fit shares them or there are many
-/// markers, and they are accurate enough for `auto`.
+/// Thickness of the layer if tables compute its true displacements; `None` if they are solved directly. Tables are used
+/// if the fit shares them or there are many markers, and if they are accurate enough for `auto`.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -139,7 +139,7 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// The true press of a contact and its sensor, or why there is no press.
+    /// The true press of a contact and its sensor, or the reason why there is no press.
     fn case(
         &self,
         contact: &Contact<'_>,
@@ -257,7 +257,7 @@ impl PressSetup<'_> {
         Ok(Some(ImageEstimator::new(fit, rest.collect())))
     }
 
-    /// Cramér–Rao bounds for the readings, if the fit assumes the model's own body.
+    /// Cramér–Rao bounds of a fit with the true body; `None` for a Gaussian, which is not the true body.
     fn bounds(
         &self,
         noise: &PressNoise,
@@ -281,7 +281,7 @@ impl PressSetup<'_> {
     }
 }
 
-/// The model used, and why.
+/// The model used, and the reason for it.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// Model in the form of a config: never `auto`.
@@ -347,7 +347,7 @@ impl PressRungs {
         let (model, reason) = match first {
             Some((model, error)) if *model != reference => {
                 let reason = format!(
-                    "the cheapest that meets {tolerance:.0e}: errs by {error:.1e} of the largest displacement"
+                    "the cheapest that meets {tolerance:.0e}: its error is {error:.1e} of the largest displacement"
                 );
                 (model.clone(), reason)
             }
@@ -355,9 +355,11 @@ impl PressRungs {
                 let cheaper = rungs.iter().rev().nth(1);
                 let reason = match cheaper.and_then(|(_, accuracy)| accuracy.error()) {
                     Some(error) => {
-                        format!("the next cheaper errs by {error:.1e} of the largest displacement")
+                        format!(
+                            "the error of the next cheaper one is {error:.1e} of the largest displacement"
+                        )
                     }
-                    None => "there is no press to hold a cheaper one against".to_owned(),
+                    None => "there is no press with which to compare a cheaper model".to_owned(),
                 };
                 (reference, reason)
             }
@@ -452,7 +454,7 @@ fn relative_error(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]
     match error.is_finite() {
         true => Accuracy::Error(error),
         false => {
-            let reason = "no marker moves, so that no error is relative to it";
+            let reason = "no marker moves, so a relative error is undefined";
             Accuracy::Impossible(reason.to_owned())
         }
     }

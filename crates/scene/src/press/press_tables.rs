@@ -47,7 +47,7 @@ impl PressScene {
         }
         let scale = sensor.camera().map_or_else(String::new, |sensor| {
             let px_per_rad = sensor.camera.lens.px_per_rad();
-            format!(", seen with {px_per_rad:.3} px per rad")
+            format!(", camera with {px_per_rad:.3} px per rad")
         });
         let count = match readings.rows.len() {
             all if all == contacts.rows.len() => String::new(),

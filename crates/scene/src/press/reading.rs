@@ -213,8 +213,8 @@ impl PressNoise {
         self.outliers > 0 && self.outlier.is_random()
     }
 
-    /// Adds the errors of a trial to the readings of all markers of the layout. It draws the errors of markers that are
-    /// not tracked too, so that scenes share random numbers.
+    /// Adds the errors of a trial to the readings of all markers of the layout. It also draws errors for markers that
+    /// are not tracked, so that scenes share random numbers.
     fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
         let stream = |channel| Stream::new(self.seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
@@ -277,9 +277,9 @@ pub(super) struct CameraPressSensor {
     lost_markers: usize,
     /// The marker nearest to the contact.
     central_marker: usize,
-    /// Change of that marker's image without noise and pixels.
+    /// True change of that marker's image, computed without noise and pixels.
     pub(super) true_change: Option<MarkerChange>,
-    /// Redraws the sensor in every trial, if the config says so.
+    /// Redraws the sensor parameters in every trial; `None` if all trials share one sensor.
     pub(super) variation: Option<SensorVariation>,
 }
 
@@ -310,7 +310,7 @@ impl CameraPressSensor {
             .at_rest(&frames)
             .map_err(|error| FieldError::at("scene.sensor", error))?;
         if rest.iter().flatten().next().is_none() {
-            let message = "the camera sees no marker: see `scene.sensor.field_deg`";
+            let message = "no marker is visible to the camera; check `scene.sensor.field_deg`";
             return Err(FieldError::at("scene.sensor", message));
         }
         let calibration = CameraCalibration::new(setup, config, discs, &frames, &rest)?;
@@ -337,7 +337,7 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press, in trial number `trial` with its noise and its sensor.
+    /// Tracks the markers of a press: without noise, or with the noise and the sensor of trial number `trial`.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {
@@ -359,7 +359,7 @@ impl CameraPressSensor {
         Ok(CameraReading { tracks, images })
     }
 
-    /// Displacement of each marker of the layout, by the calibration; `None` if the marker is not tracked.
+    /// Displacement of each marker of the layout, from the calibration; `None` if the marker is not tracked.
     fn displacements(&self, tracks: &MarkerTracks) -> Vec<Option<MarkerReading>> {
         let calibration = &self.calibration.calibration;
         let reading = |(marker, change): (usize, Option<Change>)| {
@@ -373,7 +373,7 @@ impl CameraPressSensor {
         changes.enumerate().map(reading).collect()
     }
 
-    /// Calibration presses of a trial's sensor, with its readings; none if all trials share a sensor.
+    /// Calibration presses of a trial's sensor, with their readings; empty if all trials share one sensor.
     pub(super) fn calibration_presses(
         &self,
         truth: &TruePress,

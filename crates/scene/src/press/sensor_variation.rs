@@ -16,9 +16,10 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Number of noise trial numbers that each trial with a redrawn sensor reserves, below those of shared frames.
+/// Each trial with a redrawn sensor reserves this many trial numbers to seed the noise of its frames. They are below
+/// the numbers of the frames that trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
-/// The numbers of calibration presses start this far below that of the trial's first frame at rest.
+/// The numbers of calibration presses start this far below the number of the trial's first frame at rest.
 const PRESS_NUMBERS: u64 = NUMBERS_PER_TRIAL / 2;
 
 /// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
@@ -92,7 +93,7 @@ impl SensorVariation {
         let departure = nominal.optics.possible(Departure::of(numbers));
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
-        // The misalignments of number 0 belong to the sensor that the trials of other scenes share.
+        // Number 0 seeds the misalignments of scenes whose trials share one sensor.
         let array = array.misaligned_in(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
         let camera = SimulatedCamera {
             optics: optics.misaligned(&array.misalignments())?,
@@ -113,7 +114,7 @@ impl SensorVariation {
         })
     }
 
-    /// Calibration presses of a trial's sensor, with its readings.
+    /// Calibration presses of a trial's sensor, with their readings.
     pub(super) fn calibration_presses(
         &self,
         nominal: &SimulatedCamera,
@@ -138,7 +139,7 @@ impl SensorVariation {
         self.calibration.iter().zip(0..).map(press).collect()
     }
 
-    /// Motions of the discs in a press if they lie `deeper` than nominal.
+    /// Motions of the discs in a press if they lie deeper than nominal by `deeper`.
     pub(super) fn motions(
         &self,
         geometry: &PressGeometry,

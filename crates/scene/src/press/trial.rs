@@ -72,14 +72,14 @@ pub struct PressScene {
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// A press with its sensor, or why there is no press.
+/// A press with its sensor, or the reason why there is no press.
 #[derive(Clone, Debug)]
 pub(super) enum PressCase {
     Press {
         truth: TruePress,
         sensor: PressSensor,
     },
-    /// The press is impossible: every trial fails by the name of this error.
+    /// The press is impossible: every trial fails with the name of this error.
     NoPress(PressError),
 }
 
@@ -103,7 +103,7 @@ impl PressCase {
 pub(super) enum PressEstimator {
     /// A fit to displacements of markers and, if the config uses it, one to their images.
     Fit(ForwardFit, Option<ImageEstimator>),
-    /// No fit can be built: every trial fails by the name of this error.
+    /// No fit can be built: every trial fails with the name of this error.
     NoFit(PressError),
 }
 
@@ -129,7 +129,7 @@ impl PressEstimator {
     }
 }
 
-/// Stated standard deviation of the indentation that an estimator gets; `None` if it gets none.
+/// Standard deviation of the indentation that is stated to the estimator; `None` if the estimator fits it.
 pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<f64> {
     let priors = estimator.priors();
     (priors.indentation == Indentation::Known).then_some(priors.indentation_std)
@@ -162,7 +162,7 @@ impl PressScene {
         }
     }
 
-    /// The indentation that the estimator gets, if any.
+    /// The indentation that is an input of the estimator; `None` if the estimator fits it.
     pub(super) fn given_indentation(&self, reading: &PressReading) -> Option<Measured> {
         given_indentation_std(&self.config.estimator).map(|std| Measured {
             value: reading.indentation,
@@ -170,7 +170,7 @@ impl PressScene {
         })
     }
 
-    /// Applies `then` to the fit to displacements and its input.
+    /// Calls `then` with the fit to displacements and its input.
     pub(super) fn with_fit<T>(
         &self,
         reading: &PressReading,
@@ -248,7 +248,7 @@ impl PressScene {
         report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
     }
 
-    /// Quantities that the press of a config observes.
+    /// Quantities that the trials of a config's press report.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
         let all: &[Quantity] = match config.sensor.camera() {
             None => &DIRECT_QUANTITIES,
@@ -336,8 +336,8 @@ impl Trials for PressScene {
         self.true_value(*self.quantities().get(quantity)?)
     }
 
-    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters are unknowns. Given ones have the noise
-    /// that is drawn or, without such noise, the standard deviation in the config.
+    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters are unknowns. Given parameters have the
+    /// noise that is drawn or, without such noise, the standard deviation in the config.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -384,7 +384,7 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 }
 
 /// Whether the 50, 80 and 95 % intervals contain the truth. The 95 % interval is the estimate's own. The others scale
-/// its half-width as for a normal distribution, or use `std` where it is open.
+/// its half-width as for a normal distribution, or use `std` on a side without a bound.
 pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,

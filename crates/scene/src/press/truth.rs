@@ -125,7 +125,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points in the model; `None` if the body cannot be moved sideways.
+    /// Poisson's ratio, and the depth of the points in the model; `None` if the model has no sideways displacements.
     sideways: Option<(f64, f64)>,
 }
 
@@ -218,7 +218,7 @@ impl Discs {
     }
 }
 
-/// Motions of the discs of each marker, from those of the magenta and of the yellow discs.
+/// Combines the displacements of the magenta and of the yellow discs into one motion per marker.
 pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
     let [magenta, yellow] = discs.map(|(moved, widened)| {
         moved

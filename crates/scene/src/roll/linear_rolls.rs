@@ -93,7 +93,8 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe. `None` if a contact passes half way round its probe: its shift then differs from its path.
+    /// Rolls every probe. Returns `None` if a contact passes halfway round its probe: its shift then differs from its
+    /// path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();
@@ -173,7 +174,7 @@ impl LinearRolls {
     }
 }
 
-/// Whether a path ends before it has passed half way round the probe.
+/// Whether a path ends before it passes halfway round the probe.
 #[inline(always)]
 fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
     u * u + v * v <= half_turn_squared
@@ -183,7 +184,7 @@ fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
 #[derive(Clone, Debug)]
 pub(super) struct ManyRolls {
     pub(super) moments: BatchMoments,
-    /// Number of paths that pass half way round their probe.
+    /// Number of paths that pass halfway round their probe.
     long: [u64; BATCH_SIZE],
     /// Errors of the rotation of one probe, in units of their size.
     errors: [[f64; BATCH_SIZE]; 2],
@@ -276,7 +277,7 @@ mod tests {
     ];
 
     #[test]
-    fn an_ideal_sensor_tells_the_paths() {
+    fn an_ideal_sensor_reads_the_paths() {
         for noise in NOISES {
             let scene = scene(1.0, noise);
             let linear = scene.linear.as_ref().unwrap();
@@ -313,7 +314,7 @@ mod tests {
     #[test]
     fn side_by_side_is_one_by_one_to_the_last_bit() {
         for noise in NOISES {
-            // Rolls of 31 s end near half a turn: some fall short of it, some do not.
+            // Rolls of 31 s end near half a turn: some pass it, others do not.
             for duration_s in [1.0, 31.0] {
                 let scene = scene(duration_s, noise);
                 let (mut trial, mut together) = (0, 0);
@@ -349,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_taken_does_not_count() {
+    fn trials_that_are_not_accepted_do_not_count() {
         let scene = scene(1.0, NOISES[1]);
         let mut offers = Vec::new();
         let taken = scene.side_by_side(Arch::new(), 3..1000, |observed| {

@@ -11,8 +11,8 @@ pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
     /// Number of draws in a roll.
     pub(super) instants: u32,
-    /// Whether the motion differs from the command, which is reported; or the probe moves as commanded, and a noisy
-    /// rotation is reported.
+    /// `Motion`: the probe's motion is noisy, and the command is reported. `Measurement`: the probe moves as commanded,
+    /// and a noisy rotation is reported.
     pub(super) side: Side,
 }
 
@@ -40,8 +40,8 @@ impl MotionNoise {
         }
     }
 
-    /// Distance (length) by which noise moves the centre of a probe of `radius` away from a commanded roll by
-    /// `rotation` (rad): the maximum for uniform noise, six standard deviations for Gaussian noise.
+    /// Bound on the distance (length) by which noise moves the centre of a probe of `radius` away from a commanded roll
+    /// by `rotation` (rad): the largest possible distance, but at most six standard deviations.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;

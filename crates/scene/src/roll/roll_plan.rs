@@ -35,7 +35,7 @@ impl RollScene {
     /// Builds the scene of a config; `seed` seeds its random numbers.
     ///
     /// # Errors
-    /// [`FieldError`] with the path of the field that makes no scene.
+    /// [`FieldError`] with the path of the invalid field.
     pub fn new(config: &RollConfig, seed: u64) -> Result<Self, FieldError> {
         let ProbeConfig::Sphere { radius } = config.probe;
         let probe = Probe::new(radius)
@@ -53,7 +53,7 @@ impl RollScene {
             noise.map_or(1, |noise| noise.pieces()),
         )?;
         let reading_noise = ReadingNoise {
-            // The error is a fraction of the whole rate, but the ratio refers to its tangential part.
+            // The noise is a fraction of the whole rate including spin, but this ratio refers to the tangential part.
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
@@ -156,7 +156,8 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the ladder's integrators: the model's own, or else the chart that holds the axis as the motion does.
+/// Chart of the ladder's integrators: that of the config's model, or otherwise the chart in which the motion holds its
+/// axis.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -202,8 +203,7 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
     }
 }
 
-/// The roller and the commands. If the config gives an arc length, the noiseless rolls of the commands have this
-/// length.
+/// The roller and the commands. If the config states an arc length, the noiseless rolls have this length.
 fn roller(
     config: &RollConfig,
     probe: Probe,
@@ -242,12 +242,12 @@ fn roller(
     Ok((roller, commands))
 }
 
-/// Rate of rotation, rad/s. If the config omits it, no estimate depends on it.
+/// Rate of rotation, rad/s; 1 if the config omits it, because then no result depends on it.
 fn rate(config: &RollMotionConfig) -> f64 {
     config.rate_rad_per_s.unwrap_or(1.0)
 }
 
-/// The commands: as long as the config states, or 1 rad if it gives an arc length.
+/// The commands, with the duration or angle of the config; 1 rad long if the config states an arc length.
 fn commands(config: &RollMotionConfig) -> Vec<Motion> {
     let rate = rate(config);
     let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);

@@ -107,7 +107,7 @@ impl RollSensor {
 
     pub(super) fn need(&self) -> String {
         match self {
-            Self::Ideal => "ideal sensor: draws nothing".to_owned(),
+            Self::Ideal => "ideal sensor: no noise".to_owned(),
             Self::Wrist(_) => "wrist sensor: two contact points inferred per probe".to_owned(),
             Self::Pads(pads) => {
                 let start = match pads.offset() {
@@ -192,10 +192,12 @@ impl RotationSensor {
     }
 
     pub(super) fn need(&self) -> Option<String> {
-        let error = self
-            .error
-            .is_random()
-            .then(|| format!("rotations measured to {} rad", Number(self.error.std())));
+        let error = self.error.is_random().then(|| {
+            format!(
+                "rotations measured with a standard deviation of {} rad",
+                Number(self.error.std())
+            )
+        });
         let encoder = self
             .encoder
             .map(|_| "encoders count the rotation in steps".to_owned());

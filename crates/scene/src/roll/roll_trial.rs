@@ -46,7 +46,7 @@ pub struct RollScene {
     /// Set if all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
-    /// Tolerance of `auto`; `None` where the config names a rung.
+    /// Tolerance of `auto`; `None` if the config names a rung.
     pub(super) tolerance: Option<f64>,
     /// Chart of the ladder's integrators.
     pub(super) chart: Chart,
@@ -57,7 +57,7 @@ pub struct RollScene {
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
     Fit(LeastSquares),
-    /// The rotations do not determine the curvature: every trial that uses the fit fails by the name of this error.
+    /// The rotations do not determine the curvature: every trial that uses the fit fails with the name of this error.
     NoFit(Ep1Error),
 }
 
@@ -168,9 +168,9 @@ impl RollScene {
     }
 
     /// Runs trials in batches of at most [`BATCH_SIZE`] and passes their outcomes to `take`, in the order of
-    /// [`Trials::quantities`]. They equal those of [`RollScene::outcomes`] to the last bit, but are faster, most of
-    /// all on a processor with wide vectors. `take` returns how many trials it accepts. Stops if it accepts too few,
-    /// or if a trial cannot run in a batch; returns the number of accepted trials.
+    /// [`Trials::quantities`]. They equal those of [`RollScene::outcomes`] to the last bit, but run faster, above all
+    /// on a processor with wide vectors. `take` returns the number of trials that it accepts. Stops if it does not
+    /// accept the whole batch, or if a trial cannot run in a batch. Returns the number of accepted trials.
     pub fn side_by_side(
         &self,
         arch: Arch,
@@ -310,7 +310,7 @@ impl RollScene {
             let share = Number::rounded(error);
             Warning::new(
                 "flat-object",
-                format!("the object is so flat that rounding of the readings errs by {share} times its curvature"),
+                format!("the object is so flat that rounding of the readings causes a curvature error of {share} times its curvature"),
                 [("relative_error", error)],
             )
         })

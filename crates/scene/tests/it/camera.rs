@@ -1,4 +1,4 @@
-//! Presses before a camera: what each rung sees, what it draws, and which settings make no sensor.
+//! Presses read by a camera: readings and random draws at each fidelity level, and settings that are rejected.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
@@ -9,7 +9,7 @@ use palpate_study::config::{LengthUnit, Study, parse};
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
-/// The 2020 paper's sensor: a layer of 5 on a core, pressed 1 deep onto a plane.
+/// Config of a press with the 2020 paper's sensor: a layer 5 mm thick on a core, pressed 1 mm deep onto a plane.
 fn text(sensor: &str, noise: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -76,15 +76,15 @@ fn only(scene: &Scene, trial: u64, name: &str) -> Observation {
 }
 
 #[test]
-fn a_picture_without_errors_tells_displacements_and_draws_nothing() {
+fn an_image_without_errors_yields_displacements_and_draws_nothing() {
     for (from, limit) in [("hue", 0.012), ("size", 0.004), ("both", 0.002)] {
         let sensor = format!(r#"kind = "projected", normal_from = "{from}""#);
         let scene = scene(&text(&sensor, ""));
-        // Nothing is random: one trial is enough, and all are alike.
+        // Nothing is random, so one trial is enough and all trials are equal.
         assert_eq!(scene.trials(1000), 1);
         let normal = outcomes(&scene, 0, "normal_displacement");
         assert_eq!(normal.len(), 77);
-        // The systematic error: the hue senses the difference between two depths.
+        // This error is systematic: the hue depends on the difference between the displacements of the two discs.
         assert!(rms_error(&normal) < limit, "{from}: {}", rms_error(&normal));
         let tangential = outcomes(&scene, 0, "tangential_displacement");
         assert_eq!(tangential.len(), 2 * 77);
@@ -98,7 +98,7 @@ fn a_picture_without_errors_tells_displacements_and_draws_nothing() {
 }
 
 #[test]
-fn frames_tell_what_pictures_tell() {
+fn rendered_and_projected_cameras_agree() {
     let sensor = |kind: &str| text(&format!(r#"kind = "{kind}""#), "");
     let (projected, rendered) = (scene(&sensor("projected")), scene(&sensor("rendered")));
     assert_eq!(rendered.trials(1000), 1);
@@ -135,7 +135,7 @@ fn pixel_noise_is_drawn_anew_in_every_trial_and_replayed() {
 }
 
 #[test]
-fn errors_of_pictures_are_those_stated() {
+fn errors_of_images_have_the_stated_size() {
     let noise = r#"hue = { kind = "gaussian", std = 0.001 }"#;
     let exact = scene(&text(r#"kind = "projected""#, ""));
     let noisy = scene(&text(r#"kind = "projected""#, noise));
@@ -145,7 +145,7 @@ fn errors_of_pictures_are_those_stated() {
         .map(|trial| only(&noisy, trial, "hue_change").estimate - truth.truth)
         .collect();
     let mean = errors.iter().sum::<f64>() / 400.0;
-    // The mean of the sixteen pictures at rest errs too, by 0.00025.
+    // The mean of the 16 frames at rest has a standard error of 0.001/√16 = 0.00025 itself.
     assert!(mean.abs() < 0.001, "{mean}");
     let spread = errors
         .iter()
@@ -167,14 +167,14 @@ fn frames_at_rest_are_averaged() {
             } = only(&noisy, trial, "hue_change");
             estimate - truth
         });
-        // Of 1000 frames at rest and 200 pressed: 0.001 √(1/1000 + 1/200) = 7.7e-5.
+        // Standard error for 1000 frames at rest and 200 presses: 0.001 √(1/1000 + 1/200) = 7.7e-5.
         let mean = errors.sum::<f64>() / 200.0;
         assert!(mean.abs() < 2.3e-4, "{seed}: {mean}");
     }
 }
 
 #[test]
-fn an_estimate_knows_what_its_camera_errs_by() {
+fn the_standard_deviation_includes_the_noise_of_the_camera() {
     let noise = r#"hue = { kind = "gaussian", std = 0.0005 }"#;
     let sensor = r#"kind = "projected", normal_from = "hue", tangential = false"#;
     let noisy = scene(&text(sensor, noise));
@@ -192,7 +192,7 @@ fn an_estimate_knows_what_its_camera_errs_by() {
 }
 
 #[test]
-fn a_trace_has_what_the_camera_saw() {
+fn a_trace_has_the_tracks_and_frames_of_the_camera() {
     let press = scene(&text(r#"kind = "rendered", size_px = 265"#, ""));
     let trace = press.trace(None, LengthUnit::Mm).unwrap();
     let seen = trace.camera.unwrap();
@@ -226,8 +226,8 @@ fn tracking_reads_the_lens_that_the_optics_have() {
 
 #[test]
 fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
-    // Calibrated as it is, without pixels and noise: what is left is that discs are of finite width.
-    let told = |terms: &str| {
+    // The calibration uses the same lens. Without pixels and noise, only the finite width of the discs causes errors.
+    let results = |terms: &str| {
         let scene = scene(&text(&format!(r#"kind = "projected"{terms}"#), ""));
         [
             rms_error(&outcomes(&scene, 0, "normal_displacement")),
@@ -235,10 +235,10 @@ fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
             only(&scene, 0, "object_curvature").estimate,
         ]
     };
-    let straight = told("");
-    assert_eq!(told(", k3 = 0.0, k5 = 0.0"), straight);
+    let straight = results("");
+    assert_eq!(results(", k3 = 0.0, k5 = 0.0"), straight);
     for terms in [", k3 = 0.05", ", k3 = -0.1, k5 = 0.01"] {
-        let bent = told(terms);
+        let bent = results(terms);
         assert_ne!(bent, straight);
         for (bent, straight) in bent.iter().zip(straight) {
             assert!((bent - straight).abs() < 2e-3, "{terms}: {bent} {straight}");
@@ -285,7 +285,7 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
             camera(r#"kind = "rendered", k5 = 101"#, ""),
             "scene.sensor.k5",
         ),
-        // Nothing but the edge of a marker is in the field.
+        // Only the edge of a marker is in the field.
         (
             camera(r#"kind = "projected", field_deg = 1.0"#, ""),
             "scene.sensor",
@@ -322,7 +322,7 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
 }
 
 #[test]
-fn a_shift_sideways_is_seen() {
+fn a_sideways_shift_moves_the_centroid() {
     let half_space = |shift: &str| {
         text(r#"kind = "projected""#, "")
             .replace(
@@ -339,10 +339,10 @@ fn a_shift_sideways_is_seen() {
         only(&scene, 0, "centroid_shift").estimate
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
-    // What the discs follow, 1 and 3 deep under a contact of a² = R δ, seen by f = 319.5 px / 65°.
+    // Share of the shift that the discs follow, 1 and 3 deep under a contact with a² = R δ; scale f = 319.5 px / 65°.
     let followed = |depth: f64| followed(0.5, depth, 20_f64.sqrt()).unwrap() / (20.0 - depth);
     let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
-    // Up to what they move nearer, and how much of both shows.
+    // Neglected: the discs also move towards the camera, and the visible share of each disc changes.
     assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
     assert!((twice / once - 2.0).abs() < 0.05, "{once} {twice}");
 }

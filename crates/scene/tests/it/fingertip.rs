@@ -1,4 +1,4 @@
-//! Fingertips that touch nothing: strain of folding, image areas, and the patterns they are cut from.
+//! Fingertips without contact: folding strain, image area of markers, and cutting patterns.
 
 use palpate_scene::{CutPattern, Scene, Scenes};
 use palpate_study::config::{Study, parse};
@@ -39,30 +39,30 @@ fn values(text: &str) -> Vec<(&'static str, f64)> {
 }
 
 #[test]
-fn folding_stretches_as_the_closed_form_has_it() {
-    let told = values(&text(GORES, ""));
-    assert_eq!(told.len(), 2);
-    // The shear at a seam's upper end is π/n: σ = s/2 + √(1 + s²/4).
+fn folding_strain_equals_the_closed_form() {
+    let strains = values(&text(GORES, ""));
+    assert_eq!(strains.len(), 2);
+    // The shear at a seam's upper end is s = π/n. Its largest stretch is σ = s/2 + √(1 + s²/4), its strain σ − 1.
     let shear = std::f64::consts::PI / 4.0;
     let greatest = 0.5 * shear + (1.0 + 0.25 * shear * shear).sqrt() - 1.0;
-    assert_eq!(told[0].0, "greatest_fold_strain");
-    assert!((told[0].1 - greatest).abs() < 1e-12, "{told:?}");
-    assert_eq!(told[1].0, "rms_fold_strain");
-    assert!(told[1].1 < 0.5 * greatest, "{told:?}");
+    assert_eq!(strains[0].0, "greatest_fold_strain");
+    assert!((strains[0].1 - greatest).abs() < 1e-12, "{strains:?}");
+    assert_eq!(strains[1].0, "rms_fold_strain");
+    assert!(strains[1].1 < 0.5 * greatest, "{strains:?}");
 }
 
 #[test]
-fn a_marker_looks_as_large_as_its_solid_angle_through_the_lens() {
+fn the_image_area_follows_from_the_lens() {
     let area = |lens: &str, polar_deg: f64| {
         let lines = format!(
             "sensor = {{ lens = \"{lens}\", size_px = 640, field_deg = 65 }}\nview = {{ polar_deg = {polar_deg} }}"
         );
-        let told = values(&text(&format!("{GORES}, {DISCS}"), &lines));
-        assert_eq!(told[2].0, "marker_area");
-        told[2].1
+        let found = values(&text(&format!("{GORES}, {DISCS}"), &lines));
+        assert_eq!(found[2].0, "marker_area");
+        found[2].1
     };
     let polar = 50_f64.to_radians();
-    // An equidistant lens stretches across the radius by θ/sin θ, a pinhole by 1/cos³ θ in area.
+    // An equidistant lens magnifies areas by θ/sin θ, a pinhole lens by 1/cos³ θ.
     let fisheye = area("fisheye", 50.0) / area("fisheye", 0.0);
     assert!(
         (fisheye / (polar / libm::sin(polar)) - 1.0).abs() < 2e-3,
@@ -73,12 +73,12 @@ fn a_marker_looks_as_large_as_its_solid_angle_through_the_lens() {
         (pinhole * libm::cos(polar).powi(3) - 1.0).abs() < 2e-2,
         "{pinhole}"
     );
-    // At the apex: the larger of both discs, 2 wide and 17 away; f = 319.5 px / 65°.
+    // At the apex the magenta disc is the larger one: diameter 2, distance 17; f = 319.5 px / 65°.
     let f = 319.5 / 65_f64.to_radians();
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);
     assert!((apex / expected - 1.0).abs() < 5e-3, "{apex} {expected}");
-    // A skin that is not folded from gores has no strain.
+    // A skin that is not folded from gores has no folding strain.
     let lattice = "layout = { kind = \"lattice\", pitch = 6.0, cap_deg = 60.0 }";
     let camera = "sensor = { lens = \"fisheye\", size_px = 640, field_deg = 65 }";
     let unfolded = values(&text(&format!("{lattice}, {DISCS}"), camera));
@@ -86,7 +86,7 @@ fn a_marker_looks_as_large_as_its_solid_angle_through_the_lens() {
 }
 
 #[test]
-fn a_marker_beyond_the_field_is_told() {
+fn a_marker_beyond_the_field_fails_as_out_of_field() {
     let lines = "view = { polar_deg = 80 }";
     let scene = study(&text(&format!("{GORES}, {DISCS}"), lines))
         .estimable_scene(0)
@@ -174,7 +174,7 @@ fn patterns_that_cannot_be_are_refused_at_the_field() {
 fn discs_wider_than_the_sensor_have_no_area() {
     let lattice = r#"layout = { kind = "lattice", pitch = 4.0, cap_deg = 65.0 }"#;
     let wide = DISCS.replace("magenta_diameter = 2.0", "magenta_diameter = 60.0");
-    let told = study(&text(&format!("{lattice}, {wide}"), "")).estimable_scene(0);
-    let error = told.map(|_| ()).unwrap_err();
+    let scene = study(&text(&format!("{lattice}, {wide}"), "")).estimable_scene(0);
+    let error = scene.map(|_| ()).unwrap_err();
     assert!(error.path().starts_with("scene.probe.discs"), "{error}");
 }

@@ -1,9 +1,9 @@
-//! Scenes of a glide: what they estimate, and what does not change it.
+//! Scenes of a glide: exact estimates, noise, sensors, maps, and settings that are rejected.
 
 use palpate_scene::{Scene, Scenes};
 use palpate_study::config::{LengthUnit, parse};
 
-/// The scene of three fingers on the paper's patch; lines without an equal of theirs replace the defaults.
+/// Config of three fingers on the paper's patch; `lines` add fields of the scene.
 fn text(probe: &str, object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -37,7 +37,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// Estimates, truths and deviations of a trial, by quantity.
+/// Estimates, true values and standard deviations of a trial, by quantity.
 fn trial(scene: &Scene, trial: u64) -> [Vec<(f64, f64, Option<f64>)>; 3] {
     let mut outcomes: [Vec<_>; 3] = Default::default();
     scene
@@ -100,7 +100,7 @@ fn without_noise_a_saddle_is_exact_everywhere() {
 }
 
 #[test]
-fn truth_is_told_where_it_is_the_same_everywhere() {
+fn the_truth_exists_if_it_is_the_same_everywhere() {
     let truths = |object: &str| {
         let scene = scene(POINT, object, NOISE);
         [0, 1, 2].map(|quantity| scene.truth(quantity))
@@ -153,8 +153,8 @@ fn noise_has_the_stated_size() {
     assert!((std / (0.3 / 3.0_f64.sqrt()) - 1.0).abs() < 0.03, "{std}");
 }
 
-/// The lowest points of a tip of radius r on a sphere of R lie on a sphere of R + r; the contacts that are found from
-/// them lie on that of R, with normals and without.
+/// The lowest points of a tip of radius r that slides on a sphere of radius R lie on a sphere of radius R + r. The
+/// contacts computed from them lie on the sphere of radius R, with and without normals.
 #[test]
 fn contacts_are_found_from_the_lowest_points_of_round_tips() {
     let sphere = |sensor: &str| {
@@ -196,7 +196,7 @@ fn pads_quantise_position_and_normal_alike() {
         let (truth, reading) = (numbers(truth), numbers(reading));
         let mut off = 0.0_f64;
         for axis in 0..3 {
-            // position = tip's centre − radius · normal
+            // position = centre of the tip − radius · normal
             let [centre, normal, position] =
                 [truth[7 + axis], reading[4 + axis], reading[1 + axis]];
             assert!((position - (centre - 2.0 * normal)).abs() < 1e-12);
@@ -206,7 +206,7 @@ fn pads_quantise_position_and_normal_alike() {
         pads.insert(format!("{} {}", reading[4], reading[5]));
     }
     assert!((4..15).contains(&pads.len()), "{}", pads.len());
-    // Fine pads read the truth.
+    // Pads with a tiny pitch report the true contacts.
     let fine = traced(1e-6);
     for (truth, reading) in fine.contacts.rows.iter().zip(&fine.readings.rows) {
         let (truth, reading) = (numbers(truth), numbers(reading));
@@ -310,7 +310,7 @@ fn maps_hold_truth_and_estimate_of_every_place() {
 
 #[test]
 fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
-    // Fingers are 0.5 apart in this motion, so that shares and lengths are not the same number.
+    // The fingers are 0.5 apart, so that a share and a length are different numbers.
     let near = "inter_finger_distance = 0.5";
     let trial_of = |lines: &str| {
         let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
@@ -329,19 +329,19 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // What the estimator is told, likewise.
-        let told = |key: &str| {
+        // The same holds for the noise that is stated to the estimator.
+        let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",
                 noise(length)
             )
         };
-        let told_length = trial_of(&told("position_std = 0.03"));
+        let stated_length = trial_of(&stated("position_std = 0.03"));
         assert_eq!(
-            told_length,
-            trial_of(&told("position_fraction_of_ifd = 0.06"))
+            stated_length,
+            trial_of(&stated("position_fraction_of_ifd = 0.06"))
         );
-        assert_ne!(told_length, trial_of(&told("position_std = 0.3")));
+        assert_ne!(stated_length, trial_of(&stated("position_std = 0.3")));
     }
     for (lines, said) in [
         (

@@ -1,10 +1,10 @@
-//! Presses that are estimated from the markers' pictures.
+//! Presses that are estimated from the camera's images of the markers.
 
 use palpate_scene::{Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
 use palpate_sweep::Observation;
 
-/// A press by a camera on a ball of 40 mm with this noise, and further keys of its estimator.
+/// Config of a press on a ball of radius 40 mm, read by a camera and estimated from marker images.
 fn text(sensor: &str, noise: &str, model: &str) -> String {
     format!(
         r#"
@@ -33,7 +33,7 @@ fn scene(text: &str) -> Scene {
     scene.expect("a scene")
 }
 
-/// Outcomes of a quantity in trials.
+/// Observations of a quantity in the first trials.
 fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
     let place = scene
         .quantities()
@@ -52,7 +52,7 @@ fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
 }
 
 #[test]
-fn pictures_without_error_tell_the_press() {
+fn images_without_errors_determine_the_press() {
     for model in [
         r#"{ kind = "half-space" }"#,
         r#"{ kind = "bonded-layer", thickness = 6.0 }"#,
@@ -65,9 +65,9 @@ fn pictures_without_error_tell_the_press() {
     }
 }
 
-/// Every trial has another sensor, which is known roughly.
+/// Every trial redraws the sensor. The estimator gets only the nominal parameters and their standard deviations.
 #[test]
-fn intervals_hold_over_sensors_that_are_known_roughly() {
+fn intervals_hold_over_redrawn_sensors() {
     let noise = r#"{ centroid = { kind = "gaussian", std = 0.005 }, hue = { kind = "gaussian", std = 1e-4 },
         size = { kind = "gaussian", std = 4e-4 }, sensor = { centre_px = 0.29, scale = 0.002, place = 0.05,
         turn_deg = 0.3, disc_depth = 0.03, disc_diameter = 0.01, colour = 0.01 } }"#
@@ -81,15 +81,15 @@ fn intervals_hold_over_sensors_that_are_known_roughly() {
         squared += (outcome.estimate - outcome.truth).powi(2);
         stated += outcome.std.map_or(0.0, |std| std * std);
     }
-    // Of 60 intervals of 95 %, 51 or fewer hold in one of 1,000 cases.
+    // Of 60 correct 95 % intervals, 51 or fewer contain the truth with a probability of 0.3 %.
     assert!(held > 51, "{held} of 60");
-    // The root of a sum of 60 squares scatters by 9 %.
+    // The root of a sum of 60 squares has a standard deviation of 9 %.
     let ratio = (stated / squared).sqrt();
     assert!((0.75..1.35).contains(&ratio), "{ratio}");
 }
 
 #[test]
-fn frames_tell_the_press_within_what_they_state() {
+fn rendered_frames_determine_the_press_within_the_stated_error() {
     let sensor = r#"{ kind = "rendered", size_px = 500, calibration = { rest_frames = 2 } }"#;
     let noise = r#"{ pixel = { kind = "gaussian", std = 3.0 } }"#;
     let model = r#"{ kind = "bonded-layer", thickness = 6.0 }"#;
@@ -104,7 +104,7 @@ fn frames_tell_the_press_within_what_they_state() {
     }
 }
 
-/// The bound by pixels is less than that by the tracker, and grows as their noise.
+/// The bound from pixel noise is below the bound from the tracker's errors, and proportional to the pixel noise.
 #[test]
 fn bounds_are_in_order() {
     let press = |std: f64| {
@@ -120,15 +120,15 @@ fn bounds_are_in_order() {
     let [quiet, noisy] = [2.0, 4.0].map(press);
     let [low, high] = [&quiet, &noisy].map(|press| press.pixel_std_bound().expect("frames"));
     assert!((high / low - 2.0).abs() < 1e-3, "{low} {high}");
-    let judged = noisy.curvature_score(0).expect("an estimate");
-    let bound = judged.std_bound.expect("pictures");
+    let score = noisy.curvature_score(0).expect("an estimate");
+    let bound = score.std_bound.expect("pictures");
     assert!(bound > high, "{bound} {high}");
     assert!(
-        (judged.estimated.std / bound - 1.0).abs() < 0.3,
-        "{judged:?} {bound}"
+        (score.estimated.std / bound - 1.0).abs() < 0.3,
+        "{score:?} {bound}"
     );
-    assert_eq!(judged.truth, 1.0 / 40.0);
-    assert!(judged.holds[2] == judged.estimated.interval.holds(judged.truth));
+    assert_eq!(score.truth, 1.0 / 40.0);
+    assert!(score.holds[2] == score.estimated.interval.holds(score.truth));
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn pictures_need_a_camera() {
     assert!(said.contains("a fit of pictures needs a camera"), "{said}");
 }
 
-/// Depths and colours that are known roughly pull the likeliest curvature aside, not the one that is told.
+/// Uncertain disc depths and colours bias the most likely curvature, but not the estimate, which is bias-corrected.
 #[test]
 fn curvatures_are_right_in_the_mean_over_sensors() {
     let noise =
@@ -159,6 +159,7 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The mean of 120 errors scatters by 0.09 of what one does; that of the likeliest curvatures is 0.6 of it off.
+    // The standard error of the mean of 120 errors is 0.09 of their scatter. The mean of the most likely curvatures is
+    // off by 0.6 of the scatter.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }

@@ -1,4 +1,4 @@
-//! The ladders of models, and what `auto` takes of them.
+//! Ladders of models, and the rung that `auto` chooses.
 
 use palpate_scene::Scenes;
 use palpate_scene::{Ladder, Rung, Scene};
@@ -21,7 +21,7 @@ fn roll(object: &str, contact: &str, model: &str) -> String {
     )
 }
 
-/// The rung that is taken errs by at most the tolerance, and no cheaper one does.
+/// Checks that the error of the chosen rung is at most the tolerance.
 fn keeps_its_word(ladder: &Ladder) {
     let error = ladder.taken().accuracy.error().unwrap();
     assert!(error <= ladder.tolerance.unwrap(), "{ladder:#?}");
@@ -39,7 +39,7 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     let model = ModelConfig::Roll(RollModelConfig::ClosedForm {});
     assert_eq!(ladder.taken().model, model);
     keeps_its_word(&ladder);
-    // The meridian cannot: its contact is no apex of a graph.
+    // The rung `meridian` is impossible: the contact is not the apex of a graph.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
     assert_eq!(meridian.accuracy.error(), None);
@@ -60,7 +60,7 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
     let finest = |one: &&Rung, other: &&Rung| error(one).total_cmp(&error(other));
     let finest = ladder.rungs.iter().min_by(finest).unwrap();
     let truth = arc_length(&study.with_model(0, finest).unwrap());
-    let mut judged = 0;
+    let mut compared = 0;
     for rung in &ladder.rungs {
         let Some(error) = rung.accuracy.error() else {
             assert!(study.with_model(0, rung).is_err(), "{}", rung.name);
@@ -68,7 +68,7 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
         };
         let off = arc_length(&study.with_model(0, rung).unwrap()) - truth;
         assert!(off.abs() <= 10.0 * error + 1e-12, "{}: {off:e}", rung.name);
-        judged += 1;
+        compared += 1;
 
         let mut named = study.clone();
         named.config.scene = named.config.scene.with_model(&rung.model).unwrap();
@@ -78,7 +78,7 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
         assert_eq!(again.taken().model, rung.model);
         assert_eq!(again.tolerance, None);
     }
-    assert!(judged > 8, "{ladder:#?}");
+    assert!(compared > 8, "{ladder:#?}");
 }
 
 fn glide(object: &str, probe: &str, model: &str) -> String {
@@ -163,7 +163,7 @@ fn taken(text: &str) -> (String, f64) {
 }
 
 #[test]
-fn a_press_is_seen_at_the_surface_only_where_markers_are_shallow() {
+fn markers_count_as_at_the_surface_only_if_they_are_shallow() {
     let auto = r#"{ kind = "auto", tolerance = 1e-3 }"#;
     let (name, error) = taken(&press(0.0, auto, 1.0, HALF_SPACE));
     assert!(name.starts_with("Hertz") && error == 0.0, "{name} {error}");
@@ -180,7 +180,7 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // What a core that is far below the contact takes from the displacement is about a/t of it.
+    // A core far below the contact reduces the displacement by about a/t (contact radius over thickness).
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {
@@ -192,9 +192,9 @@ fn a_layer_is_solved_only_where_it_is_thin() {
 }
 
 #[test]
-fn an_estimator_has_from_auto_what_it_has_from_a_layer() {
+fn an_estimator_uses_the_layer_of_auto() {
     let estimator = r#"{ kind = "bonded-layer" }"#;
-    // So loose that the half-space is taken; the estimator still assumes the layer.
+    // The tolerance is so loose that `auto` chooses the half-space. The estimator still assumes the layer.
     let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
     let text = press(1.0, model, 0.1, estimator);
     let study = config::parse("study.toml", &text).unwrap();
@@ -207,7 +207,7 @@ fn an_estimator_has_from_auto_what_it_has_from_a_layer() {
         outcomes
     };
     let auto = outcomes(&study.scene(0).unwrap());
-    // Made explicit, the estimator keeps its thickness.
+    // If the chosen model replaces `auto` in the config, the estimator keeps the thickness of the layer.
     let mut explicit = study.clone();
     explicit.config.scene = explicit
         .config
@@ -223,7 +223,7 @@ fn an_estimator_has_from_auto_what_it_has_from_a_layer() {
 }
 
 #[test]
-fn wrong_models_of_presses_are_told_at_their_field() {
+fn invalid_models_of_presses_are_rejected_at_their_field() {
     for (model, path) in [
         (
             r#"{ kind = "auto", thickness = 21.0 }"#,
@@ -295,7 +295,7 @@ fn auto_meets_any_tolerance_at_any_size() {
 }
 
 #[test]
-fn a_press_says_what_it_takes() {
+fn a_press_names_its_model() {
     let text = press(
         1.0,
         r#"{ kind = "auto", thickness = 4.0 }"#,
@@ -308,5 +308,8 @@ fn a_press_says_what_it_takes() {
         needs.starts_with("incompressible layer bonded to a rigid core"),
         "{needs}"
     );
-    assert!(needs.contains("the next cheaper errs by"), "{needs}");
+    assert!(
+        needs.contains("the error of the next cheaper one is"),
+        "{needs}"
+    );
 }

@@ -1,4 +1,4 @@
-//! Errors that the tracker states of markers, against frames of one sensor that differ by their pixels' noise.
+//! Marker errors as stated by the tracker, compared with the scatter over frames that differ only in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
@@ -6,7 +6,7 @@ use palpate_chromatouch::{
 use palpate_sensing::{Channel, Stream};
 use palpate_tracking::{Finder, FinderSettings, Found, Ground, Marker, Mask};
 
-/// Frames of a sensor's markers at rest, and the markers that a finder sees in them.
+/// Renders frames of a sensor at rest, and finds the markers in them.
 struct Look {
     optics: Optics,
     motions: Vec<Option<MarkerMotion>>,
@@ -14,7 +14,7 @@ struct Look {
 }
 
 impl Look {
-    /// A look at the published markers, misaligned so, through a lens whose middle lies so many pixels beside the frame's.
+    /// The published layout with this misalignment; the centre of the lens is `offset_px` from the frame's centre.
     fn new(size_px: u32, pixel_std: f64, misalignment: f64, offset_px: [f64; 2]) -> Self {
         let places = Layout::published().places(20.0).expect("places");
         let (magenta, yellow) = (2.0, 2.0);
@@ -66,7 +66,7 @@ impl Look {
     }
 }
 
-/// Difference between the marker of a frame nearest to a place and `at`, and its number.
+/// Index of the marker nearest to `at`, and its difference from `at`: x and y (px), hue (turns), logarithm of the size.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -87,8 +87,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     (numbers, nearest)
 }
 
-/// Errors of markers over frames that differ by their pixels' noise, root mean squares over markers: of the mean (the
-/// bias), of the scatter about it, and as they are stated.
+/// Root mean squares over markers of their errors in frames that differ only in pixel noise: mean error (bias), scatter
+/// about the mean, and standard deviation stated by the tracker.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],
@@ -102,7 +102,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     for look in looks {
         let found: Vec<Found> = (0..frames).map(|frame| look.found(frame)).collect();
         for at in look.projected() {
-            // Markers that touch another, or the rim, are not found as they are.
+            // Skip markers that touch another marker or the rim, because they are not found separately.
             let is_there = |found: &Found| {
                 let ([x, y, ..], _) = beyond(found, &at);
                 libm::hypot(x, y) < 1.0
@@ -135,7 +135,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     errors
 }
 
-/// Looks whose pixels' grid lies otherwise in each.
+/// Sensors whose markers have different positions relative to the pixel grid.
 fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
     let offsets = [[0.0, 0.0], [0.31, -0.44], [-0.17, 0.23], [0.48, 0.12]];
     offsets
@@ -143,7 +143,7 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
         .into()
 }
 
-/// The bias is at most half of the noise that pixels of 3 levels of 255 make, wherever their grid lies.
+/// With pixel noise of 3 levels of 255, the bias is less than half of the scatter, for all positions of the pixel grid.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
@@ -158,14 +158,14 @@ fn markers_are_where_they_are_projected() {
 }
 
 #[test]
-fn markers_scatter_over_frames_as_is_stated() {
+fn the_stated_errors_of_markers_equal_their_scatter() {
     for (size_px, pixel_std) in [(480, 5.0), (640, 3.0), (700, 1.0)] {
         let mut look = [Look::new(size_px, pixel_std, 0.2, [0.0; 2])];
         let Errors {
             scatter, stated, ..
         } = errors(&mut look, 12);
         let ratios = [0, 1, 2, 3].map(|number| scatter[number] / stated[number]);
-        // Eleven degrees of freedom of each of 77 markers tell a ratio to 2.5 %.
+        // 77 markers with 11 degrees of freedom each determine a ratio to 2.5 %.
         for ratio in ratios {
             assert!((0.75..1.08).contains(&ratio), "{size_px} px: {ratios:?}");
         }

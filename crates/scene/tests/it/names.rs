@@ -14,7 +14,7 @@ use palpate_study::config::parse;
 use palpate_study::glossary::meaning;
 use strum::VariantNames;
 
-/// Names that palpate prints, but for those of the variants that the compiler lists.
+/// Names that palpate prints, except the names of error variants, which `VariantNames` lists.
 const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
     polynomial interpolating smoothing knots-exhausted unsettled \
     roll glide press fingertip least-squares quadric penalised two-pass half-space bonded-layer gaussian hertz \
@@ -38,7 +38,7 @@ fn every_name_is_explained() {
         Verdict::FlatWithinNoise,
         Verdict::NotResolved,
     ];
-    // Relative to a sensor of curvature 1.
+    // Regimes for a sensor of curvature 1.
     let regimes = [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| ContactRegime::of(1.0, object).name());
     let names = variants
         .iter()
@@ -85,7 +85,7 @@ fn quantities_are_those_of_their_scenes() {
                 quantity.name
             );
         }
-        // A fingertip measures what its parts allow.
+        // The quantities of a fingertip depend on its parts.
         let listed = Quantity::ALL
             .iter()
             .filter(|quantity| quantity.scenes.contains(&kind));
@@ -108,7 +108,7 @@ fn names_in_tables_do_not_change() {
         OpticsError::VARIANTS,
         TrackingError::VARIANTS,
     ];
-    // In place of `surface` stands the name of the surface's error.
+    // For the variant `surface`, the name of the surface's error is printed instead.
     let expected = "too-few-probes unresolvable-set noisy-rotations unresolved not-rolling not-finite out-of-range\n\
         off-domain chart-singular no-closest-point\n\
         conforming overlapping surface too-many-steps singular not-finite\n\

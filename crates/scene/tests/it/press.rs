@@ -1,11 +1,11 @@
-//! Scenes of a press: what they do to markers, what they estimate, and what does not change it.
+//! Scenes of a press: displacements of markers, estimates, noise, and settings that are rejected.
 
 use palpate_scene::{PressScene, Scene, Scenes, Trials};
 use palpate_study::Table;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-/// A sensor of 20 on a plane, pressed 1 deep; lines replace the defaults.
+/// Config of a press with indentation 1 by a sensor of radius 20; `lines` add fields of the scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -95,7 +95,7 @@ fn without_noise_every_object_is_found() {
             );
             let off = (outcome.estimate - truth).abs();
             assert!(off < 1e-6 * truth.abs().max(0.05), "{name}: {outcome:?}");
-            // There is no noise, and so no bound.
+            // Without noise there is no bound.
             let place = scene.quantities().iter().position(|one| one.name == name);
             assert_eq!(scene.std_bound(place.unwrap()), None);
         }
@@ -103,7 +103,7 @@ fn without_noise_every_object_is_found() {
 }
 
 #[test]
-fn hertz_seen_at_the_surface_is_the_closed_form() {
+fn hertz_displacements_at_the_surface_are_the_closed_form() {
     let lines = "model = { kind = \"hertz\" }\n";
     let line = r#"layout = { kind = "line", markers = 41, length = 16.0 } }"#;
     let text = text(PLANE, lines).replace(
@@ -149,7 +149,8 @@ fn markers_move_away_from_the_contact_wherever_it_is() {
         assert!(position == 0.0 || outward > 0.0, "{row:?}");
         assert!(across.abs() < 1e-12, "{row:?}");
     }
-    // The second marker lies there: it moves as the apex did, and the apex as it did, the other way.
+    // The contact is now at the second marker. It moves as the apex moved before, and the apex moves as the second
+    // marker did, in the opposite direction.
     let moved = rows(&off_apex);
     assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
     assert!((moved[0][4] - apex[1][4]).abs() < 1e-12);
@@ -180,7 +181,7 @@ fn noise_has_the_stated_size_and_frames_average_it() {
         let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
-    // 4,620 draws: their standard deviation is good to 1 %, that of 500 to 3 %.
+    // The standard deviation of 4,620 draws is accurate to 1 %, that of 500 draws to 3 %.
     let single = sample("");
     let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
     for (found, expected, tolerance) in [
@@ -199,7 +200,7 @@ fn noise_has_the_stated_size_and_frames_average_it() {
 }
 
 #[test]
-fn a_gain_is_one_factor_and_wrong_markers_are_so_many() {
+fn a_gain_is_one_factor_and_wrong_markers_have_the_stated_number() {
     let exact = press(&text(PLANE, ""));
     let exact = numbers(&exact.trace(None, LengthUnit::Mm).unwrap().readings);
     let gain = press(&text(
@@ -282,19 +283,19 @@ fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() 
         let object = outcomes.iter().find(|(name, _)| *name == "object_radius");
         assert_eq!(object.unwrap().1.interval_holds, outcome.interval_holds);
     }
-    // Of 200 tries at 50, 80 and 95 %: 100 ± 7.1, 160 ± 5.7 and 190 ± 3.1.
+    // Of 200 intervals of 50, 80 and 95 %, 100 ± 7.1, 160 ± 5.7 and 190 ± 3.1 are expected to contain the truth.
     for (held, expected) in held.iter().zip([72..=128, 138..=182, 178..=199]) {
         assert!(expected.contains(held), "{held} of {expected:?}");
     }
     let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
     assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
-    // The same bound, carried to what follows from the relative curvature.
+    // The bounds of quantities that follow from the relative curvature follow from its bound.
     let radius = 1.0 / 0.0625;
     let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
     assert!(close(scene.std_bound(1), bound * radius * radius));
     assert!(close(scene.std_bound(2), bound) && close(scene.std_bound(6), bound * 6400.0));
     assert_eq!(scene.std_bound(5), None);
-    // A known indentation can only help; a Gaussian is not what the markers follow.
+    // Without a stated indentation the bound is larger. A Gaussian is not the true body, so it has no bound.
     let of = |estimator: &str| {
         scene_of(&text(BALL, &format!("{NOISE}estimator = {estimator}\n"))).std_bound(0)
     };
@@ -325,7 +326,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         let needs = needs_of(&scene);
         assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
         assert!(needs.len() < 1000, "{needs}");
-        // What is known is still told.
+        // The true values that exist are still available.
         assert!(scene.truth(3).is_some());
         assert_eq!(
             scene.truth(1).is_some(),
@@ -335,7 +336,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
 }
 
 #[test]
-fn presses_that_tell_nothing_are_told() {
+fn presses_without_useful_readings_have_warnings() {
     let moved = |more: &str, lines: &str| {
         let plane = text(PLANE, &format!("{NOISE}{lines}"));
         plane.replace(
@@ -359,23 +360,23 @@ fn presses_that_tell_nothing_are_told() {
     let half_space = "estimator = { kind = \"half-space\", indentation = \"fitted\" }\n";
     let same = "estimator = { kind = \"bonded-layer\", indentation = \"fitted\" }\n";
     let other = "warning: even without noise the estimate";
-    let told = needs(&moved("", &format!("{layer}{half_space}")));
-    assert!(told.contains(other), "{told}");
+    let lines = needs(&moved("", &format!("{layer}{half_space}")));
+    assert!(lines.contains(other), "{lines}");
     assert!(!needs(&moved("", &format!("{layer}{same}"))).contains(other));
     assert!(!needs(&moved("", half_space)).contains(other));
     let thinner =
         "estimator = { kind = \"bonded-layer\", thickness = 2.7, indentation = \"known\" }\n";
     assert!(needs(&moved("", &format!("{layer}{thinner}"))).contains(other));
     let gaussian = "estimator = { kind = \"gaussian\", c = 10.0, indentation = \"known\" }\n";
-    let told = needs(&moved("", gaussian));
+    let lines = needs(&moved("", gaussian));
     assert!(
-        told.contains("even without noise the estimated curvature is"),
-        "{told}"
+        lines.contains("even without noise the estimated curvature is"),
+        "{lines}"
     );
 }
 
 #[test]
-fn what_a_scene_needs_is_told() {
+fn needs_describe_the_scene() {
     let needs = |object: &str, indentation: &str, lines: &str| {
         let text = text(object, lines);
         let text = text.replace(
@@ -392,10 +393,10 @@ fn what_a_scene_needs_is_told() {
         "direct sensor: 77 markers, with displacements along the skin",
         "least-squares fit of a half-space, indentation given, noise as stated",
     ] {
-        assert!(plain.lines().any(|told| told == line), "{line}: {plain}");
+        assert!(plain.lines().any(|need| need == line), "{line}: {plain}");
     }
     assert!(!plain.contains("warning"), "{plain}");
-    // a = 6.32: δ of Sneddon is a atanh(a/R) = 2.0710, of Hertz 2.
+    // Contact radius a = 6.32: the indentation is a atanh(a/R) = 2.0710 by Sneddon's relation, 2 by Hertz's.
     let wide = needs(PLANE, "2.0", "");
     assert!(
         wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
@@ -581,7 +582,7 @@ fn every_layout_and_estimator_runs() {
             let outcomes = outcomes(&scene_of(&text), 0)
                 .unwrap_or_else(|name| panic!("{name}: {layout} {estimator}"));
             let (_, radius) = outcomes[1];
-            // A Gaussian of no calibration has any radius.
+            // A Gaussian whose c is not calibrated has an arbitrary radius.
             let tolerance = if estimator.contains("c = ") {
                 10.0
             } else {

@@ -1,11 +1,11 @@
-//! Scenes of a roll: what they estimate, and what does not change it.
+//! Scenes of a roll: exact estimates, noise, sensors, motions, and rolls that are rejected.
 
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
 use palpate_study::config::parse;
 use palpate_sweep::Observation;
 
-/// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
+/// A probe of radius 1 rolls by 0.1 rad; `lines` add fields of the scene.
 fn scene(object: &str, lines: &str) -> Scene {
     let text = format!(
         r#"name = "a-study"
@@ -25,7 +25,7 @@ motion.duration_s = 1.0
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Estimates and truths of a trial, in the order of the quantities.
+/// Estimates and true values of a trial, in the order of the quantities.
 fn trial(scene: &Scene, trial: u64) -> Vec<(f64, f64)> {
     let mut outcomes = Vec::new();
     scene
@@ -60,13 +60,13 @@ fn without_noise_spheres_are_exact() {
 }
 
 #[test]
-fn truths_are_known_without_a_trial() {
+fn true_values_are_available_without_a_trial() {
     let scene = scene(r#"{ kind = "saddle", a = 0.1 }"#, NOISE);
     for (quantity, (_, truth)) in trial(&scene, 5).into_iter().enumerate() {
         assert_eq!(scene.truth(quantity), Some(truth));
     }
     assert_eq!(scene.truth(5), None);
-    // z = a (x² − y²) bends away along −y: convex is positive.
+    // z = a (x² − y²) is concave along x, with curvature −2a, and convex along y, with curvature 2a.
     assert!((scene.truth(0).unwrap() + 0.2).abs() < 1e-12);
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
@@ -82,7 +82,7 @@ fn a_trial_can_be_replayed_alone() {
     assert!((1..20).all(|number| forwards[number] != forwards[0]));
 }
 
-/// One law, however it is computed, and so one estimate per draw.
+/// All models compute the same law, so equal draws yield equal estimates.
 #[test]
 fn models_share_draws_and_results() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -104,7 +104,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// A further source of noise leaves the draws of the others as they are.
+/// A further source of noise does not change the draws of the others.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -143,9 +143,9 @@ fn a_noisy_measurement_is_quantised_once() {
     let coarse = scene(sphere, &noise(", encoder = { step_rad = 0.03 }"));
     let fine = scene(sphere, &noise(", encoder = { step_rad = 1e-9 }"));
     let none = scene(sphere, &noise(""));
-    // Noise carries the reading over the edges of the steps: trials differ.
+    // Noise moves readings across the edges of the encoder's steps, so trials differ.
     assert_ne!(trial(&coarse, 0), trial(&coarse, 1));
-    // Steps far below the noise change nothing.
+    // Steps that are much smaller than the noise change nothing.
     let (fine, none) = (trial(&fine, 0)[0].0, trial(&none, 0)[0].0);
     assert!((fine - none).abs() < 1e-6, "{fine} {none}");
 }
@@ -190,9 +190,9 @@ scene.{lines}"#
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// 0.1 rad on a ball four times as large is a path of 0.08 on the probe: R r/(R + r) times the angle.
+/// The path is R r/(R + r) times the angle: 0.08 for 0.1 rad, a ball of R = 4 and a probe of r = 1.
 #[test]
-fn a_roll_is_as_long_as_its_time_its_angle_or_its_path_says() {
+fn duration_angle_or_path_determine_the_length_of_a_roll() {
     let of_time = trial(
         &with_motion("rate_rad_per_s = 0.1, duration_s = 1", NOISE),
         7,
@@ -292,7 +292,7 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // Eight rolls measure the curvature along u, and an error of the rotation is amplified by 1 + R₂/R₁.
+        // Eight rolls determine the curvature along u. An error of the rotation is amplified by 1 + R₂/R₁.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(
@@ -324,7 +324,7 @@ fn a_probe_inside_the_object_is_refused_before_the_run() {
             "{error}"
         );
     }
-    // Without noise the probe just misses the step; trials with noise hit it.
+    // Without noise the probe just misses the step; with noise some trials hit it.
     let step = "1.5*(1+tanh(20*(x-1.5)))";
     assert!(roll(1.0, step, "").is_ok());
     let noisy = roll(
