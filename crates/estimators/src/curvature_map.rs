@@ -34,12 +34,12 @@ pub fn map_table(unit: LengthUnit) -> MapTable {
     MapTable::new(columns(unit, false))
 }
 
-/// Table for the maps of a study's cells, whose rows begin with the cell and have the true class.
+/// Table for the maps of a study's cells, with the columns `cell` and `true_class`.
 pub fn study_map_table(unit: LengthUnit) -> MapTable {
     MapTable::new(columns(unit, true))
 }
 
-/// Adds the points of a map, with their regions if these are known.
+/// Adds the points of a map, with their regions if `regions` is given.
 pub fn push_map(
     table: &mut MapTable,
     points: &[MapPoint],
@@ -52,7 +52,7 @@ pub fn push_map(
     }
 }
 
-/// Adds one point. The fields of what the estimator does not state are empty.
+/// Adds one point. Fields that the estimator does not state stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -1,9 +1,9 @@
-//! How roughly a camera sensor is known.
+//! Prior standard deviations of the parameters of a camera sensor.
 
 use palpate_chromatouch::Departure;
 use palpate_study::config::SensorNoise;
 
-/// Standard deviations of each number of a [`Departure`].
+/// Standard deviation of each number of a [`Departure`].
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,

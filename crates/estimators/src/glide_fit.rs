@@ -12,7 +12,7 @@ use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
 pub enum GlideFit {
     /// A penalised spline.
     Penalised(Penalised),
-    /// The 1996 paper's two passes.
+    /// The two-pass method of the 1996 paper.
     TwoPass(TwoPass),
     /// A quadric.
     Quadric(Quadric),

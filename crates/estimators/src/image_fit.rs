@@ -1,4 +1,4 @@
-//! Builds the fit of pictures from an estimator's settings and the sensor's parameters.
+//! Builds the fit to marker images from an estimator's settings and the sensor's parameters.
 
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
 use palpate_press::{Body, DeparturePrior, ImageFit, Markers, PressError};
@@ -14,31 +14,31 @@ use crate::press_fit::{body_error, within_sensor};
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
-/// Builds layers of a thickness, with their markers at each of the depths.
+/// Builds layers of one thickness: one layer for each depth of the markers.
 pub type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 
-/// Settings of an estimator that fits pictures, and the sensor whose pictures it fits.
+/// Settings of an estimator that fits marker images, and the sensor.
 pub struct ImageFitSetup<'a> {
     /// The estimator's settings.
     pub estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body, which has what the settings leave out.
+    /// The sensor's own soft body; its parameters replace those that the settings omit.
     pub model: &'a PressModelConfig,
     /// Skin, layout and discs.
     pub sphere: &'a MarkerSphere<'a>,
     /// The markers under the skin.
     pub markers: &'a Markers,
-    /// The nominal camera and markers; the fit ignores misalignments in it.
+    /// The nominal camera and markers; the fit ignores their misalignments.
     pub optics: &'a Optics,
     /// Standard deviations of the sensor's departures from `optics`.
     pub stds: [f64; Departure::NUMBERS],
     /// Departures whose joint covariance is given, if any.
     pub departure_prior: Option<DeparturePrior>,
-    /// Builds layers of a thickness, with their markers at each of the depths.
+    /// Builds layers of one thickness: one layer for each depth of the markers.
     pub layers: &'a Layers<'a>,
 }
 
 impl ImageFitSetup<'_> {
-    /// Builds the fit; `None` if the estimator does not fit pictures.
+    /// Builds the fit; `None` if the estimator does not fit images.
     ///
     /// # Errors
     /// [`FieldError`] for an impossible body or impossible discs.
@@ -58,7 +58,7 @@ impl ImageFitSetup<'_> {
             if thickness < deepest {
                 let [thickness, deepest] = [thickness, deepest].map(Number);
                 let message = format!(
-                    "is {thickness}; the layer must reach to the deepest discs, {deepest} under the skin"
+                    "is {thickness}; must be at least {deepest}, so that the layer contains the deepest discs"
                 );
                 return Err(FieldError::at(path, message));
             }

@@ -1,4 +1,4 @@
-//! Contacts so wide that small-strain theory errs.
+//! Contacts that are too wide for small-strain theory.
 
 use palpate_press::{LARGE_CONTACT, sneddon_indentation};
 use palpate_study::Warning;

@@ -1,7 +1,7 @@
-//! Estimators from their settings and the sensor that they are used on, for simulated and for recorded readings.
+//! Builds estimators from their settings and a sensor, for simulated and for recorded readings.
 //!
-//! [`PressFitSetup`] gives the fit to displacements of markers, [`ImageFitSetup`] the fit to what a camera sees of them, and
-//! [`GlideFit`] the methods of EP2. [`MarkerSphere`] is the sensor as its config states it.
+//! [`PressFitSetup`] builds the fit to marker displacements, [`ImageFitSetup`] the fit to marker images, and
+//! [`GlideFit`] the methods of EP2. [`MarkerSphere`] is the sensor of a config.
 
 mod curvature_map;
 mod departure_prior;

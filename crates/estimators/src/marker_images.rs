@@ -1,4 +1,4 @@
-//! The estimator that fits the camera's pictures of the markers.
+//! The estimator that fits the camera's images of the markers.
 
 use std::sync::{Arc, OnceLock};
 
@@ -10,7 +10,7 @@ use palpate_tracking::{MarkerErrors, Track};
 
 use crate::image_model::{ImageModel, marker_image};
 
-/// Input of a fit of pictures: the pictures of the markers.
+/// Input of the fit: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerImages {
     /// The markers at rest; `None` if all trials share one reading at rest.
@@ -21,7 +21,7 @@ pub struct MarkerImages {
     pub pressed: Vec<Option<Seen>>,
 }
 
-/// A fit of pictures, and the frame at rest that trials share.
+/// The fit to marker images, and the frame at rest that trials share.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
     fit: ImageFit<ImageModel>,
@@ -53,7 +53,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Warnings that the pictures contradict the model of the estimate.
+    /// Warnings that the images contradict the model of the estimate.
     pub fn doubts(
         &self,
         pictures: &MarkerImages,
@@ -66,7 +66,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacements of the markers: estimated from their own pictures, minus those of the estimated press.
+    /// Residual displacements of the markers: estimated from their own images, minus those of the estimated press.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,
@@ -116,7 +116,7 @@ impl ImageEstimator {
     }
 }
 
-/// Pictures of the tracked markers in the press, with their errors; `None` for other markers.
+/// Images of the tracked markers in the press, with their errors; `None` for other markers.
 pub fn pressed_images(
     tracks: &[Option<Track>],
     errors: &[Option<MarkerErrors>],

@@ -21,9 +21,9 @@ pub struct MarkerSphere<'a> {
     pub marker_depth: f64,
     /// Arrangement of the markers.
     pub layout: Layout,
-    /// Number of steps in which a gore's outline is drawn.
+    /// Number of straight steps of a gore's drawn outline.
     pub outline_samples: u32,
-    /// Discs that each marker is made of.
+    /// The two discs of each marker; `None` if the config has no discs.
     pub discs: Option<&'a DiscsConfig>,
 }
 
@@ -101,12 +101,12 @@ impl<'a> MarkerSphere<'a> {
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Share of the skin's strain that the discs take part in.
+    /// Fraction of the skin's strain that the discs follow.
     pub fn strain(&self) -> f64 {
         self.discs.map_or(0.0, |discs| discs.strain)
     }
 
-    /// Markers at these places, as designed.
+    /// Markers at these places, without misalignments.
     pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         MarkerArray::new(self.radius, places, diameters, depths)

@@ -9,11 +9,11 @@ use palpate_study::config::{Baseline, PressEstimatorConfig, PressModelConfig};
 pub struct PressFitSetup<'a> {
     /// The estimator's settings.
     pub estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body, which has what the settings leave out.
+    /// The sensor's own soft body; its parameters replace those that the settings omit.
     pub model: &'a PressModelConfig,
     /// Body of that model at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of its layer, where that has tables for fits to share.
+    /// Thickness of the layer of `body`, if it has tables that fits can share.
     pub shared: Option<f64>,
     /// Builds a layer with tables from its thickness and the depth of its markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -23,17 +23,17 @@ pub struct PressFitSetup<'a> {
     pub marker_depth: f64,
     /// Indentation of the press on a plane that calibrates a Gaussian's c.
     pub calibrated_at: Option<f64>,
-    /// Whether the estimator is given the indentation.
+    /// Whether the indentation is an input of the estimator.
     pub knows_indentation: bool,
     /// Standard deviations of normal and tangential displacements, if stated.
     pub stds: [Option<f64>; 2],
 }
 
 impl PressFitSetup<'_> {
-    /// Fit of the assumed body.
+    /// Builds the fit of the assumed body.
     ///
     /// # Errors
-    /// [`PressFitError::Setting`] for a setting out of its range; [`PressFitError::Calibration`] where a Gaussian cannot
+    /// [`PressFitError::Setting`] for a setting out of its range; [`PressFitError::Calibration`] if a Gaussian cannot
     /// be calibrated.
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
@@ -89,7 +89,7 @@ impl PressFitSetup<'_> {
     }
 }
 
-/// Why there is no fit of presses.
+/// Reason why a fit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressFitError {
     /// A setting is out of its range, or missing.
@@ -112,7 +112,7 @@ pub const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bo
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
         PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
-        PressEstimatorConfig::Image { .. } => ("the body to the markers' pictures", true),
+        PressEstimatorConfig::Image { .. } => ("the body to the markers' images", true),
         PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
         PressEstimatorConfig::Gaussian { c: None, .. } => {
             ("a Gaussian calibrated on a plane", false)
@@ -150,8 +150,10 @@ pub fn within(std: f64) -> Prior {
     }
 }
 
+/// Checks that a layer is not thicker than the sensor's radius.
+///
 /// # Errors
-/// [`FieldError`] at `path` for a layer thicker than the sensor's radius.
+/// [`FieldError`] at `path` for a thicker layer.
 pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), FieldError> {
     if thickness <= radius {
         return Ok(());
