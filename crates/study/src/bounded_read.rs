@@ -4,15 +4,15 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Bytes of a MiB.
+/// Number of bytes in a MiB.
 const MIB: u64 = 1 << 20;
-/// Largest size of a pipe or a device, MiB. Their size is not known before reading.
+/// Largest size that is read from a pipe or a device, MiB. Its size is unknown before reading.
 const MAX_STREAM_MIB: u64 = 256;
 
 /// Reads a file of at most `most_mib` MiB. A pipe or a device may have at most 256 MiB.
 ///
 /// # Errors
-/// Errors of the operating system; [`ErrorKind::FileTooLarge`].
+/// Errors of the operating system; [`ErrorKind::FileTooLarge`] above the limit.
 pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -29,7 +29,7 @@ pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
 /// Reads a stream of at most `most_mib` MiB.
 ///
 /// # Errors
-/// Errors of the stream; [`ErrorKind::FileTooLarge`].
+/// Errors of the stream; [`ErrorKind::FileTooLarge`] above the limit.
 pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
     let limit = most_mib * MIB;
     let mut bytes = Vec::new();
@@ -41,6 +41,6 @@ pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
 }
 
 fn too_large(most_mib: u64) -> io::Error {
-    let message = format!("it is larger than {most_mib} MiB, the most that is read");
+    let message = format!("it is larger than {most_mib} MiB, the largest size that is read");
     io::Error::new(ErrorKind::FileTooLarge, message)
 }

@@ -1,15 +1,15 @@
-//! Words that palpate prints or asks for, and what they mean.
+//! Terms that palpate prints or accepts, with their meanings.
 
 use crate::quantity::Quantity;
 use crate::readings::spelt;
 use crate::statistic::Statistic;
 
-/// A word and its meaning.
+/// A term and its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// The word, as palpate prints it.
+    /// The term, as palpate prints it.
     pub name: &'static str,
-    /// Its meaning, in sentences; where it is a failure, also what helps.
+    /// Its meaning, in sentences; for a failure, also a remedy.
     pub meaning: &'static str,
 }
 
@@ -24,7 +24,7 @@ pub struct Subject {
 
 macro_rules! subjects {
     ($($title:literal { $($name:literal: $meaning:literal;)* })*) => {
-        /// All terms by their subject, but for quantities and statistics, which tell their own meaning.
+        /// All terms by subject, except quantities and statistics, which have a `meaning` of their own.
         pub const SUBJECTS: &[Subject] = &[$(Subject {
             title: $title,
             terms: &[$(Term { name: $name, meaning: $meaning }),*],
@@ -256,7 +256,7 @@ subjects! {
     }
 }
 
-/// Meaning of a word, whether in capitals or not, with hyphens, underscores or spaces: a term, a quantity, a statistic.
+/// The term, quantity or statistic with this name. Case does not matter; hyphens, underscores and spaces are equal.
 ///
 /// ```
 /// use palpate_study::glossary::meaning;
@@ -270,7 +270,7 @@ pub fn meaning(word: &str) -> Option<Term> {
     all().find(|term| spelt(term.name) == word)
 }
 
-/// Words that resemble a word, the most similar first.
+/// Up to five names that resemble a word, the most similar first.
 pub fn similar(word: &str) -> Vec<&'static str> {
     let word = spelt(word);
     let likeness = |term: Term| {
@@ -312,7 +312,7 @@ mod tests {
     fn every_word_has_one_meaning_in_sentences() {
         let mut known = BTreeSet::new();
         for term in SUBJECTS.iter().flat_map(|subject| subject.terms) {
-            assert!(known.insert(spelt(term.name)), "{} stands twice", term.name);
+            assert!(known.insert(spelt(term.name)), "{} occurs twice", term.name);
         }
         for term in all() {
             assert!(meaning(term.name).is_some(), "{}", term.name);

@@ -1,4 +1,4 @@
-//! Columns, quantities and units in the words of a reader.
+//! Names of columns, quantities and units for readers.
 
 use crate::number;
 use crate::quantity::Quantity;
@@ -33,7 +33,7 @@ impl Label {
         }
     }
 
-    /// Label of shares; `unit` holds a percent sign and may say of what.
+    /// Label of shares; `unit` is a percent sign, optionally with its reference, such as `% of the IFD`.
     pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -67,7 +67,7 @@ impl Label {
     }
 }
 
-/// Words of the quantity of this name; of one that no study has, its name with spaces.
+/// Words of the quantity with this name; for an unknown name, the name with spaces.
 ///
 /// ```
 /// use palpate_study::label;
@@ -83,7 +83,7 @@ pub fn quantity(name: &str) -> String {
     )
 }
 
-/// Units a header may end in, alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
+/// Units at the end of a header: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
 const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
 
 /// Name and unit of a column, split at the end of its header: `scene.object.radius_cm` is `scene.object.radius` in `cm`,
@@ -92,7 +92,7 @@ pub fn split_unit(header: &str) -> (&str, &str) {
     let leaf = header.rfind('.').map_or(0, |dot| dot + 1);
     let tokens: Vec<&str> = header[leaf..].split('_').collect();
     let is_unit = |token: &str| UNITS.contains(&token.strip_suffix(['2', '3']).unwrap_or(token));
-    // The longest unit wins, and a name must be left.
+    // Use the longest unit, but do not use up the whole name.
     for length in (1..=3.min(tokens.len() - 1)).rev() {
         let found = match tokens[tokens.len() - length..] {
             [a, "per", b] => is_unit(a) && is_unit(b),
@@ -111,8 +111,8 @@ pub fn split_unit(header: &str) -> (&str, &str) {
     (header, "")
 }
 
-/// Text of a unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`, `turn` is `turns`. Nothing for a pure
-/// number.
+/// Text of a unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`, `turn` is `turns`. Empty for a
+/// pure number.
 pub fn spoken_unit(text: &str) -> String {
     let text = text.trim();
     if text.is_empty() || text == "1" || text == "-" {

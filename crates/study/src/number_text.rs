@@ -19,7 +19,7 @@ pub fn shortest(value: f64) -> String {
     Shortest(value).to_string()
 }
 
-/// A number that is displayed as by [`shortest`].
+/// A number whose `Display` text is that of [`shortest`].
 ///
 /// ```
 /// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");
@@ -33,7 +33,7 @@ impl fmt::Display for Shortest {
     }
 }
 
-/// The shortest text that parses back to the same number, with an exponent from 1e16 and below 1e-4.
+/// The shortest text that parses back to the same number. Numbers of at least 1e16 or below 1e-4 have an exponent.
 pub fn exact(value: f64) -> String {
     Number(value).to_string()
 }
@@ -43,8 +43,8 @@ pub fn rounded(value: f64) -> String {
     significant(value, 6)
 }
 
-/// Text of a number for readers, with at most `digits` significant digits and without trailing zeros. It has a power of ten
-/// from 1e6 and below 1e-4.
+/// Text of a number for readers, with at most `digits` significant digits and without trailing zeros. Numbers of at
+/// least 1e6 or below 1e-4 have a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -2,7 +2,7 @@
 
 use crate::config::LengthUnit;
 
-/// A unit, made of the study's length unit.
+/// Unit of a quantity; lengths are in the study's length unit.
 ///
 /// ```
 /// use palpate_study::Unit;
@@ -24,7 +24,7 @@ pub enum Unit {
     LengthSquared,
     /// Share, without a unit.
     One,
-    /// Turn, of a hue.
+    /// Turn of the hue circle.
     Turn,
     /// Pixel.
     Pixel,
@@ -55,12 +55,12 @@ impl Unit {
     }
 }
 
-/// Way in which the values of a quantity come about.
+/// Origin of the values of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
-    /// Estimate from readings, which errs.
+    /// Estimate from readings, which has an error.
     Estimated,
-    /// Value found by looking or counting: the mean of its values is no mean estimate.
+    /// Measured or counted value. Its mean is not called a mean estimate.
     Measured,
     /// Share of places, from 0 to 1, at which an estimate is right.
     Share,
@@ -81,11 +81,11 @@ pub struct Quantity {
     pub name: &'static str,
     /// Its unit.
     pub unit: Unit,
-    /// How its values come about.
+    /// Origin of its values.
     pub kind: QuantityKind,
     /// Its name in words, as in figures.
     pub words: &'static str,
-    /// Its meaning, a sentence.
+    /// Its meaning, in one sentence.
     pub meaning: &'static str,
     /// Kinds of scenes that have it.
     pub scenes: &'static [&'static str],
@@ -136,9 +136,9 @@ quantities! {
     CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated, &["press"];
     /// Share of the readings' variance that the fit explains; 1 for a perfect fit.
     R_SQUARED = "r_squared", "R² of the fit", One, Estimated, &["press"];
-    /// Displacement of a marker along the normal, as a camera tells it.
+    /// Displacement of a marker along the normal, as a camera reads it.
     NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
-    /// Component of a marker's displacement along the skin, as a camera tells it.
+    /// Component of a marker's displacement along the skin, as a camera reads it.
     TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
     /// Change of the mean hue of the marker under the contact.
     HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
@@ -161,13 +161,13 @@ quantities! {
 }
 
 impl Quantity {
-    /// Quantity of which this one is the inverse, and that may be of either sign: where the trials leave its sign undecided,
-    /// this one has quantiles but neither a mean nor a standard deviation.
+    /// The quantity whose inverse this one is, if that quantity can have either sign. If the trials do not determine
+    /// the sign, the inverse has quantiles, but neither a mean nor a standard deviation.
     pub fn inverse_of(self) -> Option<Self> {
         (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
     }
 
-    /// The quantity of this name, if there is one.
+    /// The quantity with this name, if there is one.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|one| one.name == name)
     }

@@ -1,4 +1,4 @@
-//! Columns of recorded readings: their names, what they hold, and the units that they may be written in.
+//! Columns of recorded readings: their names, their physical quantities and the accepted units.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -7,7 +7,7 @@ use crate::Table;
 use crate::config::LengthUnit;
 use crate::quantity::Unit;
 
-/// Physical quantity that a column holds.
+/// Physical quantity of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Length.
@@ -18,16 +18,16 @@ pub enum Measure {
     Time,
     /// Difference of hue, read in turns.
     Turn,
-    /// Length in a picture, px.
+    /// Length in an image, px.
     Pixel,
     /// Number or direction without a unit.
     Plain,
 }
 
-/// Unit that a column is written in.
+/// Unit of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColumnUnit {
-    /// Length of a study's units.
+    /// One of the length units of studies.
     Length(LengthUnit),
     /// Inch, 25.4 mm.
     Inch,
@@ -38,8 +38,8 @@ pub enum ColumnUnit {
 }
 
 impl ColumnUnit {
-    /// Number of these in a length unit; of units that are no lengths, in the unit in which the column is read. `None` for
-    /// lengths of no metric unit in metric ones, and the other way round.
+    /// Factor from this unit to `length`; for a unit that is not a length, the factor to the unit in which the column
+    /// is read. `None` between `unit` and a metric length.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -50,7 +50,7 @@ impl ColumnUnit {
         }
     }
 
-    /// Length unit of a study that stands for it where nothing else is asked for: millimetres for inches.
+    /// Default length unit of a study whose readings have this unit: millimetres for inches.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),
@@ -72,7 +72,7 @@ impl ColumnUnit {
 }
 
 impl Measure {
-    /// Unit of a column of this measure that is written so, in any case of letters; `None` for one that it does not have.
+    /// Parses a unit of this measure, ignoring case; `None` if the measure does not have the unit.
     pub fn unit(self, text: &str) -> Option<ColumnUnit> {
         use ColumnUnit::{Factor, Inch, Length, Nanometre};
         let text = text.trim().to_lowercase();
@@ -80,7 +80,7 @@ impl Measure {
             (Self::Length, "m" | "metre" | "metres" | "meter" | "meters") => Length(LengthUnit::M),
             (Self::Length, "cm") => Length(LengthUnit::Cm),
             (Self::Length, "mm") => Length(LengthUnit::Mm),
-            // The sign of micro and the Greek letter are two characters.
+            // The micro sign and the Greek letter mu are different characters.
             (Self::Length, "um" | "\u{b5}m" | "\u{3bc}m") => Length(LengthUnit::Um),
             (Self::Length, "nm") => Nanometre,
             (Self::Length, "in" | "inch" | "inches") => Inch,
@@ -103,7 +103,7 @@ impl Measure {
         Some(unit)
     }
 
-    /// Units that messages offer.
+    /// Accepted units, for messages.
     pub const fn units(self) -> &'static str {
         match self {
             Self::Length => "m, cm, mm, um, nm, in",
@@ -115,7 +115,7 @@ impl Measure {
         }
     }
 
-    /// Unit that the name of a column of this measure ends with.
+    /// Unit at the end of the name of a column of this measure.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -130,9 +130,9 @@ impl Measure {
 /// A column of recorded readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name, with its unit where it is no length: `x`, `rotation_x_rad`.
+    /// Name, with its unit unless it is a length: `x`, `rotation_x_rad`.
     pub name: &'static str,
-    /// Quantity that it holds.
+    /// Physical quantity of its numbers.
     pub measure: Measure,
 }
 
@@ -148,8 +148,8 @@ impl Column {
             .unwrap_or(self.name)
     }
 
-    /// Whether a name is that of the column, with a unit or without, and the unit: `x`, `x_mm`, `rotation_x_deg`. Names are
-    /// [`spelt`] alike.
+    /// Compares a name, as [`spelt`] returns it, with the name of the column. Returns `None` if they differ, otherwise
+    /// the unit at the end of the name, if it has one: `x`, `x_mm`, `rotation_x_deg`.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
@@ -163,7 +163,7 @@ impl Column {
     }
 }
 
-/// A name in small letters, with one underscore for whatever else than letters, digits and degrees stands between words.
+/// A name in lower case, with one underscore between words. Words are letters, digits and degree signs.
 pub fn spelt(name: &str) -> String {
     let is_part = |letter: char| letter.is_alphanumeric() || letter == '\u{b0}';
     let words = name.split(|letter| !is_part(letter));
@@ -231,13 +231,14 @@ pub const PRESSES: [Column; 5] = [
     Column::of("tangential_y", Measure::Length),
 ];
 
-/// Columns of a press, one row per marker of a row of them through the apex.
+/// Columns of a press, one row per marker; the markers lie on a line through the apex.
 pub const PRESS_ROW: [Column; 2] = [
     Column::of("radial_position", Measure::Length),
     Column::of("normal_displacement", Measure::Length),
 ];
 
-/// Columns of known displacements that a camera sensor is calibrated with; a file has some of them.
+/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has some of
+/// them.
 pub const CALIBRATIONS: [Column; 7] = [
     Column::of("normal_displacement", Measure::Length),
     Column::of("tangential_displacement", Measure::Length),
@@ -248,7 +249,7 @@ pub const CALIBRATIONS: [Column; 7] = [
     Column::of("marker", Measure::Plain),
 ];
 
-/// Columns of the readings of a kind of scene, each once; none of a kind that has no tables of readings.
+/// Columns of the readings of a kind of scene, each once; empty for a kind without tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
         "roll" => &[&ROLLS, &ROLL_SERIES, &QUATERNION],
@@ -265,24 +266,24 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Names of a file's columns, by the columns of palpate that they are; a unit may stand behind the latter: `x_mm`.
+/// Names of a file's columns. The key is palpate's name of the column, with or without a unit: `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
-/// Why names of columns cannot be.
+/// Reason why names of columns are invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ColumnNamesError {
-    /// Key that is at fault.
+    /// The invalid key.
     pub key: String,
     /// Problem in words.
     pub message: String,
 }
 
-/// Holds names of columns against the columns that there are.
+/// Checks the names of a file's columns.
 ///
 /// # Errors
-/// [`ColumnNamesError`] for a key that is none of `columns`, for two keys of one column and for two columns that have one
-/// name.
+/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys of one column, and for two
+/// columns with one name.
 pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
     let fault = |key: &str, message: String| {
         let key = key.to_owned();
@@ -320,7 +321,7 @@ pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), Column
     Ok(())
 }
 
-/// Column that a key names, with a unit or without.
+/// The column whose name is `key`, with or without a unit.
 pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     let key = spelt(key);
     columns

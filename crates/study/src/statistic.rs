@@ -20,8 +20,8 @@ pub enum Statistic {
     Trials,
     /// Number of trials that failed.
     Failures,
-    /// Mean of the estimates; none, like the other means and standard deviations, of an inverse whose sign the trials leave
-    /// undecided ([`Quantity::inverse_of`]).
+    /// Mean of the estimates. An inverse whose sign the trials do not determine has no means and standard deviations
+    /// ([`Quantity::inverse_of`]).
     Mean,
     /// Standard deviation of the estimates.
     Std,
@@ -29,28 +29,28 @@ pub enum Statistic {
     Bias,
     /// Root mean square of the errors.
     RmsError,
-    /// Standard deviation of the rms error over sets of as many trials: how exact the trials tell it.
+    /// Monte Carlo error of the rms error: its standard deviation between sets of the same number of trials.
     RmsErrorStd,
-    /// Mean of the errors' sizes.
+    /// Mean of the absolute errors.
     MeanAbsError,
-    /// Root mean square of the errors as shares of the true value.
+    /// Root mean square of the errors, relative to the true value.
     RelativeRmsError,
-    /// Mean of the errors' sizes as shares of the true value.
+    /// Mean of the absolute errors, relative to the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates. It comes from a histogram of 128 bins per octave of the error: its distance to the
-    /// true value is right to 0.4 %, and tables show no digit beyond those that it has so.
+    /// 5 % quantile of the estimates, from a histogram with 128 bins per octave of the error. Its distance to the true
+    /// value is accurate to 0.4 %, and tables show only the digits that this accuracy supports.
     Q05,
-    /// Median of the estimates, as exact as `Q05`.
+    /// Median of the estimates, as accurate as `Q05`.
     Q50,
-    /// 95 % quantile of the estimates, as exact as `Q05`.
+    /// 95 % quantile of the estimates, as accurate as `Q05`.
     Q95,
     /// Mean of the standard deviations that the estimator reports.
     MeanReportedStd,
-    /// Share of the estimator's 50 % intervals that hold the true value.
+    /// Share of the estimator's 50 % intervals that contain the true value.
     Coverage50,
-    /// Share of the estimator's 80 % intervals that hold the true value.
+    /// Share of the estimator's 80 % intervals that contain the true value.
     Coverage80,
-    /// Share of the estimator's 95 % intervals that hold the true value.
+    /// Share of the estimator's 95 % intervals that contain the true value.
     Coverage95,
     /// Cramér–Rao bound on the standard deviation; only presses have it.
     StdBound,
@@ -151,7 +151,7 @@ impl Statistic {
         }
     }
 
-    /// Whether it is a share or a count, and so without a unit.
+    /// Whether it is a share or a count, which has no unit.
     pub const fn is_number(self) -> bool {
         matches!(
             self,
@@ -165,7 +165,7 @@ impl Statistic {
         )
     }
 
-    /// Whether it is a share of intervals that hold the true value.
+    /// Whether it is a share of intervals that contain the true value.
     pub const fn is_coverage(self) -> bool {
         matches!(self, Self::Coverage50 | Self::Coverage80 | Self::Coverage95)
     }
@@ -175,7 +175,7 @@ impl Statistic {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 
-    /// Short name, for a legend that already says of what.
+    /// Short name, for a legend that already names the quantity.
     pub const fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",
@@ -200,7 +200,7 @@ impl Statistic {
         }
     }
 
-    /// Words, in which the quantity goes for `{}`.
+    /// Words; `{}` is the place of the quantity's name.
     const fn words(self) -> &'static str {
         match self {
             Self::Truth => "true {}",
@@ -225,7 +225,7 @@ impl Statistic {
         }
     }
 
-    /// Whether it is never negative, because it is the size of something.
+    /// Whether it is never negative, because it is a magnitude.
     pub const fn is_size(self) -> bool {
         matches!(
             self,
@@ -246,18 +246,18 @@ impl Statistic {
         all.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// Label of the statistic of several quantities at once (at least one), which are all like the first and in `unit`,
-    /// as in the `unit` column.
+    /// Label of the statistic of one or more quantities. All are of the kind of the first, and in `unit`, written as in
+    /// the `unit` column.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
-        // A reader sees strains in percent too.
+        // Strains are shown in percent, too.
         let is_strain = |first: Quantity| first.name.ends_with("_strain");
         let is_share =
             first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
         let quantity = in_common(quantities);
         let words = match self {
-            // A mean of what was seen is no mean estimate.
+            // A measured value is not an estimate, so its mean is not called a mean estimate.
             Self::Mean if is_measured => quantity,
             _ => self.words().replace("{}", &quantity),
         };
@@ -270,7 +270,7 @@ impl Statistic {
     }
 }
 
-/// The words in which the names of some quantities end: `strain of folding` of the greatest and the rms one.
+/// The last words that the names of all quantities share, such as `strain of folding`.
 fn in_common(quantities: &[&str]) -> String {
     let words: Vec<String> = quantities
         .iter()

@@ -1,4 +1,4 @@
-//! Targets of a design: a statistic of a quantity, and the limit that it is to keep.
+//! Targets of a design: a limit for a statistic of a quantity.
 
 use std::fmt;
 use std::str::FromStr;
@@ -29,15 +29,15 @@ use crate::statistic::Statistic;
 pub struct Target {
     /// The statistic.
     pub statistic: Statistic,
-    /// Quantity that it is of; `None`: the first of the scene.
+    /// Quantity of the statistic; `None`: the first quantity of the scene.
     pub quantity: Option<Quantity>,
-    /// Side of the limit on which it is to be.
+    /// Whether the limit is an upper or a lower one.
     pub bound: Bound,
     /// The limit, in the statistic's unit.
     pub limit: f64,
 }
 
-/// Side of a limit.
+/// Kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// The limit or less.
@@ -46,7 +46,7 @@ pub enum Bound {
     AtLeast,
 }
 
-/// Text that is no target.
+/// Reason why a text is not a target.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TargetError {
     /// There is no limit, or nothing before it.
@@ -59,10 +59,10 @@ pub enum TargetError {
     NoStatistic {
         /// The name.
         name: String,
-        /// Statistics that there are.
+        /// Statistics that can be targets.
         known: Vec<&'static str>,
     },
-    /// Statistic that says nothing of the estimates.
+    /// The statistic does not describe the estimates.
     #[error("{0} is no target: {1}")]
     NoTarget(&'static str, &'static str),
     /// No quantity has this name.
@@ -70,10 +70,10 @@ pub enum TargetError {
     NoQuantity {
         /// The name.
         name: String,
-        /// Quantities that there are.
+        /// All quantities.
         known: Vec<&'static str>,
     },
-    /// The limit is no finite number.
+    /// The limit is not a finite number.
     #[error("the limit {0:?} is no finite number")]
     NoLimit(String),
     /// The limit of a share is a number above 1 without a percent sign.
@@ -101,14 +101,14 @@ pub enum TargetError {
     OutOfRange {
         /// Name of the statistic.
         statistic: &'static str,
-        /// Values that it may have.
+        /// Values that it can have.
         range: &'static str,
         /// The limit.
         limit: f64,
     },
 }
 
-/// The known name that looks most like another, if any does, and all of them else.
+/// Suggests the known name that is most similar to `name`, if one is similar, and lists all known names.
 fn meant(name: &str, known: &[&str]) -> String {
     let likeness = |known: &str| strsim::jaro_winkler(name, known);
     let nearest = known
@@ -200,11 +200,9 @@ fn statistics() -> impl Iterator<Item = Statistic> {
 
 fn refusal(statistic: Statistic) -> Option<&'static str> {
     match statistic {
-        Statistic::Truth => Some("it is known before any trial"),
-        Statistic::Trials => Some("it is chosen, and says nothing of the estimates"),
-        Statistic::Failures => {
-            Some("their share belongs to every target; --max-failures limits it")
-        }
+        Statistic::Truth => Some("its value is known before any trial"),
+        Statistic::Trials => Some("it is a setting, and does not describe the estimates"),
+        Statistic::Failures => Some("--max-failures limits their share for every target"),
         _ => None,
     }
 }
@@ -229,7 +227,7 @@ fn quantity_of(name: &str) -> Result<Quantity, TargetError> {
 }
 
 impl Target {
-    /// Whether a value of the statistic keeps the limit.
+    /// Whether a value of the statistic meets the limit.
     pub fn holds(&self, value: f64) -> bool {
         match self.bound {
             Bound::AtMost => value <= self.limit,
@@ -239,7 +237,7 @@ impl Target {
 }
 
 impl Bound {
-    /// Its sign, as in a target's text.
+    /// Its sign in a target's text.
     pub fn sign(self) -> &'static str {
         match self {
             Self::AtMost => "<=",

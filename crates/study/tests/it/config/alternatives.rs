@@ -1,11 +1,11 @@
-//! Fields that state the same in different ways.
+//! Alternative fields that state the same length of a roll.
 
 use palpate_study::config::{SceneConfig, parse, with_fields};
 use serde_json::json;
 
 use super::{BASE, error, study};
 
-/// Length of a roll in a study's cell, by the key that states it.
+/// Length of the roll in a cell: `duration_s`, `arc_length` and `angle_deg`.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
     let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
     let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {
@@ -16,7 +16,7 @@ fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
 }
 
 #[test]
-fn a_sweep_takes_the_place_of_what_states_the_same() {
+fn a_sweep_replaces_an_alternative_field() {
     let swept = format!("{BASE}[[sweep]]\npath = \"scene.motion.angle_deg\"\nvalues = [5, 10]\n");
     assert_eq!(lengths(&swept, 1), [None, None, Some(10.0)]);
     let study = parse("study.toml", &swept).unwrap();
@@ -29,7 +29,7 @@ fn a_sweep_takes_the_place_of_what_states_the_same() {
 }
 
 #[test]
-fn a_varied_field_takes_the_place_of_a_swept_one() {
+fn a_varied_field_replaces_a_swept_alternative() {
     let study = study("[[sweep]]\npath = \"scene.motion.duration_s\"\nvalues = [1, 2, 3]\n");
     let varied = [(
         "scene.motion.arc_length".to_owned(),
@@ -47,7 +47,7 @@ fn a_varied_field_takes_the_place_of_a_swept_one() {
 }
 
 #[test]
-fn a_set_field_takes_the_place_of_a_written_one() {
+fn a_set_field_replaces_a_written_alternative() {
     let field = |path: &str| (path.to_owned(), json!(4.0));
     let angle = field("scene.motion.angle_deg");
     let text = with_fields("study.toml", BASE, std::slice::from_ref(&angle)).unwrap();

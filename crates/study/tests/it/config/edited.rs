@@ -1,4 +1,4 @@
-//! Configs that programs make and change.
+//! Configs that programs create and change.
 
 use palpate_study::config::{of_json, parse, with_axes, with_fields};
 use serde_json::{Value, json};
@@ -20,7 +20,7 @@ fn set(path: &str, value: Value) -> [(String, Value); 1] {
 }
 
 #[test]
-fn a_table_is_the_text_that_says_the_same() {
+fn a_json_table_equals_the_same_config_as_text() {
     let text = of_json("made", &config()).unwrap();
     let written = r#"
         name = "roll-on-a-ball"
@@ -37,7 +37,7 @@ fn a_table_is_the_text_that_says_the_same() {
 }
 
 #[test]
-fn fields_are_set_made_and_taken_away() {
+fn fields_are_set_added_and_removed() {
     let text = of_json("made", &config()).unwrap();
     let with = |path: &str, value: Value| with_fields("made", &text, &set(path, value));
     let radius = |text: &str| {
@@ -56,7 +56,7 @@ fn fields_are_set_made_and_taken_away() {
         parse("made", &without.unwrap()).unwrap().config,
         parse("made", &text).unwrap().config
     );
-    // Through what is no table.
+    // `name` is not a table, so it has no field `first`.
     let error = with("name.first", json!(1)).unwrap_err();
     assert_eq!(error.path(), "name.first");
     let error = with_fields("made", "name = [", &set("name", json!("x"))).unwrap_err();
@@ -80,7 +80,7 @@ fn axes_multiply_and_need_lists() {
 }
 
 #[test]
-fn what_toml_cannot_write_is_refused() {
+fn values_without_a_toml_form_are_rejected() {
     for (config, path) in [
         (json!([1]), ""),
         (json!("name"), ""),

@@ -1,10 +1,10 @@
-//! Every number of a scene can be swept and varied, or the message says why not.
+//! Every number of a scene can be swept and varied, or a message states why not.
 
 use palpate_study::config::{Takes, parse, schema, to_toml};
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 
-/// A valid scene of each kind, with the tables that it cannot do without.
+/// Valid scenes of each kind, with few optional tables.
 const SCENES: [&str; 6] = [
     r#"{ "kind": "roll", "probe": { "kind": "sphere", "radius": 2 }, "object": { "kind": "sphere", "radius": 5 },
         "motion": { "rate_rad_per_s": 0.1, "angle_deg": 10 } }"#,
@@ -26,14 +26,14 @@ const SCENES: [&str; 6] = [
     r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
 ];
 
-/// Fields that the schema lists for these kinds, but that parsing rejects: a projected sensor has no pixels.
+/// Fields that the schema lists for these kinds, but parsing rejects: a projected sensor has no pixels.
 const REFUSED: [&str; 3] = [
     "press: sensor.blur_px sensor=projected",
     "press: sensor.light_at_rim sensor=projected",
     "press: sensor.seam_width sensor=projected",
 ];
 
-/// A number of the schema: where it is, and the kinds that the tables on the way must be of.
+/// A number in the schema: its path, and the kinds that the tables on its path must have.
 #[derive(Clone, Debug, Default)]
 struct Field {
     path: Vec<String>,
@@ -75,7 +75,7 @@ fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
     }
 }
 
-/// Smallest value of a schema: required keys alone, of this kind if it has kinds.
+/// Smallest instance of a schema: only the required keys, and of this kind if the schema has kinds.
 fn instance(schema: &Json, kind: Option<&str>) -> Json {
     if let Some(variants) = schema["oneOf"].as_array() {
         let of_kind = |variant: &&Json| kind.is_none() || kind_of(variant) == kind;
@@ -133,8 +133,7 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which a field of these kinds can stand: tables on its way are written where they have no default that will do,
-/// unless `is_bare`.
+/// A scene in which `field` is valid. It writes the tables on the path that have no suitable default, unless `is_bare`.
 fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -142,7 +141,7 @@ fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // The scene as it is needed, and with the tables that defaults would write.
+    // `scene` gets all tables on the path. `needed` gets a default table only if a later table must be written.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {
@@ -205,7 +204,7 @@ fn fields() -> Vec<(Json, Field)> {
     all
 }
 
-/// Name of a field with the kinds on its way.
+/// Name of a field with the kinds on its path.
 fn name(base: &Json, field: &Field) -> String {
     let kinds = field.kinds.iter().map(|(at, kind)| format!(" {at}={kind}"));
     let scene = base["kind"].as_str().unwrap();
@@ -240,7 +239,7 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         };
         let cell = |number| study.cell(number).unwrap().config;
         assert_ne!(cell(0), cell(1), "{name}");
-        // `design` looks a varied field up in the study with its defaults, and puts two values or more into it.
+        // `design` looks up a varied field in the study with its defaults, and sets it to at least two values.
         let plain = to_toml(&cell(0));
         let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
         let filled = plain.varied(&[]).unwrap();
@@ -268,10 +267,10 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
     assert!(outcomes.len() > 130, "{}", outcomes.len());
 }
 
-/// A table that has no default, or none of the field's kind: the message says what to write.
+/// If a table has no default, or a default of another kind, the message states what to write.
 #[test]
-fn a_field_of_a_table_that_is_left_out_says_what_to_write() {
-    let mut told = 0;
+fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
+    let mut messages = 0;
     for (base, field) in fields() {
         let name = name(&base, &field);
         let root = root(&base);
@@ -286,16 +285,16 @@ fn a_field_of_a_table_that_is_left_out_says_what_to_write() {
             Ok(_) => continue,
             Err(error) => error.to_string(),
         };
-        let is_told =
+        let is_helpful =
             said.contains("write it there") || said.contains("has it") || said.contains("have it");
-        assert!(is_told, "{name}: {said}");
-        told += 1;
+        assert!(is_helpful, "{name}: {said}");
+        messages += 1;
     }
-    assert!(told > 30, "{told}");
+    assert!(messages > 30, "{messages}");
 }
 
 #[test]
-fn what_is_no_part_of_a_scene_says_so() {
+fn a_field_outside_the_scene_cannot_be_swept() {
     let base: Json = serde_json::from_str(SCENES[0]).unwrap();
     for path in ["stop.min_trials", "claims.0", "plot.0.x", "length_unit"] {
         let mut swept = config(&base);

@@ -45,9 +45,9 @@ fn points_fill_every_part_of_every_range_and_of_every_pair() {
         of_rates[part(rate, -2.0, 0.0, 64.0)] += 1;
         pairs[part(rate, -2.0, 0.0, 8.0) * 8 + part(radius, 2.0, 10.0, 8.0)] += 1;
     }
-    // A (0, m, 2) net: every such part has as many.
+    // A (0, m, 2) net has the same number of points in every such part.
     assert_eq!((of_radii, of_rates, pairs), ([4; 64], [4; 64], [4; 64]));
-    // More points begin with these.
+    // A larger sample begins with the same points.
     let more = POINTS.replace("count = 256", "count = 1000");
     assert_eq!(column(&more, 1, 256), radii);
     let seeded = parse("study.toml", &format!("seed = 9\n{BASE}{POINTS}")).unwrap();

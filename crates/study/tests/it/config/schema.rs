@@ -1,10 +1,10 @@
-//! The schema states every unit, once.
+//! The schema states the unit of every number once.
 
 use palpate_study::config::schema;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Numbers without a unit, or in that of the field they speak of.
+/// Numbers without a unit, or in the unit of the field to which they refer.
 const DIMENSIONLESS: [&str; 39] = [
     "claims",              // their numbers
     "seed",                //
@@ -13,7 +13,7 @@ const DIMENSIONLESS: [&str; 39] = [
     "steps",               // of an integrator
     "fraction",            // of the angular speed
     "tolerance",           // relative
-    "parameters",          // of a formula: in whatever unit it needs
+    "parameters",          // of a formula, in the unit that it needs
     "from",                // in the unit of the swept field
     "to",                  //
     "count",               //
@@ -114,7 +114,7 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Headers and `to_toml` rely on it. Tables within the kinds of scenes are of kinds themselves.
+/// Headers and `to_toml` rely on this. Defaults that are tables are not compared, because they have kinds themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {
