@@ -3,7 +3,7 @@
 Reads DIRECTORY/few.csv: patches of 30 contacts of a sphere of radius 5. Degree 2, weight 100 and smoothing 1000: the
 settings of the 1996 paper.
 
-Error: of the mean curvature, relative, root of the mean square over all points of all maps.
+Error: rms relative error of the mean curvature over all points of all maps.
 """
 
 import sys
@@ -11,7 +11,7 @@ import warnings
 
 import numpy as np
 import scipy
-from figure import median_us, tell
+from figure import median_us, print_figure
 from scipy.interpolate import BSpline, bisplrep
 
 DEGREE, WEIGHT, SMOOTHING, SPHERE = 2, 100.0, 1000.0, 5.0
@@ -25,7 +25,7 @@ def fit(x, y, z):
 
 
 def curvatures(knots_x, knots_y, coefficients):
-    """Gaussian and mean curvature on the grid. bisplev has no second derivative of degree 2, so bases are used."""
+    """Gaussian and mean curvature on the grid, by B-spline bases: bisplev has no second derivative of degree 2."""
     rows, columns = len(knots_x) - DEGREE - 1, len(knots_y) - DEGREE - 1
     coefficients = np.asarray(coefficients).reshape(rows, columns)
     along_x, along_y = BSpline(knots_x, np.eye(rows), DEGREE), BSpline(knots_y, np.eye(columns), DEGREE)
@@ -46,7 +46,7 @@ def all_maps(patches):
 
 
 def exhaust(maps):
-    """Makes and drops them."""
+    """Computes all maps and discards them."""
     for _ in maps:
         pass
 
@@ -57,4 +57,4 @@ patches = [np.ascontiguousarray(table[table[:, 0] == patch, 1:].T) for patch in 
 means = np.array([mean for _, mean in all_maps(patches)])
 error = np.sqrt(np.mean((means * SPHERE + 1) ** 2))
 time_us = median_us(lambda: exhaust(all_maps(patches)), len(patches))
-tell("EP2, 30 contacts, map of 30 x 30", "FITPACK bisplrep", scipy.__version__, time_us, error)
+print_figure("EP2, 30 contacts, map of 30 x 30", "FITPACK bisplrep", scipy.__version__, time_us, error)

@@ -1,13 +1,13 @@
-"""A figure as every peer prints it: one line of JSON."""
+"""Measures times, and prints figures in the format of all peers: one line of JSON each."""
 
 import json
 import time
 
 
 def median_us(job, per_call=1, batches=9, batch_s=0.02):
-    """Median over batches of the time of one call, divided by what a call does, in microseconds.
+    """Median over batches of the time of one call, divided by per_call, the number of items per call; microseconds.
 
-    A batch has as many calls as last for batch_s, at least one; one batch goes before to warm up.
+    A batch repeats the call for about batch_s seconds, at least once. The first batch is a warm-up and does not count.
     """
     start = time.perf_counter()
     job()
@@ -22,8 +22,10 @@ def median_us(job, per_call=1, batches=9, batch_s=0.02):
 
 
 def medians_us(jobs, per_call=1, batches=9, batch_s=0.02):
-    """Medians as of median_us of jobs that take turns, batch by batch, of the time that this thread has the processor:
-    a busy machine slows all of them alike."""
+    """Medians as by median_us for several jobs that alternate batch by batch, so that a busy machine slows all alike.
+
+    The times are processor times of this thread.
+    """
     calls = []
     for job in jobs:
         start = time.thread_time()
@@ -39,7 +41,7 @@ def medians_us(jobs, per_call=1, batches=9, batch_s=0.02):
     return [sorted(own[1:])[batches // 2] / per_call * 1e6 for own in times]
 
 
-def tell(task, peer, version, time_us, error):
-    """Prints the figure."""
+def print_figure(task, peer, version, time_us, error):
+    """Prints the time and the error of a task as one line of JSON."""
     figure = {"task": task, "peer": peer, "version": version, "time_us": float(time_us), "error": float(error)}
     print(json.dumps(figure), flush=True)

@@ -2,12 +2,13 @@
 
 Load control by conjugate gradients (Polonsky and Keer), without periodic images.
 
-Error: of the contact's radius, relative. Of the two readings, by area and by the pressure's second moment, the better.
+Error: relative error of the contact radius. The radius is computed from the contact area and from the second moment of
+the pressure; the smaller of the two errors counts.
 """
 
 import numpy as np
 import tamaas
-from figure import median_us, tell
+from figure import median_us, print_figure
 
 SIDE, POINTS, TOLERANCE = 16.0, 256, 1e-4
 RADIUS, DEPTH, MODULUS = 20.0, 1.4, 1.0
@@ -20,7 +21,7 @@ ball = np.ascontiguousarray(-square / (2 * RADIUS))
 
 
 def press():
-    """The pressure."""
+    """Solves the contact and returns the pressure."""
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [SIDE, SIDE], [POINTS, POINTS])
     model.E, model.nu = MODULUS, 0.0
     solver = tamaas.PolonskyKeerRey(model, ball, TOLERANCE)
@@ -36,4 +37,4 @@ pressure = press()
 area = np.count_nonzero(pressure > 1e-9 * pressure.max()) * (SIDE / POINTS) ** 2
 readings = np.sqrt(area / np.pi), np.sqrt(2.5 * (pressure * square).sum() / pressure.sum())
 error = min(abs(reading / contact - 1) for reading in readings)
-tell("press, contact and pressure", "Tamaas, 256 x 256", tamaas.__version__, median_us(press, batches=3), error)
+print_figure("press, contact and pressure", "Tamaas, 256 x 256", tamaas.__version__, median_us(press, batches=3), error)

@@ -1,8 +1,9 @@
-"""palpate for Python beside NumPy and SciPy, in one process on the same arrays.
+"""Compares palpate for Python with NumPy and SciPy, in one process on the same arrays.
 
-Reads DIRECTORY/few.csv, patches of 30 contacts of a sphere of radius 5, and many.csv. The second argument is the group of tasks.
+Reads DIRECTORY/few.csv, patches of 30 contacts of a sphere of radius 5, and many.csv. The second argument is the group
+of tasks.
 
-Errors: of the mean curvature, relative, root of the mean square over sets, or over all points of all maps.
+Error: rms relative error of the mean curvature over sets, or over all points of all maps.
 """
 
 import sys
@@ -11,10 +12,10 @@ import warnings
 import numpy as np
 import palpate
 import scipy
-from figure import median_us, medians_us, tell
+from figure import median_us, medians_us, print_figure
 
 RADIUS, SPHERE, PROBES, SETS, SHIFT_STD = 1.0, 5.0, 8, 100_000, 1e-4
-# Name by which `cargo xtask peers` knows what is palpate's.
+# `cargo xtask peers` recognises the figures of palpate by this name.
 OURS = "palpate for Python"
 
 random = np.random.default_rng(1)
@@ -29,7 +30,7 @@ def error_of(mean):
 
 
 def curvatures(uu, uv, vv):
-    """Normal curvatures, Gaussian and mean, of an object on which the contact has this mobility."""
+    """Normal, Gaussian and mean curvatures of the object, from the mobility of the contact."""
     determinant = uu * vv - uv * uv
     k_u, k_v, twist = vv / determinant - 1 / RADIUS, uu / determinant - 1 / RADIUS, -uv / determinant
     return k_u, k_v, k_u * k_v - twist * twist, (k_u + k_v) / 2
@@ -61,13 +62,13 @@ def roll():
         lambda: palpate.estimate_roll(rotations, one, probe_radius=RADIUS),
         lambda: palpate.estimate_roll(turned, moved, probe_radius=RADIUS),
     ])
-    tell(task, "NumPy lstsq", np.__version__, numpy_us, error_of(theirs))
-    tell(task, f"{OURS}, arrays", palpate.__version__, arrays_us, error_of(ours))
-    tell(task, f"{OURS}, lists", palpate.__version__, lists_us, error_of(ours))
+    print_figure(task, "NumPy lstsq", np.__version__, numpy_us, error_of(theirs))
+    print_figure(task, f"{OURS}, arrays", palpate.__version__, arrays_us, error_of(ours))
+    print_figure(task, f"{OURS}, lists", palpate.__version__, lists_us, error_of(ours))
 
 
 def all_by_numpy(turned, moved):
-    """The normal equations of every set, [[a, b, 0], [b, a + c, b], [0, b, c]], eliminated from both ends."""
+    """Solves the normal equations [[a, b, 0], [b, a + c, b], [0, b, c]] of every set by elimination from both ends."""
     x, y = -turned[..., 1], turned[..., 0]
     u, v = moved[..., 0], moved[..., 1]
     a, b, c = (np.einsum("...i,...i", one, other) for one, other in ((x, x), (x, y), (y, y)))
@@ -84,7 +85,7 @@ def with_errors_by_numpy(turned, moved):
     k_u, k_v, gaussian, _ = found
     determinant = uu * vv - uv * uv
     w_u, w_v, w = vv / determinant, uu / determinant, -uv / determinant
-    # Covariance of the mobility, and the gradients of the curvatures in it.
+    # Covariance of the mobility, and gradients of the curvatures with respect to the mobility.
     middle = a + c
     scale = SHIFT_STD**2 / (a * (middle * c - b * b) - b * b * c)
     c11, c12, c13 = scale * (middle * c - b * b), -scale * b * c, scale * b * b
@@ -129,15 +130,15 @@ def batch():
             return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=SHIFT_STD, threads=1)
 
         theirs_us, ours_us = medians_us([theirs, ours], SETS)
-        tell(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
-        tell(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
-    # Both say the same of their errors.
+        print_figure(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
+        print_figure(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
+    # Both programs must state the same errors.
     _, stds, residual = with_errors_by_numpy(each, shifts)
-    told = ours()
+    estimate = ours()
     names = ("normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature")
     for name, std in zip(names, stds, strict=True):
-        np.testing.assert_allclose(getattr(told, name).std, std, rtol=1e-9)
-    np.testing.assert_allclose(told.residual_rms.value, residual, rtol=1e-6)
+        np.testing.assert_allclose(getattr(estimate, name).std, std, rtol=1e-9)
+    np.testing.assert_allclose(estimate.residual_rms.value, residual, rtol=1e-6)
 
 
 def patches():
@@ -158,12 +159,12 @@ def glide():
         return palpate.estimate_glide(points).map.mean_curvature
 
     error = error_of([ours(points) for points in few])
-    tell(task, OURS, palpate.__version__, median_us(lambda: of_all(ours, few), len(few)), error)
+    print_figure(task, OURS, palpate.__version__, median_us(lambda: of_all(ours, few), len(few)), error)
     many = np.loadtxt(f"{sys.argv[1]}/many.csv", delimiter=",", skiprows=1)
-    # Not of a sphere: only that both say the same.
+    # These points are not on a sphere, so this number only shows that palpate for Python and in Rust agree.
     error = error_of(ours(many))
     task = "estimate_glide of 100 000 contacts, map of 30 x 30"
-    tell(task, OURS, palpate.__version__, median_us(lambda: ours(many), batches=5), error)
+    print_figure(task, OURS, palpate.__version__, median_us(lambda: ours(many), batches=5), error)
 
 
 def two_pass():
@@ -194,7 +195,7 @@ def two_pass():
             return -((1 + q * q) * r - 2 * p * q * s + (1 + p * p) * t) / (2 * (1 + p * p + q * q) ** 1.5)
 
     def theirs(points, passes):
-        """Mean curvature on a grid over the contacts, fingers gliding along x."""
+        """Mean curvature on a grid over the contacts; the fingers glide along x."""
         x, y, z = points.T
         grid_x, grid_y = (np.linspace(one.min(), one.max(), 30) for one in (x, y))
         spline = Spline(x, y, z, 2)
@@ -226,8 +227,8 @@ def two_pass():
             return [ours(points, passes) for points in few]
 
         theirs_us, ours_us = medians_us([all_theirs, all_ours], len(few))
-        tell(task, "FITPACK bisplrep", scipy.__version__, theirs_us, error_of(all_theirs()))
-        tell(task, OURS, palpate.__version__, ours_us, error_of(all_ours()))
+        print_figure(task, "FITPACK bisplrep", scipy.__version__, theirs_us, error_of(all_theirs()))
+        print_figure(task, OURS, palpate.__version__, ours_us, error_of(all_ours()))
 
 
 {"python-roll": roll, "python-batch": batch, "python-glide": glide, "python-two-pass": two_pass}[sys.argv[2]]()

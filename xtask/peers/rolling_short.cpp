@@ -1,7 +1,8 @@
-// A unit sphere rolls by 0.1 rad over a unit sphere and over the paraboloid z = -r^2, by Boost odeint's dopri5 on
+// A unit sphere rolls by 0.1 rad over a unit sphere and over the paraboloid z = -r^2: Boost odeint's dopri5 integrates
 // Montana's contact equations in charts.
 //
-// Prints a line of JSON each. Error: of the contact on either body, in any coordinate, against the closed form.
+// Prints one line of JSON per task. The error is the largest difference from the closed form, in any coordinate of the
+// contact on either body.
 #include <algorithm>
 #include <array>
 #include <boost/numeric/odeint.hpp>
@@ -30,11 +31,11 @@ struct OverSphere {
 
 struct OverParaboloid {
     void operator()(const State& at, State& change, double) const {
-        // Slopes of z, and the Gauss frame that they give: x' and y' per unit of velocity along its axes.
+        // Slopes of z, and the Gauss frame that follows from them: x' and y' per unit of velocity along its axes.
         const double p = -2 * at[2], q = -2 * at[3], square = 1 + p * p;
         const double first = std::sqrt(square), area = std::sqrt(square + q * q);
         const double x1 = 1 / first, x2 = -p * q / (first * area), y2 = first / area;
-        // Curvature of the object in its frame, and relative in the probe's.
+        // Curvature of the object in its own frame, and relative curvature in the probe's frame.
         const double bend = 2 / area, k11 = bend * x1 * x1, k12 = bend * x1 * x2, k22 = bend * (x2 * x2 + y2 * y2);
         const double c = std::cos(at[4]), s = std::sin(at[4]);
         const double r11 = k11 * c * c - 2 * k12 * c * s + k22 * s * s + 1;
@@ -79,7 +80,7 @@ double error_over_sphere(const State& at) {
 double meridian(double r) { return r / 2 * std::hypot(1, 2 * r) + std::asinh(2 * r) / 4; }
 
 double error_over_paraboloid(const State& at) {
-    // The probe turns by the slope's angle and by the meridian's length: both together are the angle.
+    // The probe turns by the angle of the slope plus the length of the meridian. Their sum is the angle of the roll.
     double r = angle / 3;
     for (int step = 0; step < 60; step++)
         r -= (std::atan(2 * r) + meridian(r) - angle) / (2 / (1 + 4 * r * r) + std::hypot(1, 2 * r));
@@ -107,7 +108,7 @@ double median_us(Job job) {
     return times[batches / 2];
 }
 
-// The tolerance bounds the error loosely in so short a roll: what it errs by is set by the first step.
+// In such a short roll the first step determines the error; the tolerance bounds it only loosely.
 template <class System, class Error>
 void measure(const char* object, const System& system, double start, Error error) {
     for (const double first_step : {1.0, 0.1}) {

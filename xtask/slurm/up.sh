@@ -7,7 +7,7 @@ dir=$(mkdir -p "$1" && cd "$1" && pwd)
 port=${PORT:-17317}
 host=$(hostname -s)
 
-# Daemons bind to the address of the host's name, which must be the loopback's: they get an /etc/hosts of their own.
+# Daemons bind to the address of the host name. It must be the loopback address, so they get their own /etc/hosts.
 printf '127.0.0.1 %s\n%s\n' "$host" "$(cat /etc/hosts)" > "$dir/hosts"
 export HOSTS=$dir/hosts
 mkdir -p "$dir"/{log,state}
@@ -17,7 +17,7 @@ install -d -o munge -g munge -m 755 "$dir/munge"
 chown munge:munge "$dir/munge/key"
 
 {
-    # Accounting, cgroups and other hosts are left out: what a laptop and a container have is enough.
+    # No accounting, no cgroups and no other hosts, so that the cluster runs on a laptop or in a container.
     cat <<CONF
 ClusterName=palpate
 SlurmctldHost=$host(127.0.0.1)

@@ -49,7 +49,7 @@ pub(crate) struct Limits {
     pub(crate) harness: &'static str,
     /// Allowed growth, as a share of the earlier figure.
     pub(crate) allowed: f64,
-    /// Floor of the figures: smaller ones are replaced by it before they are compared.
+    /// Floor of the figures: it replaces smaller figures before they are compared.
     pub(crate) floor: f64,
 }
 

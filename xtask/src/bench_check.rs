@@ -16,14 +16,14 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Counts hardly vary, but depend on the layout by the linker.
+/// Counts hardly vary between runs, but depend on how the linker arranges the code.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Errors below 20 roundings depend on the mathematical library.
+/// Errors below the floor, about 20 rounding errors, depend on the mathematical library.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 
 /// Table with a row for every cell of a run.
 const CELLS: &str = "cells.csv";
-/// Table of a report; runs do not write it.
+/// Table that reports write, but runs do not.
 const SCORED: &str = "claims.csv";
 /// Palpate's list of the files that it wrote, which is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
@@ -16,7 +16,7 @@ pub(crate) const MANIFEST: &str = ".palpate.toml";
 const CELL: &str = "cell";
 /// Relative tolerance for differences due to another C library or processor.
 const TOLERANCE: f64 = 1e-9;
-/// Numbers below this one have its absolute tolerance.
+/// Smaller numbers have the absolute tolerance of this one.
 const SMALL: f64 = 1e-3;
 /// Statistics from a histogram, and the width of its bins relative to the distance from the true value.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];

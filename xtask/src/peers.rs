@@ -1,5 +1,5 @@
-//! Comparison of palpate with other programs that a user could use instead: the same tasks with the same inputs in the same
-//! run, on one core.
+//! Comparison of palpate with other programs that a user could use instead: the same tasks with the same inputs in the
+//! same run, on one core.
 
 mod peer_programs;
 mod peer_table;
@@ -42,8 +42,8 @@ struct Group {
     target: f64,
     /// Other targets of single tasks.
     task_targets: &'static [(&'static str, f64)],
-    /// Share of the peer's error by which that of palpate may exceed it: 0 if both have the same inputs, the sampling error if
-    /// each draws its own.
+    /// Allowed excess of palpate's error, as a share of the peer's error: 0 if both have the same inputs, the sampling
+    /// error if each draws its own.
     slack: f64,
 }
 

@@ -17,8 +17,8 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// The crate that needs Python. `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Features that are off by default, but on for lints and tests: a build of the tests for each choice of features would take
-/// minutes. Later steps build the program without them.
+/// Features that are off by default, but on for lints and tests. Tests are built for this choice only, because each
+/// further build would take minutes. Later steps build the program without these features.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
 /// Selection of packages for all release builds, without counters, like the palpate of users. Cargo unites the features of

@@ -53,7 +53,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     check(shell)
 }
 
-/// Builds the wheel and installs it into the virtual environment under the target directory, whose interpreter it returns.
+/// Builds the wheel and installs it into the virtual environment under the target directory. Returns the interpreter
+/// of this environment.
 pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     let place = place(shell);
     shell.create_dir(&place)?;

@@ -9,7 +9,7 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// `--quick` runs one of this many cells.
+/// `--quick` runs every n-th cell, with this n.
 const QUICK_STRIDE: usize = 13;
 /// Largest number of differences that are printed.
 const SHOWN: usize = 20;

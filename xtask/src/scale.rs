@@ -44,7 +44,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// What the cluster needs and this machine lacks, if anything.
+/// The first requirement of the cluster that this machine does not meet, if any.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin. Test for the files, because its commands fail without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
@@ -82,7 +82,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls of different radii, a cell each. `trials` are those of the first cell and of the others.
+    /// Writes a config of rolls on balls of different radii, one per cell. `trials`: number of trials of the first
+    /// cell, and of each other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -120,7 +121,7 @@ impl TestBench<'_> {
 
     /// Kills runs at random times, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
-        // A heavy cell, and some light ones.
+        // One cell with many trials, and 23 with few.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
@@ -178,7 +179,7 @@ impl TestBench<'_> {
             if self.start(config, &out)?.wait()?.success() {
                 same(whole, &out).context("a run on a disk that was full")?;
                 ensure!(full > 0, "the disk was never full");
-                println!("a run that found the disk full {full} times ends with the same bytes");
+                println!("a run on a disk that was full {full} times ends with the same bytes");
                 return Ok(());
             }
             ensure!(
@@ -226,8 +227,8 @@ impl TestBench<'_> {
         let (whole, out) = (self.path("alone"), self.path("cluster"));
         self.complete(&config, &whole)?;
 
-        // The scripts run the program that submits them. It is a copy, which a failing program replaces until all shards have
-        // ended.
+        // The scripts run the program that submits them. Submit a copy, so that a failing program can replace it until
+        // all shards have ended.
         let program = self.path("palpate");
         fs::copy(&self.program, &program)?;
         self.hold(true)?;

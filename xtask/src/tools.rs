@@ -6,7 +6,7 @@ use xshell::{Shell, cmd};
 /// Target without threads, vectors or a C library, for which the libraries must compile.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
-/// For each tool: the command that shows it, the text printed if it is installed, and the command that installs it.
+/// For each tool: a command, the text that it prints if the tool is installed, and the command that installs the tool.
 /// cargo-deny is built without optimisation, which would take longer than all its runs.
 const INSTALLED: [[&str; 3]; 4] = [
     [

@@ -39,7 +39,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     };
     let parent = out.parent().context("the results have no parent folder")?;
     shell.create_dir(parent)?;
-    // The new tables are beside the old ones, so that they can replace them all at once.
+    // The new tables are next to the old ones, so that renaming their folder replaces all tables at once.
     let temporary = tempfile::tempdir_in(parent)?;
     let fresh = temporary.path().join("tradeoff");
     measure(shell, &assay, &fresh, options.quick)?;

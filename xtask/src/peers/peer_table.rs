@@ -181,7 +181,7 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// A committed table in which the rows of another run replace those of the same tasks.
+/// The committed table, with the rows of the measured tasks replaced by the new rows.
 pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());

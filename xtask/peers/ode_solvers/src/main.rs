@@ -1,7 +1,8 @@
-//! A unit sphere rolls by 6 rad over a unit sphere and over the paraboloid z = −r², by DOP853 of ode_solvers on
+//! A unit sphere rolls by 6 rad over a unit sphere and over the paraboloid z = −r²: DOP853 of ode_solvers integrates
 //! Montana's contact equations in charts.
 //!
-//! Prints a line of JSON each. Error: of the contact on either body, in any coordinate, against the closed form.
+//! Prints one line of JSON per task. The error is the largest difference from the closed form, in any coordinate of the
+//! contact on either body.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -17,7 +18,7 @@ const DIRECTION: f64 = 0.7;
 const TOLERANCE: f64 = 1e-12;
 const BATCHES: usize = 9;
 const BATCH_S: f64 = 0.02;
-/// Where the roll over the sphere begins.
+/// Latitude at which the roll over the sphere begins.
 const LATITUDE: f64 = 0.3;
 
 #[derive(Clone, Copy)]
@@ -41,12 +42,12 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // Slopes of z, and the Gauss frame that they give: x' and y' per unit of velocity along its axes.
+        // Slopes of z, and the Gauss frame that follows from them: x' and y' per unit of velocity along its axes.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
         let (x_first, x_second, y_second) = (1.0 / first, -p * q / (first * area), first / area);
-        // Curvature of the object in its frame, and relative in the probe's.
+        // Curvature of the object in its own frame, and relative curvature in the probe's frame.
         let bend = 2.0 / area;
         let k11 = bend * x_first * x_first;
         let k12 = bend * x_first * x_second;
@@ -70,7 +71,7 @@ impl System<f64, State> for OverParaboloid {
 fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     let first = State::from([0.0, 0.0, latitude, 0.0, DIRECTION]);
     let end = ANGLE / RATE;
-    // Sparse: dense output extrapolates the last point.
+    // Not dense output, which extrapolates the last point.
     let mut solver = Dop853::from_param(
         system,
         0.0,
@@ -106,7 +107,7 @@ fn on_probe(state: &State) -> [f64; 3] {
     [u.cos() * v.cos(), -u.cos() * v.sin(), u.sin()]
 }
 
-/// The contact after this length of a great circle of the probe.
+/// The contact on the probe after a path of this length along a great circle.
 fn after(length: f64) -> [f64; 3] {
     [length.cos(), -length.sin(), 0.0]
 }
@@ -130,7 +131,7 @@ fn meridian(r: f64) -> f64 {
 }
 
 fn error_over_paraboloid(state: &State) -> f64 {
-    // The probe turns by the slope's angle and by the meridian's length: both together are ANGLE.
+    // The probe turns by the angle of the slope plus the length of the meridian. Their sum is ANGLE.
     let mut r = ANGLE / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;
@@ -160,7 +161,7 @@ fn median_us(mut job: impl FnMut()) -> f64 {
     times[BATCHES / 2]
 }
 
-fn tell(object: &str, time_us: f64, error: f64) {
+fn print_figure(object: &str, time_us: f64, error: f64) {
     println!(
         "{{\"task\": \"roll 6 rad over a {object}\", \"peer\": \"ode_solvers DOP853, 1e-12\", \
          \"version\": \"0.6.2\", \"time_us\": {time_us}, \"error\": {error}}}"
@@ -171,7 +172,7 @@ fn main() {
     let time_us = median_us(|| {
         black_box(roll(OverSphere, black_box(LATITUDE)));
     });
-    tell(
+    print_figure(
         "sphere",
         time_us,
         error_over_sphere(&roll(OverSphere, LATITUDE)),
@@ -179,7 +180,7 @@ fn main() {
     let time_us = median_us(|| {
         black_box(roll(OverParaboloid, black_box(0.0)));
     });
-    tell(
+    print_figure(
         "paraboloid",
         time_us,
         error_over_paraboloid(&roll(OverParaboloid, 0.0)),
