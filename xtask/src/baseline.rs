@@ -54,7 +54,6 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// File of the baseline.
     pub(crate) fn path(&self) -> String {
         format!("{DIRECTORY}/{}.csv", self.harness)
     }

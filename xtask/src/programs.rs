@@ -8,7 +8,6 @@ use anyhow::{Result, bail};
 use serde_json::Value;
 use xshell::{Shell, cmd};
 
-/// Target directory of cargo.
 pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     let target = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     shell.current_dir().join(target)

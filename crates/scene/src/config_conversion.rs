@@ -22,7 +22,6 @@ pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
     range_error(&path, error.expected, error.value)
 }
 
-/// The object of a scene.
 pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
     match config {
         ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),

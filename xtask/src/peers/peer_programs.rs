@@ -31,7 +31,6 @@ pub(crate) enum Kind {
 /// Reason why a peer is not available on this machine.
 pub(crate) struct Absent(pub(crate) String);
 
-/// Builder of the peers' programs.
 pub(crate) struct PeerPrograms<'s> {
     shell: &'s Shell,
     sources: PathBuf,

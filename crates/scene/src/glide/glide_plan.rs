@@ -88,7 +88,6 @@ impl GlideScene {
         Ok(touches.into_iter().map(|one| one.touch).collect())
     }
 
-    /// The rungs of the scene.
     pub(super) fn measured_ladder(&self) -> Result<Ladder, FieldError> {
         let config = &self.config;
         let glider = Self::glider(config)?;

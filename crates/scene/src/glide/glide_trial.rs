@@ -39,7 +39,6 @@ pub struct GlideScene {
     pub(super) needs: Vec<Need>,
 }
 
-/// A contact of a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FingerTouch {
     pub(super) finger: usize,
@@ -73,7 +72,6 @@ pub(super) struct TruePlace {
 }
 
 impl TruePlace {
-    /// True value of a quantity.
     fn value(&self, quantity: Quantity) -> Option<f64> {
         match quantity {
             Quantity::GAUSSIAN_CURVATURE => Some(self.gaussian),

@@ -43,7 +43,6 @@ pub(super) enum CameraModel {
     Rendered,
 }
 
-/// Noise of a marker's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
     /// Error of the mean hue, turns.
@@ -281,7 +280,6 @@ impl SimulatedCamera {
         Ok(self.optics.render(motions, stream.as_mut())?)
     }
 
-    /// Adds noise to the images of the markers.
     fn with_noise(
         &self,
         images: Vec<Option<SeenMarker>>,
@@ -315,7 +313,6 @@ impl SimulatedCamera {
         images.into_iter().map(noisy).collect()
     }
 
-    /// Finds the markers in a rendered frame.
     fn find_markers(
         &self,
         motions: &[Option<MarkerMotion>],

@@ -404,7 +404,6 @@ impl PressRungs {
         Ok(models.into_iter().zip(accuracies).collect())
     }
 
-    /// The ladder of a press.
     pub(super) fn ladder(
         &self,
         markers: &Markers,

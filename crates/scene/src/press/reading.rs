@@ -36,13 +36,11 @@ pub(super) struct PressReading {
     normal: Vec<f64>,
     /// Tangential displacement of each tracked marker.
     tangential: Vec<[f64; 2]>,
-    /// Reading of the indentation.
     pub(super) indentation: f64,
     /// The camera's tracks and images of all markers; `None` with a direct sensor.
     pub(super) camera: Option<CameraReading>,
 }
 
-/// A camera's reading of a press.
 #[derive(Clone, Debug)]
 pub(super) struct CameraReading {
     pub(super) tracks: MarkerTracks,

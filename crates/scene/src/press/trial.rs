@@ -97,7 +97,6 @@ impl PressCase {
     }
 }
 
-/// The estimator of a press.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {

@@ -185,7 +185,6 @@ impl SoftBody {
         Ok(moved)
     }
 
-    /// Displacements of the markers by a press.
     pub(super) fn displacements(
         &self,
         markers: &Markers,
@@ -282,7 +281,6 @@ impl<'a> DiscMarkers<'a> {
         self.midway.displacements(self.markers, geometry)
     }
 
-    /// Motions of the discs of each marker.
     pub(super) fn motions(
         &self,
         geometry: &PressGeometry,

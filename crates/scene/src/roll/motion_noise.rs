@@ -28,7 +28,6 @@ pub(super) struct Roll {
     pub(super) terrain: Option<Terrain>,
 }
 
-/// The noise of one trial.
 pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
 
 impl MotionNoise {

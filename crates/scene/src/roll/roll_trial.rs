@@ -22,7 +22,6 @@ use palpate_study::config::{LengthUnit, Side};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
 use palpate_sweep::{Observation, Observations};
 
-/// Quantities that a roll estimates.
 pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::NORMAL_CURVATURE_U,
     Quantity::NORMAL_CURVATURE_V,
