@@ -19,7 +19,7 @@ GRID_X, GRID_Y = np.linspace(-1.5, 1.5, 30), np.linspace(-1.0, 1.0, 30)
 
 
 def fit(x, y, z):
-    """Knots along x and y, and coefficients."""
+    """Fits the spline; returns its knots along x and y, and its coefficients."""
     weights = np.full(len(x), WEIGHT)
     return bisplrep(x, y, z, w=weights, kx=DEGREE, ky=DEGREE, s=SMOOTHING)[:3]
 

@@ -31,7 +31,7 @@ pub(crate) fn run(shell: &Shell, name: &str, options: &Options) -> Result<()> {
     .run()?)
 }
 
-/// Step of CI: a part of the answers, which takes seconds.
+/// Step of CI: computes a part of the answers, in a few seconds.
 pub(crate) fn check_answers(shell: &Shell) -> Result<()> {
     let table = programs::target_dir(shell).join("answers.csv");
     let table = table.display().to_string();

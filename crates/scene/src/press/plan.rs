@@ -347,7 +347,7 @@ impl PressRungs {
         let (model, reason) = match first {
             Some((model, error)) if *model != reference => {
                 let reason = format!(
-                    "the cheapest that meets {tolerance:.0e}: its error is {error:.1e} of the largest displacement"
+                    "the cheapest model that meets {tolerance:.0e}; its error is {error:.1e} of the largest displacement"
                 );
                 (model.clone(), reason)
             }
@@ -356,7 +356,7 @@ impl PressRungs {
                 let reason = match cheaper.and_then(|(_, accuracy)| accuracy.error()) {
                     Some(error) => {
                         format!(
-                            "the error of the next cheaper one is {error:.1e} of the largest displacement"
+                            "the error of the next cheaper model is {error:.1e} of the largest displacement"
                         )
                     }
                     None => "there is no press with which to compare a cheaper model".to_owned(),

@@ -309,7 +309,7 @@ fn a_press_names_its_model() {
         "{needs}"
     );
     assert!(
-        needs.contains("the error of the next cheaper one is"),
+        needs.contains("the error of the next cheaper model is"),
         "{needs}"
     );
 }

@@ -289,7 +289,7 @@ fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() 
     }
     let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
     assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
-    // The bounds of quantities that follow from the relative curvature follow from its bound.
+    // The bounds of the radii and of the object's curvature follow from this bound.
     let radius = 1.0 / 0.0625;
     let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
     assert!(close(scene.std_bound(1), bound * radius * radius));
