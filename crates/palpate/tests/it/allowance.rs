@@ -1,4 +1,4 @@
-//! `palpate run --budget` and `--target-error`: what they choose, and that a rerun needs neither.
+//! `palpate run --budget` and `--target-error`: the number of trials that they choose, and reruns without them.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -59,7 +59,7 @@ fn setting(toml: &str, key: &str) -> f64 {
 }
 
 #[test]
-fn swept_trials_are_not_chosen() {
+fn budget_and_target_are_refused_if_trials_are_swept() {
     let desk = Desk::with(&edited(
         &edited(STUDY, "scene.object.radius", "trials"),
         "[50, 5]",
@@ -75,7 +75,7 @@ fn swept_trials_are_not_chosen() {
 /// Errors of sums of eight uniform draws are nearly Gaussian: their root mean square has the relative standard error
 /// 1/√(2 N), so that 0.01 takes 5,000 trials, and the margin adds less than half.
 #[test]
-fn trials_follow_from_the_target() {
+fn target_error_sets_the_number_of_trials() {
     let desk = Desk::with(STUDY);
     let printed = desk
         .palpate("run c.toml --out o --target-error 0.01")
@@ -91,9 +91,9 @@ fn trials_follow_from_the_target() {
     assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
 }
 
-/// The promise itself: among seeds, root mean squares scatter by no more than the target.
+/// Among seeds, the root-mean-square errors scatter by no more than the target.
 #[test]
-fn rms_errors_are_known_to_the_target() {
+fn rms_errors_scatter_by_at_most_the_target() {
     const SEEDS: usize = 30;
     let desk = Desk::with(SCENE);
     desk.write("c.toml", edited(STUDY, "[50, 5]", "[50]"));
@@ -108,13 +108,14 @@ fn rms_errors_are_known_to_the_target() {
         .collect();
     let mean = rms.iter().sum::<f64>() / SEEDS as f64;
     let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-    // A standard deviation of 30 numbers is itself known to 13 %: three of these above, and no waste below.
+    // A standard deviation of 30 numbers has a standard error of 13 %: the upper limit allows for three of these.
+    // The lower limit detects a run of far too many trials.
     let relative = variance.sqrt() / mean;
     assert!((0.04..0.14).contains(&relative), "{relative}");
 }
 
 #[test]
-fn a_target_needs_no_clock_and_a_rerun_no_target() {
+fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
     for (config, target) in [
         (STUDY, "0.05"),
         (&saddles(), "0.05"),
@@ -141,7 +142,7 @@ fn a_target_needs_no_clock_and_a_rerun_no_target() {
 }
 
 #[test]
-fn a_budget_becomes_trials_and_a_rerun_needs_no_budget() {
+fn a_budget_sets_trials_and_its_rerun_has_the_same_bytes() {
     for config in [STUDY, &saddles(), GLIDE, PRESS] {
         let desk = Desk::with(config);
         let printed = desk.palpate("run c.toml --out one --budget 1s").printed();
@@ -160,7 +161,7 @@ fn a_budget_becomes_trials_and_a_rerun_needs_no_budget() {
 }
 
 #[test]
-fn the_lower_of_both_rules() {
+fn the_smaller_number_of_trials_applies() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --budget 1h --target-error 0.1")
         .prints("the target error rules, the budget has time for ");
@@ -169,7 +170,7 @@ fn the_lower_of_both_rules() {
 }
 
 #[test]
-fn one_rung_is_named_and_several_stay_auto() {
+fn run_toml_names_a_single_rung_and_keeps_auto_for_several() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --target-error 0.1")
         .printed();
@@ -193,7 +194,7 @@ fn one_rung_is_named_and_several_stay_auto() {
 }
 
 #[test]
-fn a_rung_that_not_every_cell_can_do_is_not_named_for_those_that_run() {
+fn run_toml_keeps_auto_if_skipped_cells_need_another_rung() {
     let objects =
         "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }]";
     let study = edited(STUDY, "scene.object.radius", "scene.object");
@@ -212,7 +213,7 @@ fn a_rung_that_not_every_cell_can_do_is_not_named_for_those_that_run() {
 }
 
 #[test]
-fn cells_whose_trials_all_fail_have_no_say() {
+fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
     // Pads a thousand times too coarse for any roll.
     let coarse =
         |pitch: &str| format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = {pitch}\n");
@@ -224,9 +225,9 @@ fn cells_whose_trials_all_fail_have_no_say() {
     assert_untouched(&desk.path(""));
 }
 
-/// With the same draws, the model that a target takes shifts no mean by more than a tenth of the target's share.
+/// With the same draws, the model chosen for a target shifts no mean by more than a tenth of the target.
 #[test]
-fn the_model_errs_by_a_tenth_of_the_target() {
+fn model_error_is_at_most_a_tenth_of_the_target() {
     const TARGET: f64 = 0.05;
     let desk = Desk::with(&saddles());
     desk.palpate(&format!("run c.toml --out o --target-error {TARGET}"))
@@ -248,11 +249,11 @@ fn the_model_errs_by_a_tenth_of_the_target() {
         );
         largest = largest.max(shift);
     }
-    assert!(largest > 0.0, "the same rung twice tells nothing");
+    assert!(largest > 0.0, "both runs used the same rung");
 }
 
 #[test]
-fn what_is_not_random_runs_once() {
+fn a_noiseless_study_runs_one_trial() {
     let desk = Desk::with(SCENE);
     for argument in ["--target-error 0.1", "--budget 60s"] {
         let printed = desk
@@ -271,8 +272,8 @@ fn what_is_not_random_runs_once() {
 }
 
 #[test]
-fn heavy_tails_are_told() {
-    // Errors as large as the motion itself: estimates are quotients of what may be next to nothing.
+fn heavy_tails_cause_a_warning() {
+    // Errors as large as the motion: the estimates are quotients, and their denominators may be nearly zero.
     let desk = Desk::with(&edited(
         STUDY,
         "kind = \"uniform\", fraction = 0.01",
@@ -287,8 +288,8 @@ fn heavy_tails_are_told() {
     assert!(ended.stderr.contains("have heavy tails"), "{ended:?}");
 }
 
-/// A run that goes on until it is killed.
-fn endless(desk: &Desk, out: &str) -> Child {
+/// A run that does not end before it is killed.
+fn start_endless_run(desk: &Desk, out: &str) -> Child {
     let path = |name: &str| desk.path(name);
     let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
     command
@@ -304,8 +305,8 @@ fn endless(desk: &Desk, out: &str) -> Child {
         .unwrap()
 }
 
-/// Kills a run once a file is there.
-fn killed_after(desk: &Desk, mut run: Child, file: &str) {
+/// Kills a run as soon as a file exists.
+fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
     let start = Instant::now();
     while !desk.path(file).exists() && start.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(10));
@@ -315,11 +316,11 @@ fn killed_after(desk: &Desk, mut run: Child, file: &str) {
 }
 
 #[test]
-fn an_interrupted_run_leaves_its_config_and_no_tables() {
+fn an_interrupted_run_writes_its_config_but_no_tables() {
     let desk = Desk::with(STUDY);
     // Written after the config.
-    killed_after(&desk, endless(&desk, "o"), "o/journal.palpate");
-    // The lock is free, though its file is there.
+    kill_when_file_exists(&desk, start_endless_run(&desk, "o"), "o/journal.palpate");
+    // The lock file still exists, but no process holds the lock.
     let names = [".palpate-lock", "journal.palpate", "run.toml"];
     assert_eq!(desk.names("o"), names);
     assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 1e12);
@@ -332,13 +333,13 @@ fn an_interrupted_run_does_not_touch_older_results() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let before = RUN_FILES.map(|file| desk.read(&format!("o/{file}")));
-    killed_after(&desk, endless(&desk, "o"), "o/next-run.toml");
+    kill_when_file_exists(&desk, start_endless_run(&desk, "o"), "o/next-run.toml");
     assert_eq!(
         RUN_FILES.map(|file| desk.read(&format!("o/{file}"))),
         before
     );
     assert_eq!(setting(&desk.read("o/next-run.toml"), "trials"), 1e12);
-    // The next run that ends takes its place.
+    // The next run that ends replaces it.
     desk.palpate("run c.toml --out o --trials 30 --restart")
         .printed();
     assert_eq!(desk.names("o"), RUN_FILES);

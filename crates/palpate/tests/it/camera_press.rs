@@ -1,10 +1,10 @@
-//! `palpate sensor track --method image`: the press behind two frames, fitted to what the camera sees.
+//! `palpate sensor track --method image`: the press is fitted to two camera frames.
 
 use serde_json::Value;
 
 use super::desk::{Desk, edited};
 
-/// A press on a ball, seen by a camera in the sensor's centre.
+/// A press on a ball, with a camera in the sensor's centre.
 pub(crate) const PRESS: &str = r#"name = "pressed"
 length_unit = "mm"
 seed = 3
@@ -37,40 +37,46 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-fn holds(told: &Value, truth: f64) -> bool {
-    let interval = &told["interval95"];
+fn interval_contains(estimate: &Value, truth: f64) -> bool {
+    let interval = &estimate["interval95"];
     number(&interval[0]) < truth && truth < number(&interval[1])
 }
 
-/// Keys of a table of JSON, in order.
-fn keys(told: &Value) -> Vec<String> {
-    told.as_object().unwrap().keys().cloned().collect()
+/// Keys of a JSON object, in order.
+fn keys(estimate: &Value) -> Vec<String> {
+    estimate.as_object().unwrap().keys().cloned().collect()
 }
 
 #[test]
-fn frames_tell_the_press_that_they_show() {
+fn image_fit_estimates_the_traced_press() {
     let desk = desk();
     let known = "--indentation 1 --indentation-std 0.02";
-    let told = track(&desk, &format!("{FRAMES} {IMAGE} {known}"));
+    let estimate = track(&desk, &format!("{FRAMES} {IMAGE} {known}"));
     assert_eq!(
-        (&told["method"], &told["markers"]),
+        (&estimate["method"], &estimate["markers"]),
         (&"image".into(), &77.into())
     );
-    assert!(holds(&told["object_curvature"], 1.0 / 30.0), "{told}");
-    assert!(holds(&told["indentation"], 1.0), "{told}");
-    assert_eq!(told["warnings"], Value::Array(vec![]));
+    assert!(
+        interval_contains(&estimate["object_curvature"], 1.0 / 30.0),
+        "{estimate}"
+    );
+    assert!(
+        interval_contains(&estimate["indentation"], 1.0),
+        "{estimate}"
+    );
+    assert_eq!(estimate["warnings"], Value::Array(vec![]));
     // The contact lies 6 degrees from the apex, in the direction of 40.
     let distance = 20.0 * 6.0_f64.to_radians();
     let (sine, cosine) = libm::sincos(40.0_f64.to_radians());
     for (axis, direction) in [cosine, sine].into_iter().enumerate() {
-        let off = number(&told["contact"][axis]) - distance * direction;
+        let off = number(&estimate["contact"][axis]) - distance * direction;
         assert!(
-            off.abs() < 4.0 * number(&told["contact_std"][axis]),
-            "{told}"
+            off.abs() < 4.0 * number(&estimate["contact_std"][axis]),
+            "{estimate}"
         );
     }
 
-    // The trial whose frames these are tells the same.
+    // The trial that produced these frames has the same estimate.
     desk.palpate("run c.toml --trials-out trials.csv --out r")
         .printed();
     let trials = desk.table("trials.csv");
@@ -78,11 +84,11 @@ fn frames_tell_the_press_that_they_show() {
         (0..trials.rows.len()).find(|&row| trials.text(row, "quantity") == "object_curvature");
     let row = row.unwrap();
     let std = trials.number(row, "std");
-    let off = number(&told["object_curvature"]["value"]) - trials.number(row, "estimate");
+    let off = number(&estimate["object_curvature"]["value"]) - trials.number(row, "estimate");
     assert!(off.abs() < 0.1 * std, "{off} {std}");
-    assert!((number(&told["object_curvature"]["std"]) / std - 1.0).abs() < 0.02);
+    assert!((number(&estimate["object_curvature"]["std"]) / std - 1.0).abs() < 0.02);
 
-    // Files, columns and keys are those of the other methods.
+    // The other methods write the same files, columns and keys.
     let of_image = (
         desk.names("o"),
         desk.table("o/readings.csv"),
@@ -101,14 +107,14 @@ fn frames_tell_the_press_that_they_show() {
             "{FRAMES} --calibration c2.toml --sensor-radius 20 --depth 2 --px-per-rad 176.3 --method bonded-layer --thickness 5"
         ),
     );
-    assert_eq!(keys(&told), keys(&other));
+    assert_eq!(keys(&estimate), keys(&other));
     assert_eq!(of_image.0, desk.names("o"));
     assert_eq!(of_image.1.header, desk.table("o/readings.csv").header);
     assert_eq!(of_image.2.header, desk.table("o/field.csv").header);
 
-    // Each marker was displaced as the truth says, within a few standard deviations.
+    // Each displacement equals the true one within a few standard deviations.
     let truth = desk.table("t/trace.csv");
-    let normal_std = number(&told["noise"]["normal_std"]["value"]);
+    let normal_std = number(&estimate["noise"]["normal_std"]["value"]);
     for row in 0..77 {
         let place = |table: &super::desk::Table, row: usize| {
             ["x_mm", "y_mm"].map(|name| table.number(row, name))
@@ -127,13 +133,13 @@ fn frames_tell_the_press_that_they_show() {
             assert!(off.abs() < most, "{marker} {name}: {off}");
         }
     }
-    // The study's own estimator is the method, unless another one is asked for.
+    // Without --method, the study's own estimator is used.
     let again = track(
         &desk,
         &format!("{FRAMES} --like c.toml {known} --young 0.1"),
     );
-    assert_eq!(again["object_curvature"], told["object_curvature"]);
-    assert!(number(&again["force"]["value"]) > 0.0 && told["force"].is_null());
+    assert_eq!(again["object_curvature"], estimate["object_curvature"]);
+    assert!(number(&again["force"]["value"]) > 0.0 && estimate["force"].is_null());
 }
 
 /// Rows: key of a line in the camera file | the line that replaces it | words of the error.
@@ -149,9 +155,9 @@ turn_deg | turned = 1 | turned
 length_unit | length_unit = "unit" | length_unit
 "#;
 
-/// The camera stands beside the centre; a frame at rest tells where, and presses are estimated with that.
+/// The camera is not at the centre. A frame at rest calibrates its position, and the estimate of the press uses it.
 #[test]
-fn a_camera_that_a_frame_at_rest_told_is_taken() {
+fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     let desk = Desk::with(&edited(
         PRESS,
         "size_px = 400",
@@ -172,9 +178,12 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
     desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
         .printed();
     let run = format!("{FRAMES} {IMAGE} --calibration camera.toml");
-    let told = track(&desk, &run);
-    assert!(holds(&told["object_curvature"], 1.0 / 30.0), "{told}");
-    assert_eq!(told["warnings"], Value::Array(vec![]));
+    let estimate = track(&desk, &run);
+    assert!(
+        interval_contains(&estimate["object_curvature"], 1.0 / 30.0),
+        "{estimate}"
+    );
+    assert_eq!(estimate["warnings"], Value::Array(vec![]));
 
     let camera = desk.read("camera.toml");
     let line = |key: &str| {
@@ -202,13 +211,13 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
         1,
         "camera.toml: `centre_px[0]` has a standard deviation of 1000 px; it must be at most 5",
     );
-    // A study in another unit is that of the same sensor.
     desk.write("camera.toml", "\n");
     desk.palpate(&format!("sensor track {run}")).fails(
         1,
         "camera.toml: is empty; a camera is needed, as `sensor calibrate` writes it from a frame at rest",
     );
     desk.write("camera.toml", &camera);
+    // The same sensor in a study with another unit.
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");
     for (mm, cm) in [
         ("radius = 20.0", "radius = 2.0"),
@@ -230,10 +239,11 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
     );
     assert_eq!(again["length_unit"], "mm");
     for key in ["value", "std"] {
-        let [one, other] = [&told, &again].map(|told| number(&told["object_curvature"][key]));
+        let [one, other] =
+            [&estimate, &again].map(|estimate| number(&estimate["object_curvature"][key]));
         assert!((one / other - 1.0).abs() < 1e-4, "{key}: {one} {other}");
     }
-    // A calibration of another kind is none of a camera, and the other way round.
+    // A calibration of displacements is not a camera, and a camera is not a calibration of displacements.
     desk.write(
         "t.csv",
         "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n",
@@ -254,7 +264,7 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
 }
 
 #[test]
-fn frames_and_arguments_that_do_not_fit_are_named() {
+fn errors_name_frames_and_arguments_that_do_not_match() {
     let desk = desk();
     desk.write("size.toml", edited(PRESS, "size_px = 400", "size_px = 500"));
     for (arguments, words) in [
@@ -271,20 +281,20 @@ fn frames_and_arguments_that_do_not_fit_are_named() {
         "sensor track t/rest.png t/rest.png --out o {IMAGE}"
     ))
     .fails(1, "no contact to be seen");
-    // What is stated wrongly widens what is told, and a warning says why.
-    let told = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
-    let warnings = told["warnings"].to_string();
+    // A wrongly stated value widens the interval, and a warning states the cause.
+    let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
+    let warnings = estimate["warnings"].to_string();
     assert!(
         warnings.contains("times as much as the frame's noise explains"),
-        "{told}"
+        "{estimate}"
     );
-    let [wide, narrow] = [told, track(&desk, &format!("{FRAMES} {IMAGE}"))]
-        .map(|told| number(&told["object_curvature"]["std"]));
+    let [wide, narrow] = [estimate, track(&desk, &format!("{FRAMES} {IMAGE}"))]
+        .map(|estimate| number(&estimate["object_curvature"]["std"]));
     assert!(wide > 3.0 * narrow, "{wide} {narrow}");
-    let told = track(&desk, &format!("{FRAMES} {IMAGE} --indentation 1.3"));
-    let warnings = told["warnings"].to_string();
+    let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --indentation 1.3"));
+    let warnings = estimate["warnings"].to_string();
     assert!(
         warnings.contains("the indentation is stated as 1.3 mm"),
-        "{told}"
+        "{estimate}"
     );
 }

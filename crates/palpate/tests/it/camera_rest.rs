@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 
-/// A sensor whose camera stands beside the centre.
+/// A sensor whose camera is not at the centre.
 const SENSOR: &str = r#"
 name = "beside"
 length_unit = "mm"
@@ -17,7 +17,7 @@ noise = { pixel = { kind = "gaussian", std = 2.0 } }
 "#;
 
 #[test]
-fn a_frame_at_rest_tells_where_the_camera_is() {
+fn one_frame_at_rest_locates_the_camera() {
     let desk = Desk::with(SENSOR);
     desk.palpate("trace c.toml --trial 0 --out t").printed();
     let central = SENSOR.replace("place = [0.5, 0.0, -0.4], ", "");
@@ -42,7 +42,7 @@ fn a_frame_at_rest_tells_where_the_camera_is() {
             "{found} {std}"
         );
     }
-    // The second of two cells is of this sensor.
+    // The second of two cells describes this sensor.
     let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
     desk.write("sizes.toml", central.clone() + sizes);
     let run = format!("sensor calibrate --rest t/{frame} --layout sizes.toml");

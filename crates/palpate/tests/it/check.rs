@@ -30,7 +30,7 @@ fn cells_trials_models_and_time() {
          contact's length scale"
     );
     assert!(line("> closed form").contains(" per trial"));
-    // The next rungs up: one that cannot, and one that can.
+    // The next two rungs: the first cannot compute this roll, the second can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
     assert!(line("RK4, 1 step").contains("error 7.7e-6, "));
     assert!(line("RK4, 1 step").ends_with(" x)"));
@@ -40,7 +40,7 @@ fn cells_trials_models_and_time() {
 }
 
 #[test]
-fn rolls_off_the_pads_are_told() {
+fn check_warns_of_rolls_off_the_pads() {
     for (arc, is_off) in [(9.0, false), (15.0, true)] {
         let desk = Desk::with(&format!(
             r#"
@@ -66,7 +66,7 @@ fn rolls_off_the_pads_are_told() {
 }
 
 #[test]
-fn each_combination_of_models_stands_once() {
+fn each_combination_of_models_is_printed_once() {
     let objects = "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }, \
                    { label = \"c\", kind = \"plane\" }]";
     let study = edited(STUDY, "scene.object.radius", "scene.object");
@@ -92,7 +92,7 @@ fn a_scene_without_noise() {
 }
 
 #[test]
-fn the_schema_is_json_and_knows_units() {
+fn the_schema_is_json_and_has_units() {
     let printed = Desk::new().palpate("schema").printed();
     let schema: serde_json::Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(schema["type"], "object");
@@ -126,8 +126,8 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
 }
 
 #[test]
-fn the_rung_that_is_marked_is_the_one_that_is_chosen_behind_a_camera_too() {
-    // Discs move otherwise than the markers between them, so that Hertz contact errs by more.
+fn the_chosen_rung_is_marked_for_projected_cameras_too() {
+    // Discs move differently from the markers between them, so Hertz contact has a larger error.
     for (sensor, tolerance, rung) in [
         ("direct", 0.3, "Hertz contact, at the surface"),
         ("projected", 0.3, "half-space, at the markers' depth"),
@@ -149,8 +149,8 @@ fn the_rung_that_is_marked_is_the_one_that_is_chosen_behind_a_camera_too() {
     }
 }
 
-/// Two long axes of a study of two swept fields.
-fn swept(counts: [usize; 2]) -> String {
+/// Sweeps of two fields with many values.
+fn study_with_two_sweeps(counts: [usize; 2]) -> String {
     let axis = |path: &str, from: f64, to: f64, count: usize| {
         format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = {count}\n")
     };
@@ -160,9 +160,9 @@ fn swept(counts: [usize; 2]) -> String {
 }
 
 #[test]
-fn of_a_million_cells_a_sample_is_checked_and_that_is_said() {
+fn a_sample_of_a_million_cells_is_checked_and_reported() {
     for counts in [[1000, 1000], [1_000_000, 1], [1, 1_000_000]] {
-        let text = swept(counts);
+        let text = study_with_two_sweeps(counts);
         let text = match counts {
             [1, _] => edited(&text, "from = 20\nto = 80", "from = 20\nto = 20"),
             [_, 1] => edited(&text, "from = 0.5\nto = 1", "from = 1\nto = 1"),
@@ -184,8 +184,8 @@ fn of_a_million_cells_a_sample_is_checked_and_that_is_said() {
 }
 
 #[test]
-fn of_few_cells_all_are_checked_and_no_sample_is_named() {
-    let printed = Desk::with(&swept([100, 20]))
+fn all_cells_of_a_small_study_are_checked() {
+    let printed = Desk::with(&study_with_two_sweeps([100, 20]))
         .palpate("check c.toml")
         .printed();
     assert!(
@@ -195,7 +195,7 @@ fn of_few_cells_all_are_checked_and_no_sample_is_named() {
     assert!(!printed.contains("sample"), "{printed}");
 }
 
-/// Scenes whose numbers are set to extremes, as their texts say them.
+/// Scenes whose numbers are replaced by extreme ones, as lines of a config.
 const EXTREME: [&str; 3] = [
     "probe = { kind = \"sphere\", radius = 10.0 }\nobject = { kind = \"sphere\", radius = 30.0 }\n\
      motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n\
@@ -259,9 +259,9 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
     }
 }
 
-/// A press within the draws of random scenes, one deeper than any of them, and one read otherwise.
+/// A press within the range of the random scenes, one that is deeper than all of them, and one with another estimator.
 #[test]
-fn whether_intervals_were_tested_is_told() {
+fn check_reports_whether_intervals_were_tested() {
     let press = r#"
 name = "a-press"
 length_unit = "mm"
@@ -282,9 +282,9 @@ estimator = { kind = "half-space", indentation = "fitted" }
             .lines()
             .skip_while(|one| !one.starts_with("intervals"));
         let at = lines.skip(2).take(2).map(str::trim);
-        let told = at.collect::<Vec<_>>();
-        assert!(told[0].starts_with(line), "{printed}");
-        told[1].to_owned()
+        let texts = at.collect::<Vec<_>>();
+        assert!(texts[0].starts_with(line), "{printed}");
+        texts[1].to_owned()
     };
     assert!(after("tested: of 60 random scenes they held the truth in 9").starts_with("time"));
     desk.write(

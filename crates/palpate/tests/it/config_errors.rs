@@ -36,7 +36,7 @@ distance = 10.0 => distance = 1e300 | 17:14 scene.noise.position.fraction_of_ifd
 evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\nevaluate | 13:63 scene.estimator.gamma | "robust-gcv"
 "#;
 
-/// Plots that no results allow, in a study that sweeps two radii: `sections | path | words of the reason`.
+/// Plots that cannot be drawn from a study that sweeps two radii: `sections | path | words of the reason`.
 const PLOTS: &str = r#"
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is no column
 [[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
@@ -45,7 +45,7 @@ const PLOTS: &str = r#"
 [[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
 "#;
 
-/// The error that a run of this study reports.
+/// The error of a run of this study.
 fn error(config: &str) -> ConfigError {
     let checked = parse("c.toml", config).and_then(|study| {
         check_outputs(&study)?;
@@ -55,7 +55,7 @@ fn error(config: &str) -> ConfigError {
     checked.expect_err(config)
 }
 
-fn refuses(base: &str, table: &str) {
+fn assert_refused(base: &str, table: &str) {
     for row in table.trim().lines() {
         let columns: Vec<&str> = row.split(" | ").map(str::trim).collect();
         let [edit, place, words] = columns[..] else {
@@ -76,14 +76,14 @@ fn refuses(base: &str, table: &str) {
 
 #[test]
 fn scenes_and_outputs() {
-    refuses(SCENE, ROLLS);
-    refuses(GLIDE, GLIDES);
+    assert_refused(SCENE, ROLLS);
+    assert_refused(GLIDE, GLIDES);
 }
 
 /// `check` and `run` refuse a plot with the same words as `plot`.
 #[test]
 fn plots() {
-    refuses(STUDY, PLOTS);
+    assert_refused(STUDY, PLOTS);
     for row in PLOTS.trim().lines() {
         let (edit, words) = (row.split(" | ").next(), row.rsplit(" | ").next());
         let sections = edit.unwrap().replace("\\n", "\n");

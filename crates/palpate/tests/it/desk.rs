@@ -1,4 +1,4 @@
-//! A directory of its own for each test, the binary run in it, and the tables that it writes.
+//! A directory for each test. The binary runs in it, and its tables are parsed.
 
 use std::path::{Path, PathBuf};
 
@@ -79,7 +79,7 @@ impl Desk {
         Table::parse(&self.read(name))
     }
 
-    /// The names in a directory, sorted, but for the manifest; none if it is missing.
+    /// Sorted file names of a directory without the manifest; none if the directory is missing.
     pub(crate) fn names(&self, dir: &str) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(self.path(dir)) else {
             return Vec::new();
@@ -92,14 +92,14 @@ impl Desk {
         names
     }
 
-    /// Runs `palpate` with arguments that are parted by spaces.
+    /// Runs `palpate` with arguments that are separated by spaces.
     pub(crate) fn palpate(&self, arguments: &str) -> Ended {
         let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
         command.args(arguments.split_whitespace());
         self.end(command)
     }
 
-    /// Runs a line of the shell, in which `$palpate` is the binary.
+    /// Runs a shell command line. In it, `$palpate` is the binary.
     pub(crate) fn shell(&self, line: &str) -> Ended {
         let mut command = Command::new("sh");
         command
@@ -108,8 +108,7 @@ impl Desk {
         self.end(command)
     }
 
-    /// Checks that each row of a table of `arguments | words of the message` makes a command fail with status 2 and
-    /// write nothing.
+    /// Checks for each row `arguments | words of the message` that the command fails with status 2 and writes nothing.
     pub(crate) fn refuses(&self, command: &str, table: &str) {
         let before = self.names("");
         let is_wrong = |row: &&str| {
@@ -134,7 +133,7 @@ impl Desk {
         serde_json::from_str(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"))
     }
 
-    /// Whether a command writes the same bytes on one thread and on two; the files of one are in `out-1`.
+    /// Checks that a command writes the same bytes with one thread and with two. `out-1` holds the files of one thread.
     #[track_caller]
     pub(crate) fn assert_alike_on_any_threads(&self, arguments: &str, names: &[&str]) {
         for threads in [1, 2] {
@@ -155,7 +154,7 @@ impl Desk {
             .output()
             .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
-        // Many configs of tests write what they sweep; notes of that have a test of their own.
+        // Many test configs also set the field that they sweep; another test checks the notes about it.
         let is_swept =
             |line: &&str| line.starts_with("note: ") && line.contains(" is swept over by ");
         let lines = stderr.split_inclusive('\n');
@@ -174,20 +173,20 @@ impl Desk {
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
     pub(crate) stdout: String,
-    /// Standard error, but for the notes below.
+    /// Standard error without the notes in `swept`.
     pub(crate) stderr: String,
-    /// Notes of fields that a config writes although it sweeps them.
+    /// Notes about fields that a config sets although it sweeps them.
     pub(crate) swept: String,
 }
 
-/// A text of the library, with its settings named as flags.
+/// A message of the library, with the names of settings replaced by flags.
 pub(crate) fn with_flags(text: &str) -> String {
     rename_settings(text, |key| format!("--{}", key.replace('_', "-")))
 }
 
 impl Ended {
-    /// Standard output of a command, which must have succeeded without a message but the warnings of its JSON, in which
-    /// settings are flags.
+    /// Standard output of a command that must have succeeded. Standard error may only hold the warnings of its JSON,
+    /// with settings named as flags.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
         let printed = with_flags(&self.stdout);
@@ -221,14 +220,14 @@ impl Ended {
         self.stderr
     }
 
-    /// A command that must have succeeded, and printed these words.
+    /// Checks that a command succeeded and printed these words.
     #[track_caller]
     pub(crate) fn prints(self, words: &str) {
         let printed = self.printed();
         assert!(printed.contains(words), "{words:?} is not in {printed}");
     }
 
-    /// A command that must have failed with `status` and a message that holds these words.
+    /// Checks that a command failed with `status` and a message with these words.
     #[track_caller]
     pub(crate) fn fails(self, status: i32, words: &str) {
         let said = self.said(status);
@@ -276,14 +275,14 @@ impl Table {
     }
 }
 
-/// The number at a place of some JSON.
+/// The number at a JSON pointer.
 #[track_caller]
 pub(crate) fn number_at(json: &serde_json::Value, place: &str) -> f64 {
     let number = json.pointer(place).and_then(serde_json::Value::as_f64);
     number.unwrap_or_else(|| panic!("{place}: {json}"))
 }
 
-/// Whether two numbers agree to a part in `1 / relative`.
+/// Checks that two numbers agree within a relative tolerance.
 #[track_caller]
 pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
     let off = (found - expected).abs();
@@ -296,7 +295,7 @@ pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
 /// The files of a finished run.
 pub(crate) const RUN_FILES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 
-/// Whether nothing but `c.toml` was written.
+/// Checks that `c.toml` is the only file.
 #[track_caller]
 pub(crate) fn assert_untouched(dir: &Path) {
     let names: Vec<_> = std::fs::read_dir(dir)

@@ -1,9 +1,9 @@
-//! Results are written whole or not at all.
+//! Files of results are written completely or not at all.
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
 #[test]
-fn a_config_by_hand_is_not_replaced() {
+fn a_config_edited_by_hand_is_not_overwritten() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out ours").printed();
     let noted = |comment: &str| edited(&desk.read("ours/run.toml"), "trials = 20", comment);
@@ -29,19 +29,19 @@ fn a_config_by_hand_is_not_replaced() {
             std::fs::remove_dir_all(&dir).unwrap();
         }
     }
-    // An empty one holds nothing that could be lost.
+    // An empty file has no contents to lose.
     desk.write("ours/next-run.toml", "");
     desk.palpate("run c.toml --out ours").printed();
-    // Not even where it is the study that is run.
+    // This also holds if the file is the config of this run.
     desk.write("run.toml", STUDY);
     desk.palpate("run run.toml --out .").said(2);
     assert_eq!(desk.read("run.toml"), STUDY);
     assert_eq!(desk.names(""), ["c.toml", "ours", "run.toml"]);
 }
 
-/// A `#` in a text is no comment, also where it begins a line.
+/// A `#` inside a string is not a comment, even at the start of a line.
 #[test]
-fn a_title_of_two_lines_makes_no_config_by_hand() {
+fn a_hash_in_a_title_does_not_count_as_an_edit() {
     let title = "title = \"\"\"\none\n# two, no. # 3\"\"\"\nlength_unit";
     let desk = Desk::with(&edited(STUDY, "length_unit", title));
     desk.palpate("run c.toml --out o").printed();
@@ -50,7 +50,7 @@ fn a_title_of_two_lines_makes_no_config_by_hand() {
 }
 
 #[test]
-fn results_of_a_run_are_replaced_by_those_of_another() {
+fn results_of_a_run_overwrite_those_of_another() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let first = desk.read("o/cells.csv");
@@ -60,11 +60,11 @@ fn results_of_a_run_are_replaced_by_those_of_another() {
     assert_eq!(desk.read("o/cells.csv"), first);
 }
 
-/// A file may grow to 512 bytes only, which stands for a full disk.
+/// Limits files to 512 bytes, as a full disk would.
 const FULL: &str = "ulimit -f 1; trap '' XFSZ; exec \"$palpate\"";
 
 #[test]
-fn a_full_disk_leaves_what_was_there() {
+fn a_full_disk_keeps_earlier_results() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     desk.palpate("trace c.toml --out o").printed();
@@ -89,9 +89,9 @@ fn a_full_disk_leaves_what_was_there() {
     }
 }
 
-/// The disk is full only when the tables are written and the last file is not.
+/// The disk becomes full after the tables, before the last file is written.
 #[test]
-fn a_disk_that_fills_up_leaves_no_table_of_another_run() {
+fn a_disk_that_fills_up_keeps_no_table_of_another_run() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let before = RUN_FILES.map(|name| desk.read(&format!("o/{name}")));
@@ -114,7 +114,7 @@ fn a_disk_that_fills_up_leaves_no_table_of_another_run() {
         RUN_FILES.map(|name| desk.read(&format!("o/{name}"))),
         before
     );
-    // With room again, the same command writes what it has.
+    // When the disk has space again, the same command writes the results.
     let ended = desk.palpate("run c.toml --out o --seed 99");
     assert!(
         ended.stderr.contains("note: goes on after 2 of 2 cells"),
@@ -126,7 +126,7 @@ fn a_disk_that_fills_up_leaves_no_table_of_another_run() {
 }
 
 #[test]
-fn a_full_disk_leaves_nothing_half_written() {
+fn a_full_disk_keeps_no_partly_written_file() {
     let desk = Desk::with(STUDY);
     desk.shell(&format!("{FULL} run c.toml --out new")).said(1);
     assert_eq!(desk.names("new"), [""; 0]);

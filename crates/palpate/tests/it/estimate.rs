@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::desk::{Desk, assert_close};
 
-/// Two sharp rolls on a sphere of 40 mm by a probe of 10 mm.
+/// Two exact rolls on a sphere of 40 mm by a probe of 10 mm.
 const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 0,0,-0.5,4,0
 1,0.5,0,0,4
@@ -57,7 +57,7 @@ fn quantities_have_value_std_and_unit() {
 }
 
 #[test]
-fn intervals_reach_as_far_as_the_noise_is_known() {
+fn intervals_use_students_t_unless_the_noise_is_stated() {
     let half_width = |options: &str| {
         let quantity = &estimate(SCATTERED, options)["mean_curvature"];
         let number = |value: &Value| value.as_f64().unwrap();
@@ -80,7 +80,7 @@ fn columns_in_any_order_spaces_and_quotes() {
 }
 
 #[test]
-fn of_a_time_series_the_last_row_counts() {
+fn the_last_row_of_a_time_series_counts() {
     let series = "probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 1,0,0,0,0,0
 0,0,0,0,0,0
@@ -103,7 +103,7 @@ fn deviations_come_from_the_residuals() {
         residual,
         1e-9,
     );
-    // Two rolls of 0.5 rad tell the travel per radian, 8 mm; curvature is its inverse.
+    // Two rolls of 0.5 rad determine the travel per radian, 8 mm. The curvature follows from its inverse.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(
         json["normal_curvature_u"]["std"].as_f64().unwrap(),
@@ -113,7 +113,7 @@ fn deviations_come_from_the_residuals() {
 }
 
 #[test]
-fn a_probe_that_slipped_is_doubted_by_its_number() {
+fn a_warning_names_the_probe_that_slipped() {
     // Rolls over 4 mm per half radian, with errors of 0.02 mm; that of probe 13 is 1 mm short.
     let rows = [
         "10,0,-0.5,4.02,0",
@@ -146,7 +146,7 @@ fn a_probe_that_slipped_is_doubted_by_its_number() {
         warnings.contains("probe 13 contradicts the others"),
         "{warnings}"
     );
-    // Noise that is found has no p-value; the probe is told all the same.
+    // With estimated noise there is no p-value, but the warning still names the probe.
     let found = estimate(&readings, "");
     assert_eq!(found["p_value"], Value::Null);
     assert!(
@@ -226,16 +226,19 @@ fn a_hundred_thousand_probes() {
     assert_close(curvatures(&json)[0], 0.025, 1e-9);
 }
 
-/// Noise so small that squares of residuals over it are beyond double precision.
+/// Noise so small that the squared residuals divided by it overflow double precision.
 #[test]
-fn noise_that_is_far_too_small_is_told_without_infinity() {
+fn a_far_too_small_stated_noise_prints_no_infinity() {
     let desk = Desk::new();
     let readings = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../examples/roll-readings.csv"
     );
     let command = format!("estimate roll {readings} --probe-radius 10 --shift-std 1e-300");
-    let told = desk.palpate(&command).printed();
-    assert!(told.contains("\"large-residuals\""), "{told}");
-    assert!(!told.contains("inf ") && !told.contains("NaN"), "{told}");
+    let printed = desk.palpate(&command).printed();
+    assert!(printed.contains("\"large-residuals\""), "{printed}");
+    assert!(
+        !printed.contains("inf ") && !printed.contains("NaN"),
+        "{printed}"
+    );
 }

@@ -45,7 +45,7 @@ fn mean(json: &Value) -> f64 {
 }
 
 #[test]
-fn contacts_that_tell_no_patch() {
+fn contacts_without_a_patch_are_refused() {
     let ball = grid(BARE, 12, |u, v| {
         let (sin, cos) = libm::sincos(3.1 * u);
         let (height, radius) = libm::sincos(1.5 * v);
@@ -73,9 +73,9 @@ fn contacts_that_tell_no_patch() {
 }
 
 #[test]
-fn a_wall_is_a_patch_like_any_other() {
-    // A cylinder of radius 5 around z, seen from +x. The default outward direction lies in the plane of this patch, so
-    // the command requires `--outward`.
+fn a_vertical_wall_needs_the_outward_direction() {
+    // A cylinder of radius 5 around z; the patch is on its +x side. The default outward direction lies in the plane
+    // of this patch, so the command requires `--outward`.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")
@@ -87,7 +87,7 @@ fn a_wall_is_a_patch_like_any_other() {
 }
 
 #[test]
-fn size_does_not_matter() {
+fn estimates_scale_with_the_unit_of_length() {
     for scale in [1.0, 1e-9, 1e9] {
         let json = estimate(&bowl(scale), "");
         assert_close(mean(&json) * scale, -0.4, 1e-9);
@@ -121,7 +121,7 @@ fn duplicates_and_one_finger() {
 }
 
 #[test]
-fn given_thresholds_and_noise_are_used() {
+fn stated_thresholds_and_noise_are_used() {
     let json = estimate(
         &bowl(1.0),
         "--gaussian-threshold 1 --mean-threshold 1 --position-std 0.02 --method quadric",
@@ -165,7 +165,7 @@ fn two_pass_of_one_finger_needs_a_unit() {
 }
 
 #[test]
-fn a_map_at_the_contacts_has_their_places_in_their_order() {
+fn a_map_at_the_contacts_has_their_positions_in_their_order() {
     // The outward direction of the bowl is z, so lines along it meet z = 0.2 (x² + y²) at the contacts.
     let desk = desk(&bowl(1.0));
     let on_grid = desk

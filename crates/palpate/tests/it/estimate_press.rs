@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::desk::{Desk, assert_close, number_at};
 
 #[test]
-fn markers_that_moved_alike_show_no_shape() {
+fn equal_displacements_of_all_markers_are_no_contact() {
     for moved in [0.0, 0.3, -0.3] {
         let mut readings = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
         for row in 0..49 {
@@ -27,7 +27,7 @@ fn markers_that_moved_alike_show_no_shape() {
 }
 
 #[test]
-fn size_does_not_matter() {
+fn estimates_scale_with_the_unit_of_length() {
     // Surface of a Hertz contact with R = 12 and δ = 1: it is 1 − r²/24 within the contact, and decays outside.
     let surface = |r: f64| {
         let ratio = r / 12.0_f64.sqrt();

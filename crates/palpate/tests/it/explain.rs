@@ -56,7 +56,7 @@ fn quantities_have_units_and_meanings() {
 }
 
 #[test]
-fn failures_lead_to_their_words() {
+fn error_messages_name_the_term_to_explain() {
     let desk = Desk::new();
     let header = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n";
     desk.write("few.csv", format!("{header}0,0,-0.5,4,0\n"));
@@ -80,7 +80,7 @@ fn failures_lead_to_their_words() {
         assert_eq!(line, format!("explain {term}`"), "{said}");
         desk.palpate(line.trim_end_matches('`')).prints(term);
     }
-    // A setting that is wrong says so itself.
+    // The message about a wrong setting needs no explanation.
     let said = desk
         .palpate("estimate press still.csv --sensor-radius 1e-320")
         .said(1);

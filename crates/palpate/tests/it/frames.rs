@@ -20,14 +20,14 @@ const RIM: f64 = 190.0;
 /// Angular radius of a marker, rad.
 const RADIUS: f64 = 0.045;
 
-/// Places of the markers: a square net within a circle, rad.
+/// Positions of the markers: a square grid within a circle, rad.
 pub(crate) fn places() -> Vec<[f64; 2]> {
     let steps = || (-5..=5).map(|step| f64::from(step) * SPACING);
     let net = steps().flat_map(|y| steps().map(move |x| [x, y]));
     net.filter(|[x, y]| libm::hypot(*x, *y) < 1.05).collect()
 }
 
-/// A frame of markers that were displaced inward, mm, by `inward` of their place, but for those left out.
+/// A frame of markers, each displaced inward by `inward(position)` mm, without the markers in `without`.
 pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbImage {
     let middle = 0.5 * (f64::from(SIDE) - 1.0);
     let mut image = RgbImage::from_fn(SIDE, SIDE, |column, row| {
@@ -41,14 +41,14 @@ pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbI
         let [x, y] = place;
         let radius = RADIUS * DISTANCE / (DISTANCE - inward(place)) * PX_PER_RAD;
         let centre = [middle + PX_PER_RAD * x, middle - PX_PER_RAD * y];
-        // Magenta takes green; yellow, a little aside, takes blue.
+        // Magenta absorbs green; yellow, drawn slightly to the side, absorbs blue.
         disc(&mut image, centre, radius, 1);
         disc(&mut image, [centre[0] + 0.3 * radius, centre[1]], radius, 2);
     }
     image
 }
 
-/// Takes a channel's light from a disc, whose rim falls off over a pixel.
+/// Darkens a colour channel within a disc, with an edge one pixel wide.
 fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
     let within = |column: u32, row: u32| {
         let distance = libm::hypot(f64::from(column) - x, f64::from(row) - y);
@@ -78,7 +78,7 @@ pub(crate) fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// The beginning of a PNG file of this size: signature and header, without any pixels.
+/// Start of a PNG file of this size: signature and header, no pixels.
 pub(crate) fn png_header(width: u32, height: u32) -> Vec<u8> {
     let mut header = b"IHDR".to_vec();
     header.extend(width.to_be_bytes());

@@ -89,7 +89,7 @@ fn a_run_writes_cells_trace_and_maps() {
 }
 
 #[test]
-fn a_trace_can_be_estimated_from() {
+fn estimates_from_a_trace_have_the_true_values() {
     let desk = Desk::with(GLIDE);
     let printed = desk.palpate("trace c.toml --out t").printed();
     assert_eq!(printed, "a-glide: 30 contacts of 3 fingers -> t\n");
@@ -100,7 +100,7 @@ fn a_trace_can_be_estimated_from() {
     );
     for row in 0..30 {
         let number = |column: &str| truth.number(row, column);
-        // The tip's centre is in the finger's plane, the contact beside it and on the saddle.
+        // The tip's centre is in the finger's plane. The contact is not; it is on the saddle.
         assert_eq!(number("tip_y_mm"), [-15.0, 0.0, 15.0][row / 10]);
         let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(number);
         assert!((z - 0.01 * (x * x - y * y)).abs() < 1e-9);
@@ -169,7 +169,7 @@ fn a_trace_can_be_estimated_from() {
 }
 
 #[test]
-fn two_pass_states_no_deviation() {
+fn two_pass_has_no_standard_errors() {
     let desk = Desk::with(GLIDE);
     desk.palpate("trace c.toml --out t --cell 1 --trial 0")
         .printed();
@@ -185,7 +185,7 @@ fn two_pass_states_no_deviation() {
 }
 
 #[test]
-fn check_tells_what_is_needed() {
+fn check_prints_models_noise_and_estimator() {
     let printed = Desk::with(GLIDE).palpate("check c.toml").printed();
     for line in [
         "cells   2, of which 1 run a single trial",
@@ -203,8 +203,8 @@ fn check_tells_what_is_needed() {
 }
 
 #[test]
-fn a_cell_without_a_map_is_told() {
-    // Normals that point anywhere are those of no patch.
+fn a_warning_names_cells_without_a_map() {
+    // Normals in random directions fit no patch.
     let lost = edited(GLIDE, "values = [0, 0.05]", "values = [0, 1]").replace(
         "fraction_of_ifd = 0.0 } }",
         "fraction_of_ifd = 0.0 }, normal = { kind = \"gaussian\", std_deg = 90 } }",
@@ -216,7 +216,7 @@ fn a_cell_without_a_map_is_told() {
     assert_eq!(ended.status, Some(1));
 }
 
-/// A study of tips of 4 mm on a ball of 20 mm, told by their lowest points.
+/// A study of tips of 4 mm on a ball of 20 mm; the sensor reports the lowest points of the tips.
 const ROUND: &str = r#"name = "round-tips"
 length_unit = "mm"
 seed = 7
@@ -233,7 +233,7 @@ evaluate = { grid = 5, half_width = 3.0, gaussian_threshold = 0.00005, mean_thre
 "#;
 
 #[test]
-fn lowest_points_and_centres_of_round_tips_tell_the_object() {
+fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
     let desk = Desk::with(ROUND);
     desk.palpate("run c.toml --out o").printed();
     let cells = desk.table("o/cells.csv");
@@ -245,7 +245,7 @@ fn lowest_points_and_centres_of_round_tips_tell_the_object() {
         let estimate: Value = serde_json::from_str(&printed).unwrap();
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
-    // To what one smoothed spline is exact to; the tip taken for a point makes a ball of 24 mm of it.
+    // Within the error of one smoothing spline. If the tip is ignored, the ball seems to have a radius of 24 mm.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
     assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(

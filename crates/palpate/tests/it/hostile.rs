@@ -1,5 +1,5 @@
-//! A table of hostile calls, `hostile.txt`: each ends with its status and says its words, nothing panics, and whatever the
-//! user had has the same bytes after it.
+//! A table of hostile calls, `hostile.txt`: each ends with its status and prints its words, nothing panics, and the
+//! user's files keep their bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,9 +12,9 @@ use super::desk::{Desk, STUDY};
 use super::frames::{frame, write};
 
 const TABLE: &str = include_str!("hostile.txt");
-/// Bytes of a file that are compared; a file of more has its length compared too.
+/// Number of bytes compared per file; the length of the file is compared as well.
 const MOST_BYTES: u64 = 1 << 24;
-/// Fewer rows than this are not the table.
+/// Smallest number of rows; a table with fewer was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";
@@ -29,8 +29,8 @@ struct Call {
     words: String,
 }
 
-/// Text with `@name` replaced, by longer names first.
-fn named(text: &str, names: &BTreeMap<&str, String>) -> String {
+/// Replaces `@name` in a text, longer names first.
+fn replace_names(text: &str, names: &BTreeMap<&str, String>) -> String {
     let mut text = text.to_owned();
     let mut known: Vec<&str> = names.keys().copied().collect();
     known.sort_by_key(|name| std::cmp::Reverse(name.len()));
@@ -40,8 +40,8 @@ fn named(text: &str, names: &BTreeMap<&str, String>) -> String {
     text
 }
 
-/// Lines of all choices in the outermost braces; a comma after a backslash parts none.
-fn chosen(line: &str) -> Vec<String> {
+/// One line for each choice in the outermost braces. A comma after a backslash does not separate choices.
+fn expand_braces(line: &str) -> Vec<String> {
     let Some(start) = line.find('{') else {
         return vec![line.replace("\\,", ",")];
     };
@@ -61,7 +61,7 @@ fn chosen(line: &str) -> Vec<String> {
             let lines = choices
                 .iter()
                 .map(|choice| format!("{}{choice}{rest}", &line[..start]));
-            return lines.flat_map(|line| chosen(&line)).collect();
+            return lines.flat_map(|line| expand_braces(&line)).collect();
         }
         if at > 0 {
             choices.last_mut().unwrap().push(one);
@@ -76,14 +76,17 @@ fn calls() -> Vec<Call> {
     for line in TABLE.lines().filter(|line| !line.is_empty()) {
         if let Some(line) = line.strip_prefix('@') {
             let (name, text) = line.split_once(' ').unwrap();
-            names.insert(name, named(text, &names));
+            names.insert(name, replace_names(text, &names));
         } else if let Some(line) = line.strip_prefix(':') {
-            before = named(line.trim(), &names);
+            before = replace_names(line.trim(), &names);
         } else if !line.starts_with('#') {
             let parts: Vec<&str> = line.splitn(3, '"').collect();
-            let (status, words) = (parts[0].trim().parse().unwrap(), named(parts[1], &names));
+            let (status, words) = (
+                parts[0].trim().parse().unwrap(),
+                replace_names(parts[1], &names),
+            );
             calls.extend(
-                chosen(&named(parts[2].trim(), &names))
+                expand_braces(&replace_names(parts[2].trim(), &names))
                     .into_iter()
                     .map(|line| Call {
                         before: before.clone(),
@@ -97,8 +100,8 @@ fn calls() -> Vec<Call> {
     calls
 }
 
-/// Kinds and contents of all that is in a directory, but for what is palpate's.
-fn kept(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
+/// Kind and contents of each file in a directory, except palpate's own files.
+fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(dir.join(within)).unwrap() {
         let (entry, name) = entry
@@ -109,7 +112,7 @@ fn kept(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
             (is_ours || inner == "o" || inner.starts_with("o.")) && !name.starts_with("mine");
         let about = fs::symlink_metadata(&entry).unwrap();
         if about.is_dir() {
-            found.extend(kept(dir, &inner, is_ours));
+            found.extend(user_files(dir, &inner, is_ours));
         } else if !is_ours {
             let link = fs::read_link(&entry).unwrap_or_default();
             let mut bytes =
@@ -124,13 +127,13 @@ fn kept(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Fault of a call, if it has one.
-fn wrong(call: &Call, shell: &str) -> Option<String> {
+/// The fault in the result of a call, if any.
+fn find_fault(call: &Call, shell: &str) -> Option<String> {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     let before = desk.shell(&format!("{shell}{}", call.before));
-    let known = kept(&desk.path(""), "", false);
+    let known = user_files(&desk.path(""), "", false);
     let ended = desk.shell(&format!("{shell}{}", call.line));
-    let after = kept(&desk.path(""), "", false);
+    let after = user_files(&desk.path(""), "", false);
     let said = &ended.stderr;
     let lost: Vec<&String> = known
         .iter()
@@ -161,7 +164,7 @@ fn shared() -> Desk {
 }
 
 #[test]
-fn calls_end_as_the_table_says_and_lose_nothing() {
+fn calls_end_as_the_table_states_and_change_no_file() {
     let calls = calls();
     let distinct: BTreeSet<(&str, &str)> = calls
         .iter()
@@ -184,10 +187,10 @@ fn calls_end_as_the_table_says_and_lose_nothing() {
     );
     let work = || {
         let mine = std::iter::from_fn(|| calls.get(next.fetch_add(1, Ordering::Relaxed)));
-        mine.filter_map(|call| wrong(call, &shell))
+        mine.filter_map(|call| find_fault(call, &shell))
             .collect::<Vec<String>>()
     };
-    let wrong: Vec<String> = thread::scope(|scope| {
+    let faults: Vec<String> = thread::scope(|scope| {
         let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         workers
             .into_iter()
@@ -195,10 +198,10 @@ fn calls_end_as_the_table_says_and_lose_nothing() {
             .collect()
     });
     assert!(
-        wrong.is_empty(),
+        faults.is_empty(),
         "{} of {} calls:\n{}",
-        wrong.len(),
+        faults.len(),
         calls.len(),
-        wrong.concat()
+        faults.concat()
     );
 }

@@ -1,4 +1,4 @@
-//! Runs that are killed, and go on.
+//! Runs that are killed and resumed.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
-/// Some seconds of work on one thread without optimisation, so many times.
-fn slow(times: u32) -> String {
+/// A study of `times` times a few seconds of work on one thread without optimisation.
+fn slow_study(times: u32) -> String {
     let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
     edited(
@@ -17,7 +17,7 @@ fn slow(times: u32) -> String {
     )
 }
 
-fn begun(desk: &Desk, arguments: &str) -> Child {
+fn start_run(desk: &Desk, arguments: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_palpate"))
         .args(arguments.split_whitespace())
         .current_dir(desk.path("."))
@@ -27,18 +27,18 @@ fn begun(desk: &Desk, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// Desk of a run into `o` that is stopped when its journal has more than so many bytes. `arguments` are those of the
-/// study that is so many times longer; a machine on which it ends too early has to do a longer one.
-fn interrupted(
+/// Desk of a run into `o` that is stopped when its journal exceeds `bytes`. `arguments` maps the factor by which the
+/// study is longer to the command; if the run ends too early, a longer study is tried.
+fn interrupt_run(
     bytes: u64,
     arguments: impl Fn(u32) -> String,
     stop: impl Fn(&Desk, &mut Child),
 ) -> (Desk, Child, String) {
     for times in [1, 4, 16, 64] {
-        let desk = Desk::with(&slow(times));
+        let desk = Desk::with(&slow_study(times));
         let arguments = arguments(times);
-        let mut child = begun(&desk, &arguments);
-        if grown(&desk, &mut child, bytes) && paused(&desk, &mut child) {
+        let mut child = start_run(&desk, &arguments);
+        if wait_for_journal(&desk, &mut child, bytes) && pause(&desk, &mut child) {
             stop(&desk, &mut child);
             if child.wait().unwrap().code() != Some(0) {
                 return (desk, child, arguments);
@@ -48,19 +48,19 @@ fn interrupted(
     panic!("every run ended before it was stopped");
 }
 
-/// Stops a run where it is; whether it had not ended before.
-fn paused(desk: &Desk, child: &mut Child) -> bool {
+/// Pauses a run; returns false if it had already ended.
+fn pause(desk: &Desk, child: &mut Child) -> bool {
     desk.shell(&format!("kill -STOP {}", child.id()));
     child.try_wait().unwrap().is_none()
 }
 
-fn killed(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {
-    let (desk, _, arguments) = interrupted(bytes, arguments, |_, child| child.kill().unwrap());
+fn kill_run(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {
+    let (desk, _, arguments) = interrupt_run(bytes, arguments, |_, child| child.kill().unwrap());
     (desk, arguments)
 }
 
-/// Whether the journal in `o` grew to more than so many bytes before the run ended.
-fn grown(desk: &Desk, child: &mut Child, bytes: u64) -> bool {
+/// Whether the journal in `o` exceeded `bytes` before the run ended.
+fn wait_for_journal(desk: &Desk, child: &mut Child, bytes: u64) -> bool {
     let start = Instant::now();
     let journal = desk.path("o/journal.palpate");
     while fs::metadata(&journal).map_or(0, |found| found.len()) <= bytes {
@@ -73,7 +73,7 @@ fn grown(desk: &Desk, child: &mut Child, bytes: u64) -> bool {
     true
 }
 
-fn same(desk: &Desk, one: &str, other: &str) {
+fn assert_same_results(desk: &Desk, one: &str, other: &str) {
     for name in RUN_FILES {
         assert_eq!(
             desk.read(&format!("{one}/{name}")),
@@ -89,22 +89,22 @@ fn on_one_thread(_: u32) -> String {
 }
 
 #[test]
-fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
-    let desk = Desk::with(&slow(1));
+fn a_killed_run_resumes_to_the_same_bytes() {
+    let desk = Desk::with(&slow_study(1));
     desk.palpate("run c.toml --out whole").printed();
     for wait in [1, 100, 300, 600] {
-        let mut child = begun(&desk, &on_one_thread(1));
+        let mut child = start_run(&desk, &on_one_thread(1));
         std::thread::sleep(Duration::from_millis(wait));
         child.kill().unwrap();
         child.wait().unwrap();
     }
     assert_eq!(desk.palpate("run c.toml --out o").status, Some(0));
-    same(&desk, "o", "whole");
+    assert_same_results(&desk, "o", "whole");
 }
 
 #[test]
-fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
-    let (desk, _) = killed(25_000, on_one_thread);
+fn damaged_records_of_a_journal_are_computed_again() {
+    let (desk, _) = kill_run(25_000, on_one_thread);
     desk.palpate("run c.toml --out whole").printed();
     let torn = fs::read(desk.path("o/journal.palpate")).unwrap();
     let config = desk.read("o/run.toml");
@@ -115,12 +115,12 @@ fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
         desk.write("o/journal.palpate", journal);
         let ended = desk.palpate("run c.toml --out o");
         assert_eq!(ended.status, Some(0), "{ended:?}");
-        same(&desk, "o", "whole");
+        assert_same_results(&desk, "o", "whole");
         ended.stderr
     };
     again(&torn);
     again(&torn[..torn.len() * 2 / 3]);
-    // Zeros, which a file system leaves where the power failed, and a bit that fell over.
+    // Zeros, as some file systems write at a power failure, and a flipped bit.
     let mut zeros = torn.clone();
     zeros.extend([0; 5000]);
     assert!(again(&zeros).contains("is damaged, and is done again"));
@@ -131,9 +131,9 @@ fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
 }
 
 #[test]
-fn signals_end_a_run_in_good_order() {
+fn a_run_stopped_by_a_signal_resumes() {
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
-        let (desk, child, _) = interrupted(2_000, on_one_thread, |desk, child| {
+        let (desk, child, _) = interrupt_run(2_000, on_one_thread, |desk, child| {
             let said = desk.palpate("status o").printed();
             assert!(said.contains("state    running"), "{said}");
             desk.shell(&format!(
@@ -158,13 +158,13 @@ fn signals_end_a_run_in_good_order() {
             "{}",
             ended.stderr
         );
-        same(&desk, "o", "whole");
+        assert_same_results(&desk, "o", "whole");
     }
 }
 
 #[test]
-fn another_run_is_refused_and_what_was_done_stays() {
-    let (desk, ..) = interrupted(3_000, on_one_thread, |desk, child| {
+fn another_run_is_refused_and_the_journal_is_kept() {
+    let (desk, ..) = interrupt_run(3_000, on_one_thread, |desk, child| {
         let said = desk.palpate("run c.toml --out o --seed 8").said(1);
         assert!(said.contains("o is held by process"), "{said}");
         child.kill().unwrap();
@@ -195,7 +195,7 @@ fn another_run_is_refused_and_what_was_done_stays() {
     desk.palpate("run c.toml --out o --trials 7 --restart")
         .printed();
     assert_eq!(desk.names("o"), RUN_FILES);
-    // What is no journal is not touched.
+    // A file that is not a journal is not changed.
     desk.write("o/journal.palpate", "mine");
     let said = desk.palpate("run c.toml --out o --trials 7").said(2);
     assert!(
@@ -206,8 +206,8 @@ fn another_run_is_refused_and_what_was_done_stays() {
 }
 
 #[test]
-fn a_choice_of_trials_is_made_once() {
-    let (desk, line) = killed(3_000, |times| {
+fn a_resumed_run_keeps_the_chosen_number_of_trials() {
+    let (desk, line) = kill_run(3_000, |times| {
         let target = 0.008 / f64::from(times).sqrt();
         format!("run c.toml --out o --threads 1 --target-error {target}")
     });
@@ -215,5 +215,5 @@ fn a_choice_of_trials_is_made_once() {
         .printed();
     let ended = desk.palpate(&line);
     assert!(ended.stderr.contains("note: goes on after"), "{ended:?}");
-    same(&desk, "o", "whole");
+    assert_same_results(&desk, "o", "whole");
 }

@@ -1,4 +1,4 @@
-//! `palpate estimate … --like STUDY.toml`: recorded readings taken as a study takes its own.
+//! `palpate estimate … --like STUDY.toml`: recorded readings, estimated with the settings of a study.
 
 use serde_json::Value;
 
@@ -39,7 +39,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", indentation = "fitted", gain_std = 0.02 }
 "#;
 
-/// Traces trial 3 of a study, and lays the study beside its readings.
+/// A desk with a study as `c.toml` and the readings of its trial 3.
 fn traced(study: &str) -> Desk {
     let desk = Desk::with(study);
     desk.palpate("trace c.toml --out t --trial 3").printed();
@@ -50,9 +50,9 @@ fn json(desk: &Desk, arguments: &str) -> Value {
     serde_json::from_str(&desk.palpate(&format!("estimate {arguments}")).printed()).unwrap()
 }
 
-/// A study's estimate of its own readings is the one with its settings given as flags.
+/// `--like` a study and the settings of that study as flags produce the same estimate.
 #[test]
-fn settings_of_a_study_are_those_given_as_flags() {
+fn settings_of_a_study_equal_the_same_settings_as_flags() {
     for (study, kind, flags) in [
         (
             ROLL,
@@ -72,19 +72,27 @@ fn settings_of_a_study_are_those_given_as_flags() {
     ] {
         let desk = traced(study);
         let readings = format!("{kind} t/readings.csv");
-        let told = json(&desk, &format!("{readings} --like c.toml"));
-        assert_eq!(told, json(&desk, &format!("{readings} {flags}")), "{kind}");
-        // What is not taken over changes the estimate, so that the comparison can fail.
+        let estimate = json(&desk, &format!("{readings} --like c.toml"));
+        assert_eq!(
+            estimate,
+            json(&desk, &format!("{readings} {flags}")),
+            "{kind}"
+        );
+        // Without these settings the estimate differs, so the comparison above can fail.
         let bare = match kind {
             "roll" => "--probe-radius 10",
             "press" => "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 5",
             _ => "",
         };
-        assert_ne!(told, json(&desk, &format!("{readings} {bare}")), "{kind}");
+        assert_ne!(
+            estimate,
+            json(&desk, &format!("{readings} {bare}")),
+            "{kind}"
+        );
     }
 }
 
-/// A study in metres takes readings in millimetres.
+/// Studies in other units of length produce the same estimate from readings in millimetres.
 #[test]
 fn lengths_are_converted_to_the_readings_unit() {
     let press = PRESS
@@ -123,8 +131,8 @@ fn lengths_are_converted_to_the_readings_unit() {
     ] {
         let desk = traced(study);
         desk.write("other.toml", other);
-        let told = |study| json(&desk, &format!("{kind} t/readings.csv --like {study}"));
-        let (of_one, of_other) = (told("c.toml"), told("other.toml"));
+        let estimate = |study| json(&desk, &format!("{kind} t/readings.csv --like {study}"));
+        let (of_one, of_other) = (estimate("c.toml"), estimate("other.toml"));
         for number in ["value", "std"] {
             let [a, b] = [&of_one, &of_other].map(|json| json[quantity][number].as_f64().unwrap());
             assert_close(a, b, 1e-6 * a.abs());
@@ -159,34 +167,38 @@ fn a_flag_overrides_the_study() {
         found != 0.05 && (0.5..2.0).contains(&(found / 0.05)),
         "{found}"
     );
-    // The study fits the indentation; a told one is taken.
+    // The study fits the indentation; a stated indentation is used instead.
     assert!(with("")["indentation"]["std"].as_f64().unwrap() > 0.0);
-    let told = with("--indentation 1.5 --indentation-std 1e-9");
-    assert_close(told["indentation"]["value"].as_f64().unwrap(), 1.5, 1e-8);
-    // The gain that the study lets vary stays with another method that has one.
+    let estimate = with("--indentation 1.5 --indentation-std 1e-9");
+    assert_close(
+        estimate["indentation"]["value"].as_f64().unwrap(),
+        1.5,
+        1e-8,
+    );
+    // The fitted gain of the study is kept for another method that also has a gain.
     assert!(!with("--method half-space")["gain"].is_null());
     desk.palpate(&format!("estimate {like} --window 5"))
         .fails(2, "--window is of use only to --method gaussian");
 }
 
-/// Knowledge of an indentation is no property of the readings.
+/// The indentation of a simulated press does not apply to recorded readings.
 #[test]
-fn the_indentation_of_a_study_is_not_taken_over() {
+fn the_indentation_of_a_study_is_not_used() {
     let desk = traced(&edited(
         PRESS,
         "\"fitted\"",
         "\"known\", indentation_std = 0.01",
     ));
-    let told = json(&desk, "press t/readings.csv --like c.toml");
-    assert_ne!(told["indentation"]["value"], 1.5);
-    let told = json(
+    let estimate = json(&desk, "press t/readings.csv --like c.toml");
+    assert_ne!(estimate["indentation"]["value"], 1.5);
+    let estimate = json(
         &desk,
         "press t/readings.csv --like c.toml --indentation 1.5",
     );
-    assert!(told["indentation"]["std"].as_f64().unwrap() <= 0.01);
+    assert!(estimate["indentation"]["std"].as_f64().unwrap() <= 0.01);
 }
 
-/// Every setting that a config has can be told of recorded readings.
+/// Every estimator setting of a config is also a flag for recorded readings.
 #[test]
 fn every_setting_is_a_flag() {
     let schema: Value = serde_json::from_str(&Desk::new().palpate("schema").printed()).unwrap();

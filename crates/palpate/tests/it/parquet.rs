@@ -1,4 +1,4 @@
-//! Tables as Parquet, read back and held against the same tables as CSV.
+//! Tables as Parquet, read back and compared with the same tables as CSV.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use super::shards::{PRESSES, many};
 
 const TABLES: [&str; 3] = ["cells", "failures", "map"];
 
-/// Rolls with axes of all kinds: numbers that count, words, tables with awkward labels, a parameter of a formula.
+/// Rolls with axes of all kinds: integers, words, tables with awkward labels, a parameter of a formula.
 const KINDS: &str = r#"name = "kinds"
 length_unit = "cm"
 
@@ -49,7 +49,7 @@ to = 0.2
 count = 2
 "#;
 
-/// A Parquet file: its columns with type and unit, its rows, and what is told of it.
+/// A Parquet file: its columns with type and unit, its rows, and its metadata.
 struct Read {
     columns: Vec<(String, &'static str, Option<String>)>,
     rows: Vec<Vec<Field>>,
@@ -113,8 +113,8 @@ fn read(desk: &Desk, name: &str) -> Read {
     }
 }
 
-/// Compares every name and every value with a table as CSV; gives the number of values.
-fn same(desk: &Desk, name: &str, csv: &str) -> usize {
+/// Compares every name and every value with a table as CSV; returns the number of values.
+fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
     let (found, expected) = (read(desk, name), desk.table(csv));
     let names: Vec<&String> = found.columns.iter().map(|(name, ..)| name).collect();
     assert_eq!(names, expected.header.iter().collect::<Vec<_>>(), "{name}");
@@ -143,7 +143,7 @@ fn same(desk: &Desk, name: &str, csv: &str) -> usize {
 }
 
 #[test]
-fn every_value_is_that_of_the_csv() {
+fn every_value_equals_that_of_the_csv() {
     // Whether there is a failure, and a map.
     for (study, fails, maps) in [
         (many(), false, false),
@@ -165,12 +165,12 @@ fn every_value_is_that_of_the_csv() {
             let is_there = table != "map" || maps;
             assert_eq!(desk.path(&parquet).exists(), is_there, "{parquet}");
             if is_there {
-                let values = same(&desk, &parquet, &csv);
+                let values = compare_tables(&desk, &parquet, &csv);
                 assert!(values > 0 || table == "failures" && !fails, "{parquet}");
             }
         }
-        assert!(same(&desk, "t.parquet", "t.csv") > 0);
-        // All else is the same.
+        assert!(compare_tables(&desk, "t.parquet", "t.csv") > 0);
+        // All other files are the same.
         let others = |dir: &str| {
             let mut names = desk.names(dir);
             names.retain(|name| !TABLES.iter().any(|table| name.starts_with(table)));
@@ -239,7 +239,7 @@ fn columns_have_types_and_units() {
 }
 
 #[test]
-fn files_tell_where_they_are_from() {
+fn metadata_states_the_origin_of_a_file() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --format parquet")
         .printed();
@@ -261,7 +261,7 @@ fn files_tell_where_they_are_from() {
 }
 
 #[test]
-fn bytes_are_the_same_however_they_came_about() {
+fn threads_shards_and_pipes_write_the_same_bytes() {
     let desk = Desk::with(&many());
     let line = "run c.toml --format parquet --trials-out";
     desk.palpate(&format!("{line} t.parquet --out whole --threads 1"));
@@ -282,7 +282,7 @@ fn bytes_are_the_same_however_they_came_about() {
         );
     }
     assert!(bytes("t.parquet") == bytes("u.parquet") && bytes("t.parquet") == bytes("v.parquet"));
-    // On standard output there is the file, and nothing else.
+    // Standard output holds the file and nothing else.
     let ended = desk.shell(
         "\"$palpate\" merge s --out n --format parquet --trials-out - > w.parquet && \
          \"$palpate\" run c.toml --out q --format parquet --trials-out - > x.parquet",
@@ -299,14 +299,14 @@ fn long_tables_have_groups_of_rows() {
         .printed();
     desk.palpate("run c.toml --out o --trials-out t.parquet")
         .printed();
-    same(&desk, "t.parquet", "t.csv");
+    compare_tables(&desk, "t.parquet", "t.csv");
     let table = read(&desk, "t.parquet");
     assert_eq!(table.groups, table.rows.len().div_ceil(1 << 16));
     assert!(table.groups > 1);
 }
 
 #[test]
-fn a_directory_has_the_tables_of_one_run() {
+fn a_run_removes_the_tables_of_an_earlier_run() {
     let desk = Desk::with(&with_plot());
     desk.palpate("run c.toml --out o").printed();
     desk.palpate("plot o").printed();
@@ -323,13 +323,13 @@ fn a_directory_has_the_tables_of_one_run() {
         let said = desk.palpate(command).said(1);
         assert!(said.contains("o has its tables as Parquet"), "{said}");
     }
-    // Another study may take their place, and the same as CSV.
+    // Another study overwrites them, and so do tables as CSV.
     desk.palpate("run c.toml --out o --format parquet --seed 8")
         .printed();
     desk.palpate("run c.toml --out o --seed 9").printed();
     assert_eq!(desk.names("o"), ["cells.csv", "failures.csv", "run.toml"]);
     assert_eq!(desk.palpate("status o").printed(), words);
-    // What was changed by hand stays, and is named.
+    // A table that was edited by hand is kept and named.
     let edited = desk.read("o/cells.csv") + "\n";
     desk.write("o/cells.csv", &edited);
     let ended = desk.palpate("run c.toml --out o --format parquet --seed 9");
@@ -341,7 +341,7 @@ fn a_directory_has_the_tables_of_one_run() {
     desk.write("o/cells.parquet", "mine");
     let said = desk.palpate("run c.toml --out o --format parquet").said(2);
     assert!(said.contains("o/cells.parquet was changed since"), "{said}");
-    // Without a manifest, the config beside them makes them palpate's.
+    // Without a manifest, the config in the same directory marks the tables as palpate's.
     desk.palpate("run c.toml --out n --format parquet")
         .printed();
     fs::remove_file(desk.path("n/.palpate.toml")).unwrap();
@@ -350,14 +350,14 @@ fn a_directory_has_the_tables_of_one_run() {
 }
 
 #[test]
-fn a_table_of_trials_is_replaced_by_another_alone() {
+fn a_table_of_trials_overwrites_only_another_one() {
     let desk = Desk::with(STUDY);
     let line = "run c.toml --out o --trials-out t.parquet";
     desk.palpate(line).printed();
     let first = fs::read(desk.path("t.parquet")).unwrap();
     desk.palpate(&format!("{line} --seed 3")).printed();
     assert!(fs::read(desk.path("t.parquet")).unwrap() != first);
-    // A table of something else, and what is no table.
+    // Another kind of table, and a file that is not a table.
     desk.palpate("run c.toml --out p --format parquet")
         .printed();
     fs::copy(desk.path("p/cells.parquet"), desk.path("t.parquet")).unwrap();
@@ -369,7 +369,7 @@ fn a_table_of_trials_is_replaced_by_another_alone() {
     assert_eq!(desk.read("t.parquet"), "mine");
     desk.palpate("run c.toml --out q --trials-out q/cells.parquet")
         .fails(2, "the run writes another file of that name");
-    // An ending counts more than the format of the other tables.
+    // The extension of the file overrides --format.
     desk.palpate("run c.toml --out q --format parquet --trials-out u.csv")
         .printed();
     assert!(desk.read("u.csv").starts_with("cell,trial,"));

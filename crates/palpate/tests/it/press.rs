@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 use palpate::Warning;
 
-/// A ball, a plane, a dish and one that is tighter than the sensor.
+/// A ball, a plane, a dish, and a dish with a smaller radius than the sensor.
 pub(crate) const PRESS: &str = r#"name = "a-press"
 length_unit = "mm"
 seed = 7
@@ -163,7 +163,7 @@ fn only_presses_have_a_bound() {
 }
 
 #[test]
-fn a_trace_can_be_estimated_from() {
+fn estimates_from_a_trace_have_the_true_values() {
     let desk = Desk::with(PRESS);
     let printed = desk.palpate("trace c.toml --out t --cell 2").printed();
     assert_eq!(
@@ -184,7 +184,7 @@ fn a_trace_can_be_estimated_from() {
         "--baseline fitted",
         "--indentation 1 --gain-std 0.1",
     ] {
-        let told = json(
+        let estimate = json(
             &desk,
             &format!("t/readings.csv --sensor-radius 20 --depth 2 {options}"),
         );
@@ -196,20 +196,20 @@ fn a_trace_can_be_estimated_from() {
             ("indentation", 1.0, "mm"),
             ("contact_radius", libm::pow(0.0375_f64, -0.5), "mm"),
         ] {
-            assert_close(number(&told[name]["value"]), value, 1e-5);
-            assert_eq!(told[name]["unit"], unit);
+            assert_close(number(&estimate[name]["value"]), value, 1e-5);
+            assert_eq!(estimate[name]["unit"], unit);
         }
         assert_eq!(
-            (&told["verdict"], &told["regime"]),
+            (&estimate["verdict"], &estimate["regime"]),
             (&"concave".into(), &"concave".into())
         );
-        assert!(told["object_radius"]["convex95"].is_null());
+        assert!(estimate["object_radius"]["convex95"].is_null());
     }
 
     let printed = desk
         .palpate("trace c.toml --out n --cell 0 --trial 3")
         .printed();
-    let told = printed
+    let indentation = printed
         .split("indentation of ")
         .nth(1)
         .unwrap()
@@ -217,22 +217,26 @@ fn a_trace_can_be_estimated_from() {
         .next()
         .unwrap();
     assert_ne!(desk.read("n/readings.csv"), desk.read("t/readings.csv"));
-    let told = json(
+    let estimate = json(
         &desk,
         &format!(
-            "n/readings.csv --sensor-radius 20 --depth 2 --indentation {told} --indentation-std 0.02"
+            "n/readings.csv --sensor-radius 20 --depth 2 --indentation {indentation} --indentation-std 0.02"
         ),
     );
-    let curvature = &told["object_curvature"];
+    let curvature = &estimate["object_curvature"];
     assert!((number(&curvature["value"]) - 1.0 / 30.0).abs() < 4.0 * number(&curvature["std"]));
     let ends = &curvature["interval95"];
     assert!(number(&ends[0]) < number(&curvature["value"]));
     assert!(number(&ends[1]) > number(&curvature["value"]));
-    assert_close(number(&told["noise"]["normal_std"]["value"]), 0.05, 0.3);
-    assert_close(number(&told["noise"]["tangential_std"]["value"]), 0.02, 0.3);
-    assert_eq!(told["wrong_markers"], Value::Array(Vec::new()));
+    assert_close(number(&estimate["noise"]["normal_std"]["value"]), 0.05, 0.3);
+    assert_close(
+        number(&estimate["noise"]["tangential_std"]["value"]),
+        0.02,
+        0.3,
+    );
+    assert_eq!(estimate["wrong_markers"], Value::Array(Vec::new()));
 
-    // There is nothing to trace of a press that cannot be.
+    // A press without a valid contact cannot be traced.
     let said = desk.palpate("trace c.toml --out e --cell 3").said(1);
     assert_eq!(
         said,
@@ -242,7 +246,7 @@ fn a_trace_can_be_estimated_from() {
 }
 
 #[test]
-fn without_the_tangential_columns_and_along_a_row() {
+fn normal_displacements_alone_or_of_one_row_are_enough() {
     let normal = edited(
         PRESS,
         "estimator",
@@ -254,12 +258,12 @@ fn without_the_tangential_columns_and_along_a_row() {
         desk.table("t/readings.csv").header.join(","),
         "x_mm,y_mm,normal_displacement_mm"
     );
-    let told = json(
+    let estimate = json(
         &desk,
         "t/readings.csv --sensor-radius 20 --depth 2 --indentation 1",
     );
-    assert_close(number(&told["object_radius"]["value"]), 30.0, 1e-5);
-    assert!(told["noise"]["tangential_std"].is_null());
+    assert_close(number(&estimate["object_radius"]["value"]), 30.0, 1e-5);
+    assert!(estimate["noise"]["tangential_std"].is_null());
 
     let row = edited(
         &normal,
@@ -273,7 +277,7 @@ fn without_the_tangential_columns_and_along_a_row() {
     );
     let desk = Desk::with(&row);
     desk.palpate("trace c.toml --out t").printed();
-    // Positions in a unit that is to be scaled.
+    // Positions in another unit, for --radial-scale.
     let readings = desk.table("t/readings.csv");
     let mut text = "radial_position_mm,normal_displacement_mm\n".to_owned();
     for one in 0..readings.rows.len() {
@@ -285,27 +289,27 @@ fn without_the_tangential_columns_and_along_a_row() {
     }
     desk.write("row.csv", &text);
     let options = "--sensor-radius 20 --depth 2 --indentation 1 --radial-scale 2.19";
-    let told = json(&desk, &format!("row.csv {options}"));
-    assert_close(number(&told["object_radius"]["value"]), 30.0, 1e-5);
+    let estimate = json(&desk, &format!("row.csv {options}"));
+    assert_close(number(&estimate["object_radius"]["value"]), 30.0, 1e-5);
     assert_close(
-        number(&told["contact"][0]),
+        number(&estimate["contact"][0]),
         20.0 * 6.0_f64.to_radians(),
         1e-5,
     );
-    assert!(number(&told["contact"][1]).abs() < 1e-9);
+    assert!(number(&estimate["contact"][1]).abs() < 1e-9);
 }
 
 #[test]
 fn forces_follow_from_a_modulus() {
     let desk = Desk::with(PRESS);
     desk.palpate("trace c.toml --out t --cell 1").printed();
-    let told = |options: &str| {
+    let estimate = |options: &str| {
         json(
             &desk,
             &format!("t/readings.csv --sensor-radius 20 --depth 2 --indentation 1 {options}"),
         )
     };
-    let press = told("--young 0.3");
+    let press = estimate("--young 0.3");
     // (4/3) E* √R δ^1.5 and (2 E*/π) √(δ/R), E* = E/(1 − 1/4).
     assert_close(
         number(&press["force"]["value"]),
@@ -315,11 +319,11 @@ fn forces_follow_from_a_modulus() {
     assert_eq!(press["force"]["unit"], "unit of young x mm^2");
     let pressure = 0.8 / std::f64::consts::PI / 20.0_f64.sqrt();
     assert_close(number(&press["peak_pressure"]["value"]), pressure, 1e-5);
-    assert!(told("")["force"].is_null());
+    assert!(estimate("")["force"].is_null());
 }
 
 #[test]
-fn rows_that_contradict_the_others_are_named() {
+fn outliers_are_named_by_row_and_line() {
     let desk = Desk::with(PRESS);
     desk.palpate("trace c.toml --out t --trial 1").printed();
     let readings = desk.read("t/readings.csv");
@@ -332,15 +336,15 @@ fn rows_that_contradict_the_others_are_named() {
     // A blank line is no row.
     lines.insert(10, String::new());
     desk.write("r.csv", lines.join("\n"));
-    let told = json(
+    let estimate = json(
         &desk,
         "r.csv --sensor-radius 20 --depth 2 --indentation 1 --indentation-std 0.02 --normal-std 0.05 --tangential-std 0.02",
     );
     assert_eq!(
-        told["wrong_markers"],
+        estimate["wrong_markers"],
         serde_json::json!([{ "row": 3, "line": 4 }, { "row": 20, "line": 22 }])
     );
-    let curvature = &told["object_curvature"];
+    let curvature = &estimate["object_curvature"];
     assert!((number(&curvature["value"]) - 1.0 / 30.0).abs() < 4.0 * number(&curvature["std"]));
 }
 
@@ -351,7 +355,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
         r#"{ kind = "half-space", indentation_std = 0.02 }"#,
         r#"{ kind = "gaussian" }"#,
     );
-    // 60 steps to either side over twice the contact's radius.
+    // 60 steps to either side, out to twice the contact radius.
     let gaussian = edited(
         &gaussian,
         "marker_depth = 2.0",
@@ -373,17 +377,17 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     assert!(cells.text(0, "std_bound").is_empty());
     let map = desk.table("o/map.csv");
     assert!(map.text(5, "estimated_radial_displacement_mm").is_empty());
-    // The command line calibrates alike.
+    // The command line finds the same calibration.
     desk.palpate("trace c.toml --out t --cell 1").printed();
-    let told = json(
+    let estimate = json(
         &desk,
         "t/readings.csv --sensor-radius 20 --depth 2 --method gaussian --indentation 1",
     );
-    assert_close(number(&told["effective_radius"]["value"]), 20.0, 1e-6);
-    let c = number(&told["c"]);
-    // Computed by another program: σ²/δ = 22.7 of an unweighted fit, of which R² is 0.978.
+    assert_close(number(&estimate["effective_radius"]["value"]), 20.0, 1e-6);
+    let c = number(&estimate["c"]);
+    // Computed by another program: an unweighted fit has σ²/δ = 22.7 and R² = 0.978.
     assert_close(c, 20.0 / 22.7, 0.005);
-    assert_close(number(&told["r_squared"]), 0.978, 0.001);
+    assert_close(number(&estimate["r_squared"]), 0.978, 0.001);
     let paper = json(
         &desk,
         "t/readings.csv --sensor-radius 20 --depth 2 --method gaussian --indentation 1 --c 1",
@@ -392,7 +396,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
 }
 
 #[test]
-fn check_tells_what_is_needed() {
+fn check_prints_models_noise_and_estimator() {
     let printed = Desk::with(PRESS).palpate("check c.toml").printed();
     for line in [
         "cells   4, of which 0 run a single trial",
@@ -405,14 +409,14 @@ fn check_tells_what_is_needed() {
         "    least-squares fit of a half-space, indentation given, noise as stated",
     ] {
         assert!(
-            printed.lines().any(|told| told == line),
+            printed.lines().any(|printed_line| printed_line == line),
             "{line:?} is not in {printed}"
         );
     }
 }
 
 #[test]
-fn the_examples_are_what_they_say() {
+fn the_example_readings_match_their_description() {
     let example = |name: &str| {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
         std::fs::read_to_string(root.join(name)).unwrap()
@@ -432,26 +436,29 @@ fn the_examples_are_what_they_say() {
             assert!((traced - kept).abs() < 1e-5);
         }
     }
-    let told = json(
+    let estimate = json(
         &desk,
         "r.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02",
     );
-    let ends = &told["object_radius"]["convex95"];
-    assert!(number(&ends[0]) < 30.0 && number(&ends[1]) > 30.0, "{told}");
+    let ends = &estimate["object_radius"]["convex95"];
+    assert!(
+        number(&ends[0]) < 30.0 && number(&ends[1]) > 30.0,
+        "{estimate}"
+    );
     for name in ["dish", "plane"] {
         desk.write(
             "p.csv",
             example(&format!("chromatouch-2020/profile-{name}.csv")),
         );
         let options = "--sensor-radius 20 --depth 2 --indentation 1 --radial-scale 2.19";
-        let told = json(&desk, &format!("p.csv {options}"));
-        assert_eq!(told["markers"], 11);
-        assert!(number(&told["r_squared"]) > 0.85, "{told}");
+        let estimate = json(&desk, &format!("p.csv {options}"));
+        assert_eq!(estimate["markers"], 11);
+        assert!(number(&estimate["r_squared"]) > 0.85, "{estimate}");
     }
 }
 
 #[test]
-fn a_press_that_one_marker_alone_shows_is_told() {
+fn a_press_measured_by_one_marker_alone_causes_a_warning() {
     let desk = Desk::new();
     let mut readings = "x,y,normal_displacement\n".to_owned();
     for marker in 0..36 {
@@ -469,6 +476,6 @@ fn a_press_that_one_marker_alone_shows_is_told() {
         "estimate press slip.csv {layer} --noise stated --normal-std 0.02"
     ));
     assert_eq!(said.status, Some(0), "{said:?}");
-    let told = "warning: only the marker of row 15, line 16 moved: it is wrong, or";
-    assert!(said.stderr.contains(told), "{said:?}");
+    let warning = "warning: only the marker of row 15, line 16 moved: it is wrong, or";
+    assert!(said.stderr.contains(warning), "{said:?}");
 }

@@ -2,8 +2,8 @@
 
 use super::desk::{Desk, assert_close};
 
-/// Mean relative errors of a normal curvature where the angular velocity of each of eight probes
-/// errs by 1 %, from an independent simulation.
+/// Mean relative errors of a normal curvature if the angular velocity of each of eight probes
+/// has an error of 1 %, from an independent simulation.
 #[test]
 fn monte_carlo_reference() {
     let desk = Desk::with(
@@ -36,8 +36,8 @@ values = [500, 50, 5, 1, 0.5]
     }
 }
 
-/// Pads of 0.5 and 1 mm, in a square grid, call a sphere of 50 mm flat.
-fn exact_zeros(unit: &str, millimetre: f64) {
+/// Pads of 0.5 and 1 mm in a square grid estimate a curvature of exactly 0 for a sphere of 50 mm.
+fn assert_exact_zeros(unit: &str, millimetre: f64) {
     let [probe, object, fine, coarse] = [10.0, 50.0, 0.5, 1.0].map(|length| length * millimetre);
     let desk = Desk::with(&format!(
         r#"name = "zeros"
@@ -63,16 +63,16 @@ values = [{fine}, {coarse}, {}]
         assert_eq!(table.text(row, "mean"), "0", "pitch {}", table.rows[row][1]);
         assert_eq!(table.number(row, "relative_mean_abs_error"), 1.0);
     }
-    // Finer pads do not.
+    // Finer pads estimate a positive curvature.
     assert!(table.number(table.row_of(2, "normal_curvature_u"), "mean") > 0.0);
 }
 
 #[test]
 fn exact_zeros_in_millimetres() {
-    exact_zeros("mm", 1.0);
+    assert_exact_zeros("mm", 1.0);
 }
 
 #[test]
 fn exact_zeros_in_centimetres() {
-    exact_zeros("cm", 0.1);
+    assert_exact_zeros("cm", 0.1);
 }

@@ -43,7 +43,7 @@ const GLIDES: &str = "
 ";
 
 #[test]
-fn stated_quantities_that_the_readings_contradict() {
+fn stated_values_that_contradict_the_readings_cause_warnings() {
     let desk = Desk::new();
     for (command, readings, table) in [
         ("press r.csv --sensor-radius 20", PRESS, PRESSES),
@@ -54,19 +54,19 @@ fn stated_quantities_that_the_readings_contradict() {
         for row in table.trim_matches('\n').lines() {
             let (options, words) = row.split_once(" | ").unwrap();
             let ended = desk.palpate(&format!("estimate {command} {options}"));
-            let told = if ended.status == Some(0) {
+            let message = if ended.status == Some(0) {
                 let json: Value = serde_json::from_str(&ended.stdout).unwrap();
                 assert_eq!(json["format_version"], 2);
                 // The warnings are also printed on stderr.
                 let lines = warnings(&json)
                     .into_iter()
-                    .map(|told| format!("warning: {}\n", with_flags(told)));
+                    .map(|warning| format!("warning: {}\n", with_flags(warning)));
                 assert_eq!(ended.stderr, lines.collect::<String>());
                 json["warnings"].to_string()
             } else {
                 ended.said(1)
             };
-            assert!(told.contains(words), "{row}: {told}");
+            assert!(message.contains(words), "{row}: {message}");
         }
     }
 }
@@ -99,20 +99,20 @@ fn warnings_have_codes() {
 }
 
 /// Warnings of an estimate, or its error.
-fn told(estimated: Result<Value, String>) -> String {
+fn warnings_or_error(estimated: Result<Value, String>) -> String {
     estimated.map_or_else(|error| error, |json| warnings(&json).join("; "))
 }
 
 fn of_roll(table: &str) -> String {
-    told(roll(table, Form::default()))
+    warnings_or_error(roll(table, Form::default()))
 }
 
 fn of_glide(table: &str) -> String {
-    told(glide(table, Form::default()))
+    warnings_or_error(glide(table, Form::default()))
 }
 
 fn of_press(table: &str) -> String {
-    told(press(table, Form::default()))
+    warnings_or_error(press(table, Form::default()))
 }
 
 /// Rows: columns to multiply | factor | words of the warning or error.
@@ -139,7 +139,7 @@ const GLIDE_MISTAKES: &str = "
 ";
 
 #[test]
-fn mistakes_of_sign_unit_and_order() {
+fn wrong_signs_units_and_orders_cause_warnings() {
     let swapped = changed(PRESS, |fields| fields.swap(3, 4));
     assert!(of_press(&swapped).contains("tangential_x and tangential_y swapped"));
     for (of, csv, mistakes) in [
@@ -160,7 +160,7 @@ fn mistakes_of_sign_unit_and_order() {
 }
 
 #[test]
-fn rows_that_do_not_belong() {
+fn repeated_or_implausible_rows_cause_warnings() {
     let again = changed(ROLL, |fields| fields[0].insert_str(0, "10"));
     let twice = format!("{ROLL}{}", again.split_once('\n').unwrap().1);
     assert!(

@@ -10,7 +10,7 @@ pub(crate) fn with_plot() -> String {
 }
 
 #[test]
-fn plots_stand_beside_the_tables() {
+fn plots_are_written_beside_the_tables() {
     let desk = Desk::with(&with_plot());
     desk.palpate("run c.toml --out o").printed();
     let printed = desk.palpate("plot o").printed();
@@ -27,7 +27,7 @@ fn plots_stand_beside_the_tables() {
 }
 
 #[test]
-fn a_study_without_plots_gets_the_usual_one() {
+fn a_study_without_plots_gets_the_default_plot() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let printed = desk.palpate("plot o").printed();
@@ -39,13 +39,13 @@ fn a_study_without_plots_gets_the_usual_one() {
     ] {
         assert!(svg.contains(words), "{words}: {svg}");
     }
-    // The next run takes it away, as it does with those that the config asks for.
+    // The next run removes it, like the plots of the config.
     desk.palpate("run c.toml --seed 3 --out o").printed();
     assert_eq!(desk.names("o"), RUN_FILES);
 }
 
 #[test]
-fn a_study_that_sweeps_nothing_says_so() {
+fn a_study_without_sweeps_has_no_default_plot() {
     let desk = Desk::with(SCENE);
     desk.palpate("run c.toml --out o").printed();
     let printed = desk.palpate("plot o").printed();
@@ -57,7 +57,7 @@ fn a_study_that_sweeps_nothing_says_so() {
 }
 
 #[test]
-fn the_page_holds_all_studies() {
+fn the_page_contains_all_studies() {
     let desk = Desk::with(&with_plot());
     desk.write("d.toml", STUDY.replace("a-study", "another-study"));
     desk.palpate("run c.toml --out c").printed();

@@ -1,4 +1,4 @@
-//! `palpate run`: what it writes, and what does not depend on how it is run.
+//! `palpate run`: its files, and results that do not depend on threads, shards or vector instructions.
 
 use std::sync::atomic::AtomicBool;
 
@@ -46,7 +46,7 @@ fn cells_have_a_row_per_cell_and_quantity() {
         assert!((statistic("mean") - statistic("truth") - statistic("bias")).abs() < 1e-12);
         assert!(statistic("rms_error") >= statistic("mean_abs_error"));
         assert!(statistic("q05") <= statistic("q50") && statistic("q50") <= statistic("q95"));
-        // The estimator states no deviation of the arc length.
+        // The estimator has no standard error of the arc length.
         assert_eq!(
             table.text(row, "coverage95").is_empty(),
             quantity == "arc_length"
@@ -105,7 +105,7 @@ fn run_toml_runs_again_to_the_same_bytes() {
 }
 
 #[test]
-fn overrides_are_as_if_the_config_said_so() {
+fn overrides_have_the_effect_of_the_same_lines_in_the_config() {
     let desk = Desk::with(STUDY);
     let seeded = edited(STUDY, "seed = 7", "seed = 8");
     desk.write("said.toml", edited(&seeded, "trials = 20", "trials = 33"));
@@ -152,7 +152,7 @@ fn threads_shards_and_vectors_do_not_change_a_byte() {
 
 #[test]
 fn every_nth_cell_keeps_numbers_and_bytes() {
-    // More cells than are kept set up.
+    // More cells than the run keeps prepared at one time.
     let range = "from = 1\nto = 50\ncount = 70";
     let desk = Desk::with(&edited(STUDY, "values = [50, 5]", range));
     desk.palpate("run c.toml --out all").printed();
@@ -200,7 +200,7 @@ fn labels_of_swept_tables_are_shown() {
 }
 
 #[test]
-fn a_trace_can_be_asked_for() {
+fn outputs_can_include_a_trace() {
     let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
     let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
     desk.palpate("run c.toml --out o").printed();
@@ -223,7 +223,7 @@ fn a_trace_can_be_asked_for() {
 fn a_cell_in_which_every_trial_fails_still_has_rows() {
     let lines = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\nnoise";
     let desk = Desk::with(&edited(STUDY, "noise", lines));
-    // On the wide sphere the contact runs off the pads; on the small one it does not get there.
+    // On the large sphere the contact leaves the pads; on the small one it does not.
     let ended = desk.palpate("run c.toml --out o");
     assert_eq!(
         (ended.status, ended.stdout.as_str()),
@@ -273,7 +273,7 @@ fn failures_name_their_kind_and_first_trial() {
         assert_eq!(cells.number(5 * cell, "failures"), counted);
         for row in of_cell {
             assert!(failures.number(row, "first_trial") < 200.0);
-            // No trial before it fails in this way.
+            // No earlier trial fails in this way.
             let trials = failures.number(row, "first_trial") as usize;
             if trials == 0 {
                 continue;
@@ -287,7 +287,7 @@ fn failures_name_their_kind_and_first_trial() {
     }
 }
 
-/// The statistic of that name is the column of the swept numbers.
+/// The column `trials` holds the swept numbers and the statistic of that name.
 #[test]
 fn trials_can_be_swept_and_drawn() {
     let plots = "\n[[plot]]\nname = \"along\"\nx = \"trials\"\ny = \"rms_error\"\nquantity = \"mean_curvature\"\n\

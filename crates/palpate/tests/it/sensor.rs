@@ -16,8 +16,8 @@ const MARKERS: [&str; 8] = [
     "status",
 ];
 
-/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is
-/// pressed onto, 1 mm deep: the closed form for the pressure of Hertz.
+/// Displacement in mm at a depth of 2 mm in an incompressible half-space. A sensor of radius 20 mm is pressed 1 mm onto
+/// a plane: closed form for the Hertz pressure.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);
@@ -29,7 +29,7 @@ fn pressed([x, y]: [f64; 2]) -> f64 {
     let of_pressure = (2.0 * a * a - r * r + 2.0 * z * z) * angle
         + (3.0 * l_1 * l_1 - 2.0 * a * a) / a * (l_2 * l_2 - a * a).sqrt();
     let of_depth = (a * a - l_1 * l_1).sqrt() - z * angle;
-    // The pressure in the middle over the shear modulus.
+    // Pressure at the centre divided by the shear modulus.
     let pressure = 4.0 / std::f64::consts::PI / radius.sqrt() / (1.0 - nu);
     pressure / (4.0 * a) * ((1.0 - nu) * of_pressure + 2.0 * z * of_depth)
 }
@@ -131,7 +131,7 @@ fn frames_calibrate_and_are_tracked() {
             "{x} {y}: {normal} is not {expected}"
         );
     }
-    // The readings are readings; the field holds them.
+    // `estimate press` reads the same readings.
     let again = desk
         .palpate("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1")
         .printed();
@@ -159,7 +159,7 @@ fn frames_calibrate_and_are_tracked() {
 }
 
 #[test]
-fn lost_markers_are_told_and_the_others_used() {
+fn lost_markers_are_reported_and_the_others_used() {
     let desk = Desk::new();
     write(&desk, "rest.png", frame(|_| 0.0, &[]));
     write(&desk, "pressed.png", frame(pressed, &[3, 20]));
@@ -186,7 +186,7 @@ fn lost_markers_are_told_and_the_others_used() {
 }
 
 #[test]
-fn swapped_frames_and_frames_of_other_sensors_are_told() {
+fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     let desk = desk();
     let swapped = desk.palpate("sensor track pressed.png rest.png --out o");
     assert_eq!(swapped.status, Some(0));
@@ -212,9 +212,9 @@ fn swapped_frames_and_frames_of_other_sensors_are_told() {
     );
 }
 
-/// Frames of all kinds of pixels show the same.
+/// Frames with every kind of pixel have the same markers.
 #[test]
-fn kinds_of_pixels() {
+fn all_kinds_of_pixels_are_read() {
     let desk = Desk::new();
     let rest = DynamicImage::from(frame(|_| 0.0, &[]));
     write(&desk, "rest.png", rest.clone());
@@ -232,7 +232,7 @@ fn kinds_of_pixels() {
 }
 
 #[test]
-fn frames_that_are_none_are_refused() {
+fn unusable_frames_are_refused() {
     let desk = Desk::new();
     let rest = frame(|_| 0.0, &[]);
     write(&desk, "rest.png", rest.clone());
@@ -270,7 +270,7 @@ fn frames_that_are_none_are_refused() {
         .fails(1, "dot.png: 1 by 1 px are too few");
     desk.palpate("sensor track none.png rest.png --out o")
         .fails(1, "none.png");
-    // Grey, whatever it shows, has no hues.
+    // A grey image has no hues.
     write(&desk, "grey.png", DynamicImage::from(rest).to_luma8());
     let ended = desk.palpate("sensor track grey.png grey.png --out o");
     assert!(
@@ -293,7 +293,7 @@ tangential_displacement_mm,centroid_shift_px\n1,7 | 1 points
 ";
 
 #[test]
-fn points_that_calibrate_nothing_are_refused() {
+fn unusable_calibration_points_are_refused() {
     let desk = Desk::new();
     let header = "normal_displacement_mm,hue_turns";
     for row in NO_CALIBRATIONS.trim().lines() {
@@ -318,19 +318,19 @@ fn points_that_calibrate_nothing_are_refused() {
 }
 
 #[test]
-fn points_that_calibrate_badly_are_told() {
+fn poor_calibration_points_cause_warnings() {
     let desk = Desk::new();
-    let told = |rows: &str| {
+    let calibration_warnings = |rows: &str| {
         desk.write("t.csv", format!("normal_displacement_mm,hue_turns\n{rows}"));
         let ended = desk.palpate("sensor calibrate t.csv --out c.toml --force");
         assert_eq!(ended.status, Some(0), "{ended:?}");
         ended.stderr
     };
     let good = "0.5,0.0126\n1,0.0249\n1.5,0.0377\n2,0.05\n";
-    assert_eq!(told(good), "");
-    let twice = told(&format!("{good}{good}"));
+    assert_eq!(calibration_warnings(good), "");
+    let twice = calibration_warnings(&format!("{good}{good}"));
     assert!(twice.contains("4 points repeat others"), "{twice}");
-    let absolute = told("0.5,0.3126\n1,0.3249\n1.5,0.3377\n2,0.35\n");
+    let absolute = calibration_warnings("0.5,0.3126\n1,0.3249\n1.5,0.3377\n2,0.35\n");
     assert!(
         absolute.contains("are they changes from rest"),
         "{absolute}"
@@ -338,7 +338,7 @@ fn points_that_calibrate_badly_are_told() {
 }
 
 #[test]
-fn files_that_are_no_calibration_are_refused() {
+fn invalid_calibration_files_are_refused() {
     let desk = desk();
     let good = desk.read("c.toml");
     let run = "sensor track rest.png pressed.png --calibration bad.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
@@ -371,14 +371,14 @@ fn files_that_are_no_calibration_are_refused() {
         );
         assert!(desk.names("o").is_empty());
     }
-    // Without px per length, the camera's scale is not known.
+    // The calibration has no px per length, so --px-per-rad is required.
     desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").fails(1, "--px-per-rad");
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
 /// Reads columns, units and decimal commas of another program from standard input.
 #[test]
-fn known_displacements_of_another_program() {
+fn calibration_points_of_another_program_are_read() {
     let desk = Desk::new();
     desk.write(
         "r.csv",

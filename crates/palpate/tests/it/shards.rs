@@ -1,10 +1,10 @@
-//! Shards of a study, put together.
+//! Shards of a study, and their merge.
 
 use std::fs;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
-/// Rolls, some of which fail and of some of which `check` warns, with maps of none: seven cells.
+/// Rolls in seven cells: some of them fail, and `check` warns about some. They have no maps.
 pub(crate) fn many() -> String {
     let study = edited(
         STUDY,
@@ -14,7 +14,7 @@ pub(crate) fn many() -> String {
     edited(&study, "duration_s = 1.0", "duration_s = 2.0")
 }
 
-/// Presses with maps: their tables have a bound, and warnings of some cells.
+/// Presses with maps. Their tables have a lower bound of the standard deviation, and some cells have warnings.
 pub(crate) const PRESSES: &str = r#"name = "presses"
 length_unit = "mm"
 trials = 10
@@ -41,8 +41,8 @@ fn shards(desk: &Desk, of: usize) {
         let line = format!("run c.toml --shard {number}/{of} --out s/{number}");
         let ended = desk.palpate(&line);
         let words = format!("shard {number} of {of}, ");
-        let is_told = ended.stdout.contains(&words);
-        assert!(ended.status == Some(0) && is_told, "{ended:?}");
+        let is_printed = ended.stdout.contains(&words);
+        assert!(ended.status == Some(0) && is_printed, "{ended:?}");
         assert_eq!(
             desk.names(&format!("s/{number}")),
             ["journal.palpate", "run.toml"]
@@ -59,20 +59,20 @@ fn refused(desk: &Desk, line: &str, words: &[&str]) {
 }
 
 #[test]
-fn shards_put_together_are_one_run() {
+fn merged_shards_equal_one_run() {
     for (config, of) in [
         (many(), 1),
         (many(), 2),
         (many(), 3),
         (many(), 7),
-        // Some have nothing to do.
+        // Some shards have no cells.
         (many(), 9),
         (PRESSES.to_owned(), 3),
     ] {
         let desk = Desk::with(&config);
         desk.palpate("run c.toml --out whole");
         shards(&desk, of);
-        // Again, over what the first wrote.
+        // The second merge overwrites the files of the first.
         for line in ["merge s --out m", "merge s/ --out m"] {
             let ended = desk.palpate(line);
             assert_eq!(ended.status, Some(0), "{ended:?}");
@@ -89,7 +89,7 @@ fn shards_put_together_are_one_run() {
 }
 
 #[test]
-fn every_nth_cell_is_shared_too() {
+fn shards_of_every_nth_cell_merge() {
     let desk = Desk::with(&many());
     desk.palpate("run c.toml --every-nth-cell 3 --out whole")
         .printed();
@@ -107,7 +107,7 @@ fn every_nth_cell_is_shared_too() {
 }
 
 #[test]
-fn shards_that_are_not_all_there_are_named() {
+fn missing_and_repeated_shards_are_named() {
     let desk = Desk::with(&many());
     shards(&desk, 5);
     fs::rename(desk.path("s/3"), desk.path("away")).unwrap();
@@ -138,7 +138,7 @@ fn shards_that_are_not_all_there_are_named() {
 }
 
 #[test]
-fn shards_of_something_else_are_named() {
+fn shards_of_another_run_are_named() {
     let desk = Desk::with(&many());
     shards(&desk, 2);
     let of_other = |arguments: &str, words: &[&str]| {
@@ -170,7 +170,7 @@ fn shards_of_something_else_are_named() {
 }
 
 #[test]
-fn shards_that_are_damaged_are_named_and_done_again() {
+fn damaged_shards_are_named_and_computed_again() {
     let desk = Desk::with(&many());
     desk.palpate("run c.toml --out whole").printed();
     shards(&desk, 2);
@@ -185,7 +185,7 @@ fn shards_that_are_damaged_are_named_and_done_again() {
         assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
         fs::remove_dir_all(desk.path("m")).unwrap();
     }
-    // Nothing is known of a run whose first record cannot be read, and nothing of it is dropped unasked.
+    // If the first record is damaged, the rest cannot be used; it is deleted only with --restart.
     let mut headless = sound.clone();
     headless[100] ^= 8;
     fs::write(&place, &headless).unwrap();
@@ -243,7 +243,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // One that cannot be read, and one that is there twice, are named beside the others.
+    // A shard that cannot be read and one that exists twice are named after the counts.
     fs::write(&place, &sound[..60]).unwrap();
     fs::create_dir(desk.path("s/again")).unwrap();
     fs::copy(
@@ -261,7 +261,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // Where nothing else is there, that is all there is to say.
+    // If no other shard exists, the damage is the only message.
     for number in ["1", "3", "again"] {
         fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
     }
@@ -270,11 +270,11 @@ fn status_counts_shards() {
 }
 
 #[test]
-fn status_counts_what_is_done() {
+fn status_counts_cells_and_trials() {
     let desk = Desk::with(&many());
     let ended = desk.palpate("run c.toml --out whole");
     let status = desk.palpate("status whole").printed();
-    // As the run itself did.
+    // The run printed the same counts.
     let counts = ended.stdout.strip_prefix("a-study: 7 cells, 140 trials, ");
     let failed = counts.and_then(|counts| counts.strip_suffix(" -> whole\n"));
     let failed = failed.unwrap_or_else(|| panic!("{ended:?}"));
@@ -295,7 +295,7 @@ fn status_counts_what_is_done() {
 
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn a_palpate_without_parquet_says_how_to_get_one() {
+fn a_build_without_parquet_names_the_feature() {
     let desk = Desk::with(STUDY);
     for line in [
         "run c.toml --format parquet",
@@ -319,7 +319,7 @@ fn a_palpate_without_parquet_says_how_to_get_one() {
 }
 
 #[test]
-fn scripts_for_slurm_are_printed_and_nothing_is_done() {
+fn a_dry_run_prints_slurm_scripts_and_writes_nothing() {
     let desk = Desk::with(STUDY);
     let line = "submit slurm c.toml --shards 16 --time 2:00:00 --partition short --cpus-per-task 4 --dry-run";
     let said = desk.palpate(line).printed();
@@ -336,7 +336,7 @@ fn scripts_for_slurm_are_printed_and_nothing_is_done() {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(desk.names(""), ["c.toml"]);
-    // Both are scripts that the shell understands.
+    // The shell accepts both scripts.
     let parts: Vec<&str> = said.split("#!/bin/bash\n").collect();
     assert_eq!(parts.len(), 3);
     for script in &parts[1..] {
@@ -349,9 +349,9 @@ fn scripts_for_slurm_are_printed_and_nothing_is_done() {
 }
 
 #[test]
-fn errors_can_be_told_as_json() {
+fn errors_can_be_printed_as_json() {
     let desk = Desk::with(&edited(STUDY, "radius = 10.0", "radius = -1.0"));
-    let told = |line: &str, status: i32| {
+    let json_error = |line: &str, status: i32| {
         let ended = desk.palpate(line);
         assert_eq!((ended.status, ended.stdout.as_str()), (Some(status), ""));
         let said = ended.stderr;
@@ -364,7 +364,7 @@ fn errors_can_be_told_as_json() {
         );
         value["error"].clone()
     };
-    let error = told("run c.toml --error-format json", 2);
+    let error = json_error("run c.toml --error-format json", 2);
     assert_eq!(error["kind"], "usage");
     assert_eq!(
         (&error["file"], &error["line"]),
@@ -377,8 +377,8 @@ fn errors_can_be_told_as_json() {
             .unwrap()
             .contains("must be > 0, is -1")
     );
-    assert_eq!(told("--error-format=json merge .", 1)["kind"], "work");
-    let error = told("run --error-format json c.toml --threads x", 2);
+    assert_eq!(json_error("--error-format=json merge .", 1)["kind"], "work");
+    let error = json_error("run --error-format json c.toml --threads x", 2);
     assert!(
         error["message"]
             .as_str()
@@ -393,7 +393,7 @@ fn errors_can_be_told_as_json() {
 }
 
 #[test]
-fn a_rule_ends_each_cell_when_its_errors_are_known() {
+fn the_stop_rule_ends_each_cell_at_its_standard_error() {
     let rule = "stop = { relative_standard_error = 0.01, max_trials = 20000 }\nseed = 7\n";
     let ruled = edited(STUDY, "seed = 7\ntrials = 20\n", rule);
     let desk = Desk::with(&ruled);
@@ -436,7 +436,7 @@ fn a_rule_ends_each_cell_when_its_errors_are_known() {
 }
 
 #[test]
-fn trials_are_told_one_by_one() {
+fn trials_out_has_one_row_per_trial_and_quantity() {
     let noisy = edited(&many(), "duration_s = 2.0", "duration_s = 0.02");
     let pads = "sensor = { kind = \"pads\", pitch = 0.5, layout = \"uniform\", offset = \"random\" }\nnoise";
     let desk = Desk::with(&edited(&noisy, "noise", pads));
@@ -464,10 +464,10 @@ fn trials_are_told_one_by_one() {
     }
     assert!(failed > 0, "no trial fails");
     let kinds = desk.table("o/failures.csv");
-    let told = trials.rows.iter().filter(|row| !row[7].is_empty()).count();
+    let failed_rows = trials.rows.iter().filter(|row| !row[7].is_empty()).count();
     let counts = (0..kinds.rows.len()).map(|row| kinds.number(row, "count"));
-    assert_eq!(told as f64, counts.sum::<f64>());
-    // Threads, shards and the way to the file leave no trace.
+    assert_eq!(failed_rows as f64, counts.sum::<f64>());
+    // The bytes do not depend on threads, on shards, or on a file or standard output.
     let whole = desk.read("t.csv");
     desk.palpate("run c.toml --out p --threads 3 --trials-out u.csv");
     assert!(desk.read("u.csv") == whole);
@@ -482,7 +482,7 @@ fn trials_are_told_one_by_one() {
     desk.palpate("run c.toml --shard 2/2 --out n/2");
     let said = desk.palpate("merge n --out q --trials-out v.csv").said(2);
     assert!(said.contains("without --trials-out"), "{said}");
-    // Not in the place of another file of the run.
+    // The table of trials may not overwrite another file of the run.
     for line in [
         "run c.toml --out o --trials-out o/cells.csv",
         "run c.toml --out fresh --trials-out ./fresh/run.toml",
@@ -495,7 +495,7 @@ fn trials_are_told_one_by_one() {
         );
     }
     assert!(!desk.path("fresh").exists());
-    // Nothing of the user's is replaced.
+    // The user's files are not overwritten.
     desk.write("mine.csv", "a,b\n1,2\n");
     let ended = desk.palpate("run c.toml --out o --trials-out mine.csv");
     assert_eq!(ended.status, Some(2));

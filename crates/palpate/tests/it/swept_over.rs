@@ -1,9 +1,9 @@
-//! Fields that a config writes although it sweeps them.
+//! Fields that a config sets although it sweeps them.
 
 use super::desk::{Desk, STUDY, edited};
 
 #[test]
-fn a_written_value_that_a_sweep_replaces_is_told() {
+fn a_note_names_a_value_that_a_sweep_replaces() {
     let desk = Desk::with(&edited(
         STUDY,
         "object = { kind = \"sphere\", radius = 50.0 }",
@@ -14,9 +14,9 @@ fn a_written_value_that_a_sweep_replaces_is_told() {
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
     let ended = desk.palpate("run c.toml --out o");
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
-    // The config that a run writes has the first value of each sweep in its place, and says nothing.
+    // The config written by a run has the first value of each sweep in these fields, so it causes no note.
     assert_eq!(desk.palpate("run o/run.toml --out p").swept, "");
-    // What arguments set is not told.
+    // A field that is set by an argument causes no note.
     let line =
         "distinguish c.toml --vary scene.object.radius=20,30 --quantity mean_curvature --trials 20";
     assert_eq!(desk.palpate(line).swept, "");
@@ -26,7 +26,7 @@ fn a_written_value_that_a_sweep_replaces_is_told() {
 }
 
 #[test]
-fn many_values_are_cut_short_and_tables_not_shown() {
+fn notes_abbreviate_long_lists_and_print_no_tables() {
     let many = edited(
         STUDY,
         "values = [50, 5]",
@@ -49,9 +49,9 @@ fn many_values_are_cut_short_and_tables_not_shown() {
     );
 }
 
-/// A newcomer changes what stands in an example: none of that is swept.
+/// Users edit the lines of an example, so a sweep must not replace any of them.
 #[test]
-fn the_examples_write_nothing_that_they_sweep() {
+fn the_examples_do_not_set_fields_that_they_sweep() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
     let mut configs = 0;
     for entry in std::fs::read_dir(folder).unwrap() {

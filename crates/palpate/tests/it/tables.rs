@@ -1,4 +1,4 @@
-//! Tables of other programs: names, units, delimiters, decimal signs, encodings, JSON; and files that are no tables.
+//! Tables of other programs: names, units, delimiters, decimal signs, encodings, JSON; and invalid files.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{Decimal, Delimiter, Form};
@@ -30,7 +30,7 @@ fn as_json(table: &str) -> String {
 }
 
 #[test]
-fn the_writing_of_a_table_does_not_matter() {
+fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
     let expected = rolls(ROLLS);
     let semicolons = ROLLS.replace(',', ";");
     let commas = semicolons.replace('.', ",");
@@ -93,7 +93,7 @@ fn the_writing_of_a_table_does_not_matter() {
 
 /// An ambiguous number such as `1,234` is read like the other numbers of the table, or as the form states.
 #[test]
-fn what_decides_is_a_number_that_can_be_but_one_thing() {
+fn unambiguous_numbers_decide_the_decimal_sign() {
     let table =
         |rows: &str| format!("rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n{rows}\n");
     let decimal = Form {
@@ -230,7 +230,7 @@ x,y,normal_displacement\n0,0,0\n9,0,0\n0,9,0\n9,9,0\n4,4,0\n4,0,0\n | - | - | no
 "#;
 
 #[test]
-fn tables_that_are_none_are_refused_at_their_line() {
+fn invalid_tables_are_refused_with_the_line() {
     refuses(|table, form| roll(table, form), ROLLS, NO_ROLLS);
     let decimals = "rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1.5;0\n1;0;0;2.5\n";
     refuses(|table, form| roll(table, form), decimals, DECIMALS);
@@ -259,7 +259,7 @@ fn tables_that_are_none_are_refused_at_their_line() {
 }
 
 #[test]
-fn names_in_other_units_are_read_by_form() {
+fn the_form_renames_columns_and_converts_units() {
     let expected = rolls(ROLLS);
     let mut foreign = "No;Rot A (deg);Rot B [mrad];U, raw [m];V [in];Force [N];note\n".to_owned();
     for row in ROLLS.lines().skip(1) {
@@ -360,7 +360,7 @@ fn messages_propose_names_of_columns() {
 
 /// README's two commands for a foreign table: the first fails and proposes the second; that prints the curvature.
 #[test]
-fn the_second_command_tells_the_curvature() {
+fn the_second_command_prints_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";
     const README: &str = include_str!("../../../../README.md");
     let desk = Desk::new();
@@ -385,7 +385,7 @@ fn the_second_command_tells_the_curvature() {
 
 /// Flags set the form of a table; a study can set its column names.
 #[test]
-fn forms_are_told_by_flags_and_studies() {
+fn flags_and_studies_set_the_form_of_a_table() {
     let desk = Desk::new();
     let expected = mean_curvature(&rolls(ROLLS));
     let assert_same = |line: &str| {
@@ -419,7 +419,7 @@ fn forms_are_told_by_flags_and_studies() {
 }
 
 #[test]
-fn columns_that_no_estimate_needs() {
+fn additional_columns_are_kept_as_labels() {
     let rolled = ROLLS.replace("0,0.3,-2,0", "0,0.3,0,0");
     let noted = rolled
         .replace("shift_v_mm\n", "shift_v_mm,Force [N],note\n")
@@ -483,7 +483,7 @@ fn three_fingers(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> S
 }
 
 #[test]
-fn fingers_and_probes_that_are_not_named() {
+fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
     let estimate = |contents: &str| glide(contents, Form::default()).unwrap();
     let numbers = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
     let places = "x_mm,y_mm,z_mm";

@@ -1,4 +1,4 @@
-//! `palpate trace`: truth, readings, and what estimates from them give.
+//! `palpate trace`: true values, readings, and estimates from them.
 
 use super::desk::{Desk, SCENE, STUDY, Table, assert_close, edited};
 
@@ -169,7 +169,7 @@ model = {model}
     desk.table("t/trace.csv")
 }
 
-fn reaches_the_goldens(model: &str) {
+fn assert_reaches_the_goldens(model: &str) {
     for golden in &GOLDENS {
         let trace = last_contacts(golden, model);
         let first = ["object_x_unit", "object_y_unit"].map(|name| trace.number(0, name));
@@ -193,12 +193,12 @@ fn reaches_the_goldens(model: &str) {
 
 #[test]
 fn goldens_without_charts() {
-    reaches_the_goldens(r#"{ kind = "dop853", tolerance = 1e-12, chart = "free" }"#);
+    assert_reaches_the_goldens(r#"{ kind = "dop853", tolerance = 1e-12, chart = "free" }"#);
 }
 
 #[test]
-fn goldens_by_the_model_that_auto_takes() {
-    reaches_the_goldens(r#"{ kind = "auto", tolerance = 1e-12 }"#);
+fn goldens_by_the_model_chosen_by_auto() {
+    assert_reaches_the_goldens(r#"{ kind = "auto", tolerance = 1e-12 }"#);
 }
 
 fn estimate(desk: &Desk, arguments: &str) -> serde_json::Value {
@@ -213,7 +213,7 @@ fn value(estimate: &serde_json::Value, quantity: &str) -> f64 {
 }
 
 #[test]
-fn what_is_traced_can_be_estimated() {
+fn estimates_from_a_trace_have_the_true_values() {
     let eight = "duration_s = 1.0, directions_deg = [0, 45, 90, 135, 180, 225, 270, 315]";
     let desk = Desk::with(&edited(SCENE, "duration_s = 1.0", eight));
     desk.palpate("trace c.toml --out t").printed();
@@ -226,9 +226,9 @@ fn what_is_traced_can_be_estimated() {
     assert_eq!(json["normal_curvature_u"]["unit"], "1/mm");
 }
 
-/// Noise on every channel: what a trial gives in the table, its replay gives, too.
+/// Noise on every channel: estimates from a traced trial equal those of the run.
 #[test]
-fn a_replayed_trial_is_the_trial() {
+fn a_traced_trial_has_the_estimates_of_the_run() {
     let motions = [
         r#"angular_velocity = { kind = "uniform", fraction = 0.02 }"#,
         r#"angular_velocity = { kind = "uniform", fraction = 0.2, when = "per-instant", instants = 7 }"#,
@@ -264,7 +264,7 @@ fn a_replayed_trial_is_the_trial() {
 }
 
 #[test]
-fn a_trial_is_noisy_and_its_own() {
+fn each_trial_has_its_own_noise() {
     let desk = Desk::with(STUDY);
     for (out, trial) in [
         ("none", ""),
@@ -311,7 +311,7 @@ fn a_roll_that_ends_early_is_an_error() {
 }
 
 #[test]
-fn one_is_singular() {
+fn one_finger_is_printed_in_the_singular() {
     let one = edited(super::glide::GLIDE, "[-15.0, 0.0, 15.0]", "[0.0]");
     let printed = Desk::with(&one).palpate("trace c.toml --out o").printed();
     assert_eq!(printed, "a-glide: 10 contacts of 1 finger -> o\n");
