@@ -1,5 +1,4 @@
-//! Presses that are possible have a contact and an estimate; whatever the numbers, a finite answer or the error that
-//! is due.
+//! Possible presses have a contact and an estimate. Any other numbers return a finite result or the expected error.
 
 use nalgebra::Vector3;
 use palpate_press::shear::stuck_shift;
@@ -10,7 +9,7 @@ use palpate_press::{
 };
 use proptest::prelude::*;
 
-/// Any double, those of everyday size as often as all the others.
+/// Any double; half of them have an ordinary magnitude.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -44,7 +43,7 @@ fn assert_finite(contact: &Contact<'_>, r: f64, young: f64) {
 }
 
 #[test]
-fn a_direction_too_long_to_be_squared_still_has_its_chart() {
+fn a_direction_whose_square_overflows_has_chart_coordinates() {
     let skin = Skin::new(2.0).unwrap();
     let [x, y] = skin.chart(&Vector3::new(1e308, 0.0, 1e308));
     assert!((x - std::f64::consts::FRAC_PI_2).abs() < 1e-15 && y == 0.0);
@@ -52,7 +51,7 @@ fn a_direction_too_long_to_be_squared_still_has_its_chart() {
 }
 
 #[test]
-fn places_on_the_skin_are_those_of_their_charts_at_any_size() {
+fn chart_coordinates_invert_positions_at_any_size() {
     for radius in [1e-40, 1.0, 1e40] {
         let skin = Skin::new(radius).unwrap();
         for angle in [1e-200, 1e-6, 1.0, 3.1] {
@@ -69,7 +68,7 @@ fn places_on_the_skin_are_those_of_their_charts_at_any_size() {
 /// Contacts with a dish whose curvature is nearly the sensor's, and with a plane at indentations from nearly zero to
 /// the sensor's radius.
 #[test]
-fn contacts_on_skins_of_any_size_have_the_radius_of_hertz() {
+fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
     let body = Body::hertz(0.5).unwrap();
     for radius in [1e-40, 1.0, 1e40] {
         let skin = Skin::new(radius).unwrap();
@@ -90,7 +89,7 @@ fn contacts_on_skins_of_any_size_have_the_radius_of_hertz() {
 }
 
 #[test]
-fn places_that_are_none_count_as_the_apex_and_distances_that_are_none_move_nothing() {
+fn non_finite_positions_map_to_the_apex_and_non_finite_distances_to_no_displacement() {
     let skin = Skin::new(20.0).unwrap();
     assert_eq!(skin.place([f64::NAN, 1.0]), skin.place([0.0, 0.0]));
     assert_eq!(skin.place([f64::INFINITY, 1.0]), skin.place([0.0, 0.0]));
@@ -104,9 +103,9 @@ fn places_that_are_none_count_as_the_apex_and_distances_that_are_none_move_nothi
     }
 }
 
-/// The cosine of twice the azimuth, which may leave the doubles.
+/// Twice the azimuth overflows here, but its cosine is needed.
 #[test]
-fn shifts_know_any_azimuth() {
+fn shifts_are_computed_at_any_azimuth() {
     let moved = stuck_shift(0.3, 0.0, 1.0, 0.5, f64::MAX).unwrap();
     assert!((moved.along - 1.0).abs() < 1e-15 && moved.across.abs() < 1e-15);
     let markers = Markers::new(Skin::new(20.0).unwrap(), &[[1.0, 2.0]]).unwrap();
@@ -120,7 +119,7 @@ fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
 
-/// A power of ten, of any exponent within.
+/// A power of ten with an exponent in the range.
 fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|exponent| libm::pow(10f64, exponent))
 }
@@ -129,18 +128,18 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// What was made where the settings are good, and `bad-setting` where they are not.
-fn made<T: std::fmt::Debug>(is_good: bool, made: Result<T, PressError>) -> Option<T> {
+/// The value if the settings are valid; otherwise checks that the error is `bad-setting`.
+fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
-        return Some(made.unwrap());
+        return Some(result.unwrap());
     }
-    assert_eq!(made.unwrap_err().name(), "bad-setting");
+    assert_eq!(result.unwrap_err().name(), "bad-setting");
     None
 }
 
 const POSITIVE: std::ops::RangeInclusive<f64> = 5e-324..=f64::MAX;
 
-/// Five by five markers, 3 apart, about the apex of a sensor of radius 20.
+/// Five by five markers with a spacing of 3, centred on the apex of a sensor of radius 20.
 fn square_of_markers() -> Markers {
     let at = |index: u32| 3.0 * (f64::from(index) - 2.0);
     let places: Vec<[f64; 2]> = (0..25)
@@ -171,7 +170,7 @@ fn is_finite(found: &PressEstimate) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Indentations up to a fiftieth of the radius, which no contact makes wider than the sensor.
+    /// With indentations up to a fiftieth of the radius, no contact is wider than the sensor.
     #[test]
     fn shallow_presses_on_any_sensor_have_a_contact(
         radius in power(-9.0..9.0),
@@ -191,15 +190,15 @@ proptest! {
     }
 
     #[test]
-    fn bodies_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform7(any_number())) {
+    fn bodies_return_numbers_or_the_expected_error(numbers in prop::array::uniform7(any_number())) {
         let [poisson, thickness, depth, curvature, indentation, r, young] = numbers;
         let is_depth = is_setting(depth, 0.0..=1e50);
-        made(is_setting(poisson, 0.0..=0.5), Body::hertz(poisson));
-        made(is_setting(poisson, 0.0..=0.5) && is_depth, Body::half_space(poisson, depth));
+        valid_value(is_setting(poisson, 0.0..=0.5), Body::hertz(poisson));
+        valid_value(is_setting(poisson, 0.0..=0.5) && is_depth, Body::half_space(poisson, depth));
         let is_layer = is_setting(thickness, 1e-50..=1e50) && is_setting(depth, 0.0..=thickness);
-        made(is_layer, Body::bonded_layer(thickness, depth));
-        made(is_setting(thickness, POSITIVE), Body::gaussian(thickness));
-        let skin = made(is_setting(thickness, 1e-50..=1e50), Skin::new(thickness));
+        valid_value(is_layer, Body::bonded_layer(thickness, depth));
+        valid_value(is_setting(thickness, POSITIVE), Body::gaussian(thickness));
+        let skin = valid_value(is_setting(thickness, 1e-50..=1e50), Skin::new(thickness));
         let due = match (curvature, indentation) {
             (k, d) if !(k.is_finite() && d.is_finite()) => Some("out-of-range"),
             (k, _) if k < 0.0 => Some("edge-contact"),
@@ -220,10 +219,10 @@ proptest! {
     }
 
     #[test]
-    fn layers_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform4(any_number())) {
+    fn layers_return_numbers_or_the_expected_error(numbers in prop::array::uniform4(any_number())) {
         let [thickness, depth, a, r] = numbers;
         let is_layer = is_setting(thickness, 1e-50..=1e50) && is_setting(depth, 0.0..=thickness);
-        let Some(layer) = made(is_layer, BondedLayer::new(thickness, depth)) else { return Ok(()) };
+        let Some(layer) = valid_value(is_layer, BondedLayer::new(thickness, depth)) else { return Ok(()) };
         if a.is_nan() || a <= 0.0 {
             prop_assert_eq!(layer.contact(a).unwrap_err(), PressError::OutOfRange);
         } else if a / thickness > 50.0 {
@@ -235,16 +234,16 @@ proptest! {
     }
 
     #[test]
-    fn skins_and_shifts_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform7(any_number())) {
+    fn skins_and_shifts_return_numbers_or_the_expected_error(numbers in prop::array::uniform7(any_number())) {
         let [radius, x, y, z, depth, a, shift] = numbers;
         let is_sphere = is_setting(radius, POSITIVE) && is_setting(a, 0.0..radius);
-        let indentation = made(is_sphere, sneddon_indentation(radius, a));
+        let indentation = valid_value(is_sphere, sneddon_indentation(radius, a));
         prop_assert!(indentation.is_none_or(f64::is_finite));
         let is_contact = is_setting(depth, 0.0..=1e50) && is_setting(a, 1e-50..=1e50);
         let is_place = is_setting(x.abs(), 0.0..=1e50) && y.is_finite();
-        let moved = made(is_contact && is_place, stuck_shift(0.3, depth, a, x.abs(), y));
+        let moved = valid_value(is_contact && is_place, stuck_shift(0.3, depth, a, x.abs(), y));
         prop_assert!(moved.is_none_or(|moved| (moved.along + moved.across + moved.normal).is_finite()));
-        let Some(skin) = made(is_setting(radius, 1e-50..=1e50), Skin::new(radius)) else { return Ok(()) };
+        let Some(skin) = valid_value(is_setting(radius, 1e-50..=1e50), Skin::new(radius)) else { return Ok(()) };
         let place = skin.place([x, y]);
         prop_assert!((place.direction.norm() - 1.0).abs() < 1e-12);
         prop_assert!((place.x_axis.norm() - 1.0).abs() < 1e-12);
@@ -267,11 +266,11 @@ proptest! {
         prop_assert!(places.iter().all(|place| is_number(place) && !beyond(place)));
         prop_assert!(markers.distances([z, x]).iter().all(|part| part.is_finite()));
         let is_shift = is_contact && is_setting(shift, -1e50..=1e50);
-        let moved = made(is_shift, markers.shifted(0.3, depth, a, [x, y], shift));
+        let moved = valid_value(is_shift, markers.shifted(0.3, depth, a, [x, y], shift));
         prop_assert!(moved.iter().flatten().flat_map(parts).all(|part| part.is_finite()));
     }
 
-    /// Readings of any ball or plane pressed among the markers give an estimate.
+    /// Readings of any ball or plane that is pressed between the markers have an estimate.
     #[test]
     fn presses_among_the_markers_are_estimated(
         (object, indentation) in (0.0..0.5, 0.5..2.0),
@@ -293,14 +292,14 @@ proptest! {
         prop_assert!(is_finite(&found), "{found:?}");
         let left = found.goodness.map_or(f64::INFINITY, |goodness| goodness.chi_squared);
         prop_assert!(left < 1e-3, "{found:?}");
-        // Of presses so sharp and shallow that noise of the stated size all but hides their curvature any near the best will do.
-        let is_told = found.relative_curvature.std < 0.3 * found.relative_curvature.value;
+        // A sharp, shallow press barely determines its curvature under the stated noise, so any estimate is accepted.
+        let is_resolved = found.relative_curvature.std < 0.3 * found.relative_curvature.value;
         let off = found.most_likely_curvature - 0.05 - object;
-        prop_assert!(off.abs() < 1e-4 || !is_told, "{found:?}");
+        prop_assert!(off.abs() < 1e-4 || !is_resolved, "{found:?}");
     }
 
     #[test]
-    fn fits_give_numbers_or_the_error_that_is_due(
+    fn fits_return_numbers_or_the_expected_error(
         mut readings in prop::collection::vec(-1.0..3.0, 25),
         wrong in prop::option::weighted(0.3, (0..25_usize, any_number())),
         known in prop::option::of([mostly(0.1..2.0), mostly(1e-3..0.1)]),
@@ -338,7 +337,7 @@ proptest! {
         prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
-    /// All lengths times a power of two: so are displacements, and curvatures through it, to the last bit.
+    /// With all lengths multiplied by a power of two, displacements are multiplied by it and curvatures divided by it.
     #[test]
     fn scaled_lengths_scale_the_press(power in -60..60, object in -0.9..20.0, share in 1e-6..0.05, x in -10.0..10.0) {
         let scale = 2f64.powi(power);
@@ -354,9 +353,9 @@ proptest! {
         }
     }
 
-    /// A contact on the markers' other side moves them as much.
+    /// If contact and markers are rotated together, the size of the displacements does not change.
     #[test]
-    fn turned_places_are_moved_alike(angle in 0.0..6.3, r in 0.0..40.0, at in 0.0..40.0, bearing in 0.0..6.3) {
+    fn displacements_rotate_with_the_markers(angle in 0.0..6.3, r in 0.0..40.0, at in 0.0..40.0, bearing in 0.0..6.3) {
         let skin = Skin::new(20.0).unwrap();
         let body = Body::half_space(0.3, 2.0).unwrap();
         let contact = skin.contact(&body, 0.1, 1.0).unwrap();
@@ -377,7 +376,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn layers_of_any_size_have_any_contact_up_to_fifty_thicknesses(
+    fn layers_of_any_size_support_contacts_up_to_fifty_thicknesses(
         (thickness, depth) in (power(-9.0..9.0), 0.0..1.0),
         (width, r) in (power(-6.0..1.69), -3.0..3.0),
     ) {

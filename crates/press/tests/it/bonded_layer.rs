@@ -1,4 +1,4 @@
-//! The bonded layer against values of an independent solver, limits, and equations that any solution fulfils.
+//! The bonded layer against values of an independent solver, limits, and equations that every solution satisfies.
 
 use std::f64::consts::PI;
 
@@ -57,7 +57,7 @@ const GOLDEN: [[f64; 7]; 45] = [
 
 const WIDTHS: [f64; 10] = [1e-9, 1e-3, 0.1, 0.74, 0.76, 1.24, 2.9, 5.9, 11.9, 30.0];
 
-fn solved(thickness: f64, depth: f64, a: f64) -> LayerContact {
+fn solve_contact(thickness: f64, depth: f64, a: f64) -> LayerContact {
     BondedLayer::new(thickness, depth)
         .unwrap()
         .solved(a)
@@ -95,9 +95,9 @@ fn golden_displacements() {
 }
 
 #[test]
-fn the_object_fits_into_its_impression() {
+fn the_surface_follows_the_object_within_the_contact() {
     for a in WIDTHS {
-        let contact = solved(1.0, 0.0, a);
+        let contact = solve_contact(1.0, 0.0, a);
         let [indentation, _] = contact.indentation();
         for share in 0..=20 {
             let r = a * f64::from(share) / 20.0;
@@ -107,18 +107,19 @@ fn the_object_fits_into_its_impression() {
                 "a = {a}, r = {r}: off by {error:e}"
             );
         }
-        // Beyond the contact the object stands clear of the layer.
+        // Outside the contact the object does not touch the layer.
         let gap = contact.field(1.2 * a).normal - (indentation - 0.72 * a * a);
         assert!(gap > 0.0, "a = {a}: {gap:e}");
     }
 }
 
 #[test]
-fn volume_is_kept() {
-    // The divergence of the displacement, its derivative by depth from differences.
+fn the_volume_is_conserved() {
+    // The divergence of the displacement; the derivative in depth is a finite difference.
     for (a, depth) in [(0.3, 0.2), (1.2, 0.4), (1.2, 0.9), (4.0, 0.5), (9.0, 0.3)] {
         let step = 1e-4;
-        let [above, here, below] = [-step, 0.0, step].map(|shift| solved(1.0, depth + shift, a));
+        let [above, here, below] =
+            [-step, 0.0, step].map(|shift| solve_contact(1.0, depth + shift, a));
         for r in [0.2, 0.7, 1.1, 2.5, 5.0] {
             let stretched = (below.field(r).normal - above.field(r).normal) / (2.0 * step);
             let Field {
@@ -161,9 +162,9 @@ fn a_thick_layer_is_a_half_space() {
 
 #[test]
 fn a_thin_layer_flows_outward() {
-    // a² = 4 R δ, and by lubrication the pressure (3/128) (E*/h³ R) (a² − r²)². What these leave out falls as h/a.
+    // a² = 4 R δ, and by lubrication the pressure (3/128) (E*/h³ R) (a² − r²)². The neglected terms decrease with h/a.
     let ratios = |a: f64| {
-        let contact = solved(1.0, 0.0, a);
+        let contact = solve_contact(1.0, 0.0, a);
         [
             4.0 * contact.indentation()[0] / (a * a),
             2.0 * contact.indentation()[1] / a,
@@ -180,9 +181,10 @@ fn a_thin_layer_flows_outward() {
 #[test]
 fn nothing_moves_at_the_base() {
     for a in [0.01, 1.0, 10.0] {
-        assert_eq!(solved(1.0, 1.0, a).field(0.5), Field::default());
+        assert_eq!(solve_contact(1.0, 1.0, a).field(0.5), Field::default());
         // The normal displacement falls as the square of the distance from the base, the radial one as the distance.
-        let [near, nearer] = [0.998, 0.999].map(|depth| solved(1.0, depth, a).field(0.5 * a));
+        let [near, nearer] =
+            [0.998, 0.999].map(|depth| solve_contact(1.0, depth, a).field(0.5 * a));
         assert!(
             (near.normal / nearer.normal - 4.0).abs() < 0.02,
             "{near:?} {nearer:?}"
@@ -227,7 +229,7 @@ fn tables_agree_with_solutions() {
 }
 
 #[test]
-fn derivatives_are_those_of_the_values() {
+fn derivatives_match_finite_differences() {
     for (depth, a) in [(0.05, 0.3), (0.4, 1.2), (0.4, 0.02), (0.7, 5.0)] {
         let layer = BondedLayer::new(1.0, depth).unwrap();
         let step = 1e-4 * f64::min(a, depth);
@@ -323,7 +325,7 @@ fn displacements_are_finite_everywhere() {
 }
 
 #[test]
-fn a_layer_that_is_solved_presses_like_one_with_tables() {
+fn contacts_solved_directly_match_contacts_from_tables() {
     for (thickness, indentation) in [(4.0, 1.0), (20.0, 0.3), (1.5, 0.8), (1e6, 1.0)] {
         let tables = Body::bonded_layer(thickness, 0.5).unwrap();
         let solved = Body::solved_layer(thickness, 0.5).unwrap();
@@ -339,7 +341,7 @@ fn a_layer_that_is_solved_presses_like_one_with_tables() {
 }
 
 #[test]
-fn a_finer_resolution_errs_less_and_unusual_ones_are_refused() {
+fn errors_decrease_with_resolution_and_invalid_ones_are_refused() {
     let layer = |resolution: f64| BondedLayer::new(5.0, 2.0)?.at_resolution(resolution);
     let field = |resolution: f64| {
         let field = layer(resolution).unwrap().solved(4.0).unwrap().field(3.0);
@@ -358,9 +360,9 @@ fn a_finer_resolution_errs_less_and_unusual_ones_are_refused() {
     }
 }
 
-/// Layers that share their tables move as those with tables of their own.
+/// Layers that share tables have the same displacements as layers with separate tables.
 #[test]
-fn a_layer_at_several_depths_is_each_of_them() {
+fn a_layer_at_several_depths_equals_separate_layers() {
     let depths = [0.0, 0.2, 0.75, 1.0];
     let layers = BondedLayer::at_depths(1.0, &depths).unwrap();
     for (layer, depth) in layers.iter().zip(depths) {

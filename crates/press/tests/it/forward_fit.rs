@@ -18,7 +18,7 @@ const OBJECTS: [f64; 6] = [
 ];
 
 #[test]
-fn exact_readings_of_a_half_space_give_the_curvature() {
+fn exact_readings_of_a_half_space_determine_the_curvature() {
     let (markers, body) = (published(), half_space());
     let fit = ForwardFit::new(body.clone());
     for object in OBJECTS {
@@ -39,7 +39,7 @@ fn exact_readings_of_a_half_space_give_the_curvature() {
 }
 
 #[test]
-fn exact_readings_of_a_layer_give_the_curvature() {
+fn exact_readings_of_a_layer_determine_the_curvature() {
     let markers = published();
     for thickness in [5.0, 10.0] {
         let body = Body::bonded_layer(thickness, 2.0).unwrap();
@@ -62,7 +62,7 @@ fn exact_readings_of_a_layer_give_the_curvature() {
 
 /// The grid of 7 × 7 markers extends to half the skin's radius along x and y.
 #[test]
-fn exact_readings_on_sensors_of_any_size_give_the_curvature() {
+fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;
     let half_space: OfRadius = |radius| Body::half_space(0.5, 0.1 * radius).unwrap();
     let layer: OfRadius = |radius| Body::bonded_layer(0.3 * radius, 0.1 * radius).unwrap();
@@ -101,7 +101,7 @@ fn exact_readings_on_sensors_of_any_size_give_the_curvature() {
 }
 
 #[test]
-fn tangential_readings_help_where_the_indentation_is_free() {
+fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() {
     let (markers, body) = (published(), half_space());
     let fit = ForwardFit {
         normal_std: Some(0.07),
@@ -115,7 +115,7 @@ fn tangential_readings_help_where_the_indentation_is_free() {
             bounds.unwrap().relative_curvature
         };
         assert!(bound(true) < 0.8 * bound(false));
-        // The fit states what the bound promises.
+        // The standard error of the fit equals the bound.
         let readings = Readings::of(&markers, &contact, [0.0; 2]);
         let reading = Reading {
             tangential: Some(&readings.tangential),
@@ -126,9 +126,9 @@ fn tangential_readings_help_where_the_indentation_is_free() {
     }
 }
 
-/// An independent calculation has the bound at 6.7 % of the curvature.
+/// In an independent calculation the bound is 6.7 % of the curvature.
 #[test]
-fn the_bound_is_that_of_an_independent_calculation() {
+fn the_bound_matches_an_independent_calculation() {
     let (markers, body) = (published(), half_space());
     let fit = fit_of(&body, 0.07);
     let contact = markers.skin().contact(&body, 0.0, 1.4).unwrap();
@@ -149,10 +149,10 @@ fn the_bound_is_that_of_an_independent_calculation() {
     assert!(by(1e-300).is_none());
 }
 
-/// The error over 400 presses is that of the bound within what 400 presses can tell, and their intervals hold the
-/// truth: with the indentation known, and fitted with tangential readings.
+/// The rms error of 400 presses equals the bound within its statistical uncertainty, and their intervals contain the
+/// truth: with a stated indentation, and with a fitted one and tangential readings.
 #[test]
-fn noisy_readings_are_used_to_the_bound() {
+fn errors_from_noisy_readings_reach_the_bound() {
     const PRESSES: u64 = 400;
     const KNOWN_STD: f64 = 0.02;
     let (markers, body) = (published(), half_space());
@@ -170,7 +170,7 @@ fn noisy_readings_are_used_to_the_bound() {
         let bound = bounds.unwrap().relative_curvature;
         let (mut squares, mut held) = (0.0, 0);
         for press in 0..PRESSES {
-            // The robot errs by the standard deviation it states, now up and now down.
+            // The error of the robot is its stated standard deviation, alternately positive and negative.
             let value = 1.4 + KNOWN_STD * if press % 2 == 0 { 1.0 } else { -1.0 };
             let known = known_std.map(|std| Measured { value, std });
             let readings = exact.noisy_along(0.07, 0.02, press);
@@ -192,8 +192,8 @@ fn noisy_readings_are_used_to_the_bound() {
     }
 }
 
-/// The curvature is right on average over 600 presses, to a fraction of its scatter of about 20 %; that of the best fit
-/// is too large.
+/// On average over 600 presses the curvature has no bias compared with its scatter of about 20 %. The curvature of the
+/// best fit is too large.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
@@ -215,9 +215,9 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// A Gaussian differs from a press by more than exact readings' noise: no marker is wrong for that.
+/// A Gaussian differs from a press by more than the small noise; this does not make a marker an outlier.
 #[test]
-fn a_gaussian_calls_no_marker_wrong() {
+fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 30.0, 1.5).unwrap();
     let readings = Readings::of(&markers, &contact, [0.0; 2]).noisy(0.01, 3);
@@ -233,9 +233,9 @@ fn a_gaussian_calls_no_marker_wrong() {
     assert!(libm::hypot(found.contact[0], found.contact[1]) < 0.3);
 }
 
-/// A needle of which not even the indentation is known is not taken for a dish.
+/// A needle with an unknown indentation is not estimated as a dish.
 #[test]
-fn a_needle_is_estimated_sharp() {
+fn a_needle_is_not_estimated_as_a_dish() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 5.0, 1.0).unwrap();
     let exact = Readings::of(&markers, &contact, [0.0; 2]);
@@ -280,7 +280,7 @@ fn wrong_markers_are_named() {
     }
 }
 
-/// Markers that a window leaves out are no reason to look elsewhere.
+/// Markers outside the window do not move the estimated contact away.
 #[test]
 fn a_window_stays_on_the_contact() {
     let (markers, body) = (published(), half_space());
@@ -302,7 +302,7 @@ fn a_window_stays_on_the_contact() {
 }
 
 #[test]
-fn a_gain_that_the_fit_is_told_of_widens_its_intervals_to_hold_the_truth() {
+fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.4).unwrap();
     let mut readings = Readings::of(&markers, &contact, [0.0; 2]);
@@ -310,14 +310,14 @@ fn a_gain_that_the_fit_is_told_of_widens_its_intervals_to_hold_the_truth() {
         .normal
         .iter_mut()
         .for_each(|normal| *normal *= 1.17);
-    let told = |gain| ForwardFit {
+    let with_gain = |gain| ForwardFit {
         normal_std: Some(0.02),
         gain,
         ..ForwardFit::new(body.clone())
     };
     let reading = readings.reading(&markers, exactly(1.4));
-    let trusting = told(Prior::Exact).estimate(&reading).unwrap();
-    let wary = told(Prior::Within(0.17)).estimate(&reading).unwrap();
+    let trusting = with_gain(Prior::Exact).estimate(&reading).unwrap();
+    let wary = with_gain(Prior::Within(0.17)).estimate(&reading).unwrap();
     assert!(
         !trusting
             .relative_curvature
@@ -342,7 +342,7 @@ const GAUSSIANS: [[f64; 6]; 4] = [
 ];
 
 #[test]
-fn a_gaussian_through_a_profile() {
+fn a_gaussian_fit_of_a_profile_matches_another_program() {
     let body = half_space();
     for [radius, indentation, amplitude, sigma, r_squared, ratio] in GAUSSIANS {
         let object = 1.0 / radius - 1.0 / RADIUS;
@@ -369,7 +369,7 @@ fn a_gaussian_through_a_profile() {
 }
 
 #[test]
-fn a_calibrated_gaussian_gives_the_plane_on_which_it_was_calibrated() {
+fn a_calibrated_gaussian_estimates_its_calibration_plane() {
     let (markers, body) = (published(), half_space());
     let c = calibrated_c(&markers, &body, 1.0, None).unwrap();
     let fit = ForwardFit {
@@ -412,7 +412,7 @@ const DISH: [[f64; 2]; 11] = [
     [9.476, -0.0361],
 ];
 
-/// The effective radius of a published profile whose axis is stretched: most likely, and its interval.
+/// Most likely effective radius of a published profile with a stretched axis, and its interval.
 fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     let positions: Vec<f64> = profile
         .iter()
@@ -433,7 +433,7 @@ fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     )
 }
 
-/// The axis as drawn is compressed about 2.19 times. An independent fit has 21.7 and 31.5 there.
+/// The axis in the figure is compressed about 2.19 times. An independent fit of it has the radii 21.7 and 31.5.
 #[test]
 fn published_profiles() {
     let (plane, _) = published_radius(&PLANE, 2.19);
@@ -442,7 +442,7 @@ fn published_profiles() {
     assert_relative_eq!(dish, 31.5, max_relative = 0.01);
     assert!(interval.holds(26.7));
 
-    // With the axis stretched so that the plane gives the sensor's radius.
+    // The axis is stretched so that the radius from the plane is the sensor's.
     let (mut low, mut high) = (1.9, 2.3);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);

@@ -86,7 +86,7 @@ const EDGES: [[f64; 5]; 11] = [
 ];
 
 #[test]
-fn edges_depths_and_distances_of_contacts_of_any_size() {
+fn displacements_are_accurate_at_edges_depths_and_distances_of_any_size() {
     for [poisson, depth, r, normal, radial] in EDGES {
         for size in [1e-30, 1.0, 1e30] {
             let body = Body::half_space(poisson, depth * size).unwrap();

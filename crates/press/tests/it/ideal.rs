@@ -1,4 +1,4 @@
-//! A camera whose law is a closed form, before a sensor of any size.
+//! A camera with a closed-form model, in a sensor of any size.
 
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
@@ -6,18 +6,19 @@ use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Sk
 pub(crate) const RADIUS: f64 = 20.0;
 /// Standard deviations of centroid, hue and logarithm of the size.
 pub(crate) const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
-/// Standard deviations of what is known only roughly: depths of the discs, in units of length; image's centre; pixels per
+/// Standard deviations of uncertain parameters: depths of the discs, in units of length; the image's centre; pixels per
 /// radian.
 pub(crate) const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
 /// Depths of the magenta and the yellow discs, in units of length.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 
-/// A camera that sees the middle between the discs, hue by how far they are apart, and size by how near they are.
+/// A camera that measures the midpoint of the two discs, their distance from each other (hue), and their distance from
+/// the camera (size).
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
     /// Unit of length.
     pub(crate) unit: f64,
-    /// Places of the markers, length.
+    /// Positions of the markers, length.
     pub(crate) places: Vec<[f64; 2]>,
 }
 
@@ -38,7 +39,7 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Half-spaces, or layers of this thickness, whose discs lie deeper by so much; in units of length.
+    /// Half-spaces, or layers of this thickness, with discs `deeper` below their usual depth; in units of length.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;
@@ -50,7 +51,7 @@ impl Ideal {
         })
     }
 
-    /// A fit that knows the sensor as roughly as these standard deviations say, lengths in units.
+    /// A fit with these standard deviations of the sensor parameters, lengths in units.
     pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Self> {
         let [magenta, yellow, rest @ ..] = common_stds;
         let [magenta, yellow] = [magenta, yellow].map(|std| std * self.unit);

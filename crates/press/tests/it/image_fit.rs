@@ -1,4 +1,4 @@
-//! Fits of pictures, against a camera whose law is a closed form.
+//! Fits of pictures from a camera with a closed-form model.
 
 use nalgebra::Matrix4;
 use palpate_press::{
@@ -33,7 +33,7 @@ fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
     ideal().fit(layer, common_stds)
 }
 
-/// The sensor as it truly is.
+/// True parameters of a sensor.
 #[derive(Clone)]
 struct Truth {
     common: [f64; 5],
@@ -80,7 +80,7 @@ impl Truth {
         pictures.into_iter().map(erring).collect()
     }
 
-    /// Displacements of both discs, at the depths at which they truly lie.
+    /// Displacements of both discs at their true depths.
     fn moved(&self, layer: Option<f64>, at: [f64; 2], depth: f64) -> Vec<[MarkerDisplacement; 2]> {
         let skin = Skin::new(RADIUS).unwrap();
         let markers = Markers::new(skin, &places()).unwrap();
@@ -98,7 +98,7 @@ impl Truth {
     }
 }
 
-/// The estimate of trial number `trial`, by a fit that knows the sensor as roughly as `known` says.
+/// Estimate of trial `number`, fitted with the standard deviations `known` of the sensor parameters.
 fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
     let truth = Truth::drawn(number, ROUGHLY);
     let mut noise = Stream::new(2, number, Channel::Centroid);
@@ -111,14 +111,14 @@ fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressErro
 }
 
 #[test]
-fn pictures_without_error_give_the_press() {
+fn noiseless_pictures_determine_the_press() {
     let truth = Truth::drawn(0, [0.0; 5]);
     for layer in [None, Some(6.0)] {
         let fit = fit(layer, [0.0; 5]);
         let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
         for (found, true_one) in rest.misalignments.iter().zip(&truth.misalignments) {
             for axis in 0..2 {
-                // The prior draws them towards 0 by a share of its information.
+                // The prior shrinks them slightly towards 0.
                 assert!((found[axis] - true_one[axis]).abs() < 2e-4 * 0.06);
             }
         }
@@ -139,9 +139,9 @@ fn pictures_without_error_give_the_press() {
     }
 }
 
-/// Markers move as the press says, but for one.
+/// One marker has an additional displacement; one is not visible.
 #[test]
-fn pictures_without_error_give_the_displacements() {
+fn noiseless_pictures_determine_the_displacements() {
     let truth = Truth::drawn(0, [0.0; 5]);
     let fit = fit(None, [0.0; 5]);
     let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
@@ -173,9 +173,9 @@ fn pictures_without_error_give_the_displacements() {
     assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
-/// Each trial has another sensor, within the covariance that the fit is told.
+/// The sensor of each trial is drawn from the covariance that the fit assumes.
 #[test]
-fn intervals_hold_where_the_sensor_is_known_roughly() {
+fn intervals_contain_the_truth_for_uncertain_sensors() {
     let (mut held, mut squared, mut stated, mut at_rest) = (0.0, 0.0, 0.0, 0.0);
     let trials = 150;
     for number in 0..trials {
@@ -195,7 +195,7 @@ fn intervals_hold_where_the_sensor_is_known_roughly() {
 }
 
 #[test]
-fn a_sensor_that_is_thought_exact_contradicts_its_rest() {
+fn a_sensor_without_stated_uncertainty_contradicts_its_frame_at_rest() {
     let (estimate, share) = trial(3, [0.0; 5]).unwrap();
     assert!(share > 5.0, "{share}");
     let (known, _) = trial(3, ROUGHLY).unwrap();
@@ -209,18 +209,18 @@ fn a_known_indentation_narrows_the_interval() {
     let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
     let seen = truth.seen(&truth.moved(None, [0.0; 2], 1.2), None);
     let alone = fit.estimate(&rest, &seen, None).unwrap();
-    let told = |std| {
+    let with_indentation = |std| {
         let value = 1.2;
         fit.estimate(&rest, &seen, Some(Measured { value, std }))
             .unwrap()
     };
-    let (roughly, exactly) = (told(0.02), told(0.0));
+    let (roughly, exactly) = (with_indentation(0.02), with_indentation(0.0));
     let std = |estimate: &PressEstimate| estimate.relative_curvature.std;
     assert!(std(&exactly) < std(&roughly) && std(&roughly) < std(&alone));
     assert_eq!(exactly.indentation.value, 1.2);
 }
 
-/// Errors of estimates scatter as the bound at the truth says, which knows no estimate.
+/// The scatter of the estimates equals the bound, which is computed at the true press.
 #[test]
 fn estimates_scatter_by_the_bound() {
     let trials = 150;
@@ -250,7 +250,7 @@ fn estimates_scatter_by_the_bound() {
 }
 
 #[test]
-fn a_wrong_marker_is_found_and_left_out() {
+fn an_outlier_is_found_and_excluded() {
     let truth = Truth::drawn(6, [0.0; 5]);
     let fit = fit(None, [0.0; 5]);
     let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
@@ -281,9 +281,9 @@ fn markers_at_rest_show_no_contact() {
     );
 }
 
-/// A shift moves the skin sideways under the contact; what is told of it does not bend the curvature.
+/// A shift moves the skin sideways under the contact. The fit includes it, so the curvature does not change.
 #[test]
-fn a_sideways_shift_is_told_from_curvature() {
+fn a_fitted_sideways_shift_does_not_change_the_curvature() {
     let truth = Truth::drawn(8, [0.0; 5]);
     let mut moved = truth.moved(None, [1.0, 1.0], 1.0);
     let skin = Skin::new(RADIUS).unwrap();
@@ -314,7 +314,7 @@ fn a_sideways_shift_is_told_from_curvature() {
 }
 
 #[test]
-fn what_is_no_number_is_refused_by_its_marker() {
+fn a_non_finite_reading_is_refused_with_its_marker() {
     let truth = Truth::drawn(9, [0.0; 5]);
     let fit = fit(None, ROUGHLY);
     let good = truth.at_rest(None);
@@ -349,9 +349,12 @@ fn what_is_no_number_is_refused_by_its_marker() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever a tracker reads, an answer of finite numbers or an error.
+    /// Any readings of a tracker return finite numbers or an error.
     #[test]
-    fn any_pictures_end(numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8), marker in 0_usize..81) {
+    fn any_pictures_return_finite_numbers_or_an_error(
+        numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8),
+        marker in 0_usize..81,
+    ) {
         let truth = Truth::drawn(10, [0.0; 5]);
         let fit = fit(None, ROUGHLY);
         let spoilt = |mut seen: Vec<Option<Seen>>, numbers: &[f64]| {

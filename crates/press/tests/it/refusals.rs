@@ -1,4 +1,4 @@
-//! Presses that do not happen, and readings that tell nothing.
+//! Impossible presses, and readings without information.
 
 use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
@@ -19,7 +19,7 @@ fn read(normal: Vec<f64>, known: Option<Measured>) -> Result<PressEstimate, Pres
 }
 
 #[test]
-fn presses_that_do_not_happen() {
+fn impossible_presses_have_named_errors() {
     let skin = Skin::new(RADIUS).unwrap();
     let body = half_space();
     let press = |object, indentation| refusal(skin.contact(&body, object, indentation));
@@ -42,7 +42,7 @@ fn presses_that_do_not_happen() {
 }
 
 #[test]
-fn readings_that_tell_nothing() {
+fn readings_without_information_are_refused() {
     let count = published().places().len();
     assert_eq!(refusal(read(vec![0.0; count], exactly(1.0))), "no-contact");
     assert_eq!(refusal(read(vec![0.3; count], exactly(1.0))), "no-contact");
@@ -108,7 +108,7 @@ fn noise_alone_is_no_contact() {
 
 /// One marker moved: the object may be a needle under it.
 #[test]
-fn an_object_sharper_than_the_markers_are_spaced_has_no_upper_bound_or_an_honest_one() {
+fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     let (markers, body) = (published(), half_space());
     let fit = fit_of(&body, 0.02);
     let (mut estimates, mut held) = (0, 0);
@@ -117,7 +117,7 @@ fn an_object_sharper_than_the_markers_are_spaced_has_no_upper_bound_or_an_honest
         let truth = contact.relative_curvature;
         for trial in 0..20 {
             let readings = Readings::of(&markers, &contact, at(0.5, 10.0)).noisy(0.02, trial);
-            // A named error is as honest as an interval.
+            // An error is also accepted.
             if let Ok(found) = fit.estimate(&readings.reading(&markers, exactly(0.5))) {
                 let curvature = found.relative_curvature;
                 assert!(curvature.value.is_finite() && curvature.std.is_finite());
@@ -132,7 +132,7 @@ fn an_object_sharper_than_the_markers_are_spaced_has_no_upper_bound_or_an_honest
 }
 
 #[test]
-fn a_contact_beyond_the_markers_is_far_off_or_refused() {
+fn a_contact_beyond_the_markers_is_located_or_refused() {
     let skin = Skin::new(RADIUS).unwrap();
     let positions: Vec<[f64; 2]> = (0..25)
         .map(|index| [f64::from(index % 5) - 2.0, f64::from(index / 5) - 2.0])
@@ -148,9 +148,9 @@ fn a_contact_beyond_the_markers_is_far_off_or_refused() {
     }
 }
 
-/// Far from the markers a needle under one of them would explain the readings about as well.
+/// If the contact is far from the markers, a needle under one marker fits the readings almost as well.
 #[test]
-fn intervals_off_the_markers_hold_the_truth_or_are_refused() {
+fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.0).unwrap();
     let fit = fit_of(&body, 0.07);
@@ -177,9 +177,9 @@ fn intervals_off_the_markers_hold_the_truth_or_are_refused() {
     }
 }
 
-/// A thin layer moves only what is under the contact; a marker that slips looks like a needle under it.
+/// A thin layer moves only under the contact, so a marker that slips looks like a needle under that marker.
 #[test]
-fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
+fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);
     let body = Body::bonded_layer(4.0, DEPTH).unwrap();
     let fit = fit_of(&body, std);
@@ -190,37 +190,37 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // Of 15 presses: number of estimates from this marker alone, and of those whose interval holds the curvature.
-    let told = |readings: &Readings, marker: usize, curvature: f64| {
-        let (mut told, mut held) = (0, 0);
+    // Over 15 presses: number of estimates from this marker alone, and of their intervals that contain the curvature.
+    let from_marker_alone = |readings: &Readings, marker: usize, curvature: f64| {
+        let (mut estimates, mut held) = (0, 0);
         for trial in 0..15 {
             let found = fit.estimate(&readings.noisy(std, trial).reading(&markers, None));
             if let Ok(found) = found
                 && found.only_marker == Some(marker)
             {
-                told += 1;
+                estimates += 1;
                 held += u32::from(found.relative_curvature.interval.holds(curvature));
             }
         }
-        (told, held)
+        (estimates, held)
     };
     let under = pressed.normal.iter().position(|normal| *normal > std);
-    let (of_press, held) = told(&pressed, under.unwrap(), 0.15 + 1.0 / RADIUS);
+    let (of_press, held) = from_marker_alone(&pressed, under.unwrap(), 0.15 + 1.0 / RADIUS);
     assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
-    let (of_slip, _) = told(&slipped, 7, 0.0);
+    let (of_slip, _) = from_marker_alone(&slipped, 7, 0.0);
     assert!(of_slip >= 13, "{of_slip}");
-    // Where an indentation is told, the others leave less of the curvatures; the marker is not said to be wrong.
+    // With a stated indentation the other markers exclude more curvatures, but this marker is still not an outlier.
     let indentation = exactly(0.6);
     let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);
         fit.estimate(&readings.reading(&markers, indentation)).ok()
     });
     let unseen: Vec<_> = estimates.filter(|found| !found.is_detected).collect();
-    let told = unseen.iter().filter(|found| found.only_marker == under);
+    let alone = unseen.iter().filter(|found| found.only_marker == under);
     let wrong = unseen
         .iter()
         .filter(|found| !found.wrong_markers.is_empty());
-    let counts = (unseen.len(), told.count(), wrong.count());
+    let counts = (unseen.len(), alone.count(), wrong.count());
     assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
@@ -235,9 +235,9 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// Noise needs more markers that count than there are unknowns.
+/// Noise can be estimated only from more used markers than fitted parameters.
 #[test]
-fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
+fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     let (markers, exact) = five_markers();
     let fit = ForwardFit::new(half_space());
     let mut estimated = 0;
@@ -256,9 +256,9 @@ fn no_noise_is_found_where_markers_that_count_are_as_many_as_unknowns() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// An indentation that is known is a reading too.
+/// A stated indentation counts as a reading.
 #[test]
-fn chi_squared_is_reduced_by_what_its_p_value_is_judged_by() {
+fn reduced_chi_squared_uses_the_freedom_of_the_p_value() {
     let (markers, exact) = five_markers();
     let readings = exact.noisy(0.01, 3);
     let fit = fit_of(&half_space(), 0.01);
@@ -272,9 +272,10 @@ fn chi_squared_is_reduced_by_what_its_p_value_is_judged_by() {
     assert!((found.reduced_chi_squared - goodness.chi_squared / 2.0).abs() < 1e-12);
 }
 
-/// A press that no contact on the believed body explains is none of noise, also where that is not stated.
+/// If no contact on the assumed body fits the readings of a press, the error is not `no-contact`, even if the noise is
+/// not stated.
 #[test]
-fn markers_that_moved_are_no_missing_contact_where_noise_is_found() {
+fn a_bad_fit_with_estimated_noise_is_not_called_no_contact() {
     let markers = published();
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     let contact = markers.skin().contact(&layer, 1.0 / 30.0, 1.0).unwrap();

@@ -32,19 +32,19 @@ pub(crate) fn along(distances: &[f64]) -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Chart coordinates of a place by polar angle and azimuth, in degrees.
+/// Chart coordinates of a position with this polar angle and azimuth, in degrees.
 pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
     let distance = RADIUS * polar.to_radians();
     let (sine, cosine) = libm::sincos(azimuth.to_radians());
     [distance * cosine, distance * sine]
 }
 
-/// A half-space seen at the markers' depth.
+/// A half-space, with displacements at the markers' depth.
 pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
 }
 
-/// A fit of this body, with a stated standard deviation of the normal displacements.
+/// A fit with this body and a stated standard deviation of the normal displacements.
 pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),

@@ -7,8 +7,8 @@ use palpate_press::shear::{followed, stuck_shift};
 use palpate_press::sneddon_indentation;
 use palpate_press::{Markers, Skin};
 
-/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of
-/// traction over 4,000 wavenumbers (Gauss) and 256 directions.
+/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Computed as a sum of
+/// traction waves over 4,000 wavenumbers (Gauss) and 256 directions.
 #[rustfmt::skip]
 const QUADRATURE: [[f64; 8]; 18] = [
     [0.0, 0.5, 2.0, 0.0, 0.0, 0.806593517359, 0.0, 0.0],
@@ -32,7 +32,7 @@ const QUADRATURE: [[f64; 8]; 18] = [
 ];
 
 #[test]
-fn waves_of_traction_add_up() {
+fn shifts_match_the_sum_of_traction_waves() {
     for [poisson, depth, a, r, azimuth, along, across, normal] in QUADRATURE {
         let shift = stuck_shift(poisson, depth, a, r, azimuth).unwrap();
         let error = (shift.along - along)
@@ -47,7 +47,7 @@ fn waves_of_traction_add_up() {
 }
 
 #[test]
-fn the_contact_moves_as_one() {
+fn the_contact_moves_as_a_rigid_body() {
     for poisson in [0.0, 0.3, 0.5] {
         for share in [0.0, 0.4, 0.999] {
             for azimuth in [0.0, 0.8, 2.0, 4.0] {
@@ -59,8 +59,8 @@ fn the_contact_moves_as_one() {
 }
 
 #[test]
-fn far_away_it_is_a_force_at_a_point() {
-    // Cerruti's solution for a force of which π(2−ν)/(8 a G) gives the contact the shift 1.
+fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
+    // Cerruti's solution. The force is chosen so that force × π(2−ν)/(8 a G), the shift of the contact, is 1.
     for (poisson, r, z, azimuth) in [
         (0.0, 3.0, 4.0, 0.5),
         (0.3, 5.0, 0.0, 2.0),
@@ -90,7 +90,7 @@ fn far_away_it_is_a_force_at_a_point() {
 }
 
 #[test]
-fn wider_contacts_take_more_of_the_skin_along() {
+fn the_shift_at_depth_increases_with_the_contact_radius() {
     for poisson in [0.0, 0.3, 0.5] {
         assert_eq!(followed(poisson, 0.0, 1.0).unwrap(), 1.0);
         let mut before = 0.0;
@@ -105,7 +105,7 @@ fn wider_contacts_take_more_of_the_skin_along() {
 
 /// At depth z, in contact radii: π(2 − ν) × `followed` = 2(2 − ν) atan(1/z) − z/(1 + z²).
 #[test]
-fn the_share_that_follows_has_a_closed_form() {
+fn the_shift_below_the_centre_has_a_closed_form() {
     for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e15] {
         for poisson in [0.0, 0.5] {
             for radius in [1e-30, 1.0, 1e30] {
@@ -120,7 +120,7 @@ fn the_share_that_follows_has_a_closed_form() {
 }
 
 #[test]
-fn sneddons_indentation_is_an_area_tangent() {
+fn sneddons_indentation_contains_an_inverse_hyperbolic_tangent() {
     for radius in [1e-9, 20.0, 1e9] {
         assert_eq!(sneddon_indentation(radius, 0.0), Ok(0.0));
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {

@@ -1,14 +1,14 @@
-//! Sensors that known presses calibrate.
+//! Sensors that are calibrated by known presses.
 
 use palpate_press::{CalibrationPress, Rest};
 
 use super::*;
 
-/// Standard deviations of a sensor that is known far more roughly.
+/// Standard deviations of the parameters of a much more uncertain sensor.
 const WIDE: [f64; 5] = [0.05, 0.05, 3.0, 3.0, 0.05];
 const PLANE: f64 = 1.0 / RADIUS;
 
-/// A press of a plane on the apex, so deep, as a sensor shows it.
+/// Pictures of a plane that is pressed onto the apex.
 fn plane(truth: &Truth, indentation: f64, noise: &mut Stream) -> CalibrationPress {
     let skin = Skin::new(RADIUS).unwrap();
     let markers = Markers::new(skin, &places()).unwrap();
@@ -26,8 +26,8 @@ fn plane(truth: &Truth, indentation: f64, noise: &mut Stream) -> CalibrationPres
     }
 }
 
-/// The sensor of a trial, what its presses tell of it, and the noise that is left.
-fn calibrated(number: u64, presses: usize) -> (Truth, Rest, Stream) {
+/// The sensor of a trial, its calibration by presses, and the noise stream after them.
+fn calibrate_trial(number: u64, presses: usize) -> (Truth, Rest, Stream) {
     let truth = Truth::drawn(number, WIDE);
     let mut noise = Stream::new(6, number, Channel::Centroid);
     let at_rest = truth.at_rest(Some(&mut noise));
@@ -40,13 +40,13 @@ fn calibrated(number: u64, presses: usize) -> (Truth, Rest, Stream) {
     (truth, rest, noise)
 }
 
-/// Presses and the frame at rest are not counted twice, nor half.
+/// Presses and the frame at rest are each counted with their full weight, once.
 #[test]
 fn departures_scatter_by_their_covariance() {
     let trials = 60;
     let mut sum = 0.0;
     for number in 0..trials {
-        let (truth, rest, _) = calibrated(number, 2);
+        let (truth, rest, _) = calibrate_trial(number, 2);
         sum += departures_off(&rest, &truth);
     }
     // Chi-squared of 300 degrees of freedom: 8 % is its standard deviation.
@@ -55,19 +55,19 @@ fn departures_scatter_by_their_covariance() {
 }
 
 #[test]
-fn presses_of_a_sensor_that_presses_calibrate_are_told() {
+fn intervals_of_a_sensor_calibrated_by_presses_contain_the_truth() {
     let std = |presses: usize| {
         let trials = 40;
         let (mut held, mut variance) = (0.0, 0.0);
         for number in 0..trials {
-            let (truth, rest, mut noise) = calibrated(number, presses);
+            let (truth, rest, mut noise) = calibrate_trial(number, presses);
             let seen = truth.seen(&truth.moved(None, [2.5, -1.0], 1.0), Some(&mut noise));
             let estimate = fit(None, WIDE).estimate(&rest, &seen, None).unwrap();
             let curvature = estimate.object_curvature();
             held += f64::from(u8::from(curvature.interval.holds(CURVATURE)));
             variance += curvature.std * curvature.std / trials as f64;
         }
-        // Of 40 intervals of 95 %, 33 or fewer hold in one of 1,000 cases.
+        // Of 40 intervals with 95 % coverage, 33 or fewer contain the truth in one of 1,000 cases.
         assert!(held > 33.0, "{held}");
         variance.sqrt()
     };
@@ -75,23 +75,23 @@ fn presses_of_a_sensor_that_presses_calibrate_are_told() {
     assert!(two < 0.9 * alone, "{two} {alone}");
 }
 
-/// A marker of a calibrating press that is taken for another.
+/// In a calibration press, one marker is confused with another.
 #[test]
-fn a_wrong_marker_of_a_press_changes_little() {
+fn a_wrong_marker_of_a_calibration_press_has_little_effect() {
     let truth = Truth::drawn(1, WIDE);
     let fit = fit(None, WIDE);
     let at_rest = truth.at_rest(Some(&mut Stream::new(7, 1, Channel::Centroid)));
     let mut press = plane(&truth, 1.0, &mut Stream::new(7, 2, Channel::Centroid));
-    let told = |press: &CalibrationPress| {
+    let calibrate = |press: &CalibrationPress| {
         let presses = [press.clone()];
         fit.calibrated(&at_rest, &presses).unwrap()
     };
-    let sound = told(&press);
+    let sound = calibrate(&press);
     if let Some(seen) = &mut press.seen[40] {
         seen.picture[0] += 3.0;
         seen.picture[3] += 0.1;
     }
-    let spoilt = told(&press);
+    let spoilt = calibrate(&press);
     let covariance = sound.covariance().unwrap();
     for at in 0..5 {
         let std = covariance[(at, at)].sqrt() * WIDE[at];
@@ -110,7 +110,7 @@ fn pressed(depths: &[f64]) -> (Truth, Vec<Option<Seen>>, Vec<CalibrationPress>) 
     (truth, at_rest, presses)
 }
 
-/// The square of the departures' error, in what is stated of them.
+/// Squared error of the departures, relative to their stated covariance (chi-squared).
 fn departures_off(rest: &Rest, truth: &Truth) -> f64 {
     let precision = rest.covariance().unwrap().try_inverse().unwrap();
     let off =
@@ -118,15 +118,15 @@ fn departures_off(rest: &Rest, truth: &Truth) -> f64 {
     off.dot(&(precision * &off))
 }
 
-/// Beyond it lies chi-squared of 5 degrees of freedom in one of 1,000 cases.
-const FAR: f64 = 20.5;
+/// Chi-squared with 5 degrees of freedom exceeds this in one of 1,000 cases.
+const CHI_SQUARED_LIMIT: f64 = 20.5;
 
 #[test]
-fn a_press_that_is_told_wrong_is_named() {
+fn a_wrongly_stated_press_is_named() {
     let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
-    let told = |presses: &[CalibrationPress]| fit(None, WIDE).calibrated(&at_rest, presses);
-    let sound = told(&presses).unwrap();
-    assert!(departures_off(&sound, &truth) < FAR);
+    let calibrate = |presses: &[CalibrationPress]| fit(None, WIDE).calibrated(&at_rest, presses);
+    let sound = calibrate(&presses).unwrap();
+    assert!(departures_off(&sound, &truth) < CHI_SQUARED_LIMIT);
     assert!(sound.goodness().p_value > 1e-3, "{:?}", sound.goodness());
     let wrongs: [fn(&mut CalibrationPress); 3] = [
         |press| press.relative_curvature *= 1.5,
@@ -137,7 +137,7 @@ fn a_press_that_is_told_wrong_is_named() {
         for number in 0..3 {
             let mut presses = presses.clone();
             wrong(&mut presses[number]);
-            let error = told(&presses).map(|_| ()).unwrap_err();
+            let error = calibrate(&presses).map(|_| ()).unwrap_err();
             let PressError::ContradictingPress {
                 press,
                 markers,
@@ -152,9 +152,9 @@ fn a_press_that_is_told_wrong_is_named() {
     }
 }
 
-/// The only press is named where it contradicts the frame at rest, which is told beforehand.
+/// A single press is named if it contradicts the frame at rest, which is fitted first.
 #[test]
-fn the_only_press_that_is_told_wrong_is_named() {
+fn a_wrongly_stated_single_press_is_named() {
     let (_, at_rest, mut presses) = pressed(&[1.0]);
     presses[0].at = [2.0, 0.0];
     let error = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap_err();
@@ -172,9 +172,9 @@ fn a_frame_at_rest_of_another_sensor_is_named() {
     assert!(is_named, "{error}");
 }
 
-/// One marker slips in one frame: it alone is left out, and departures err no more than is stated.
+/// One marker slips in one frame: only this reading is excluded, and the departures stay within their stated errors.
 #[test]
-fn a_marker_that_slips_in_one_frame_is_left_out_of_it() {
+fn a_marker_that_slips_in_one_frame_is_excluded_there() {
     let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
     let sound = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap();
     for frame in 0..4 {
@@ -189,7 +189,7 @@ fn a_marker_that_slips_in_one_frame_is_left_out_of_it() {
         }
         let rest = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap();
         assert_eq!(rest.freedom, sound.freedom - 4);
-        assert!(departures_off(&rest, &truth) < FAR, "{frame}");
+        assert!(departures_off(&rest, &truth) < CHI_SQUARED_LIMIT, "{frame}");
         assert!(rest.goodness().p_value > 1e-3, "{frame}");
         for (marker, seen) in rest.seen.iter().enumerate() {
             assert_eq!(*seen, frame > 0 || marker != 30);
@@ -197,12 +197,12 @@ fn a_marker_that_slips_in_one_frame_is_left_out_of_it() {
     }
 }
 
-/// A camera with a marker out of its sight, or one that tells of another number of markers.
+/// A camera with a hidden marker, or one that returns another number of markers.
 #[derive(Clone)]
 struct Partial {
     whole: Ideal,
     hidden: Option<usize>,
-    told: usize,
+    count: usize,
 }
 
 impl View for Partial {
@@ -215,18 +215,18 @@ impl View for Partial {
         if let Some(hidden) = self.hidden {
             pictures[hidden] = None;
         }
-        pictures.resize(self.told, None);
+        pictures.resize(self.count, None);
         Some(pictures)
     }
 }
 
-fn partial(hidden: Option<usize>, told: usize) -> ImageFit<Partial> {
+fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
     let fit = fit(None, WIDE);
     ImageFit {
         view: Partial {
             whole: fit.view,
             hidden,
-            told,
+            count,
         },
         markers: fit.markers,
         bodies: fit.bodies,
@@ -238,35 +238,35 @@ fn partial(hidden: Option<usize>, told: usize) -> ImageFit<Partial> {
     }
 }
 
-/// Reading of a marker that cannot be seen, which contradicts the sensor in every frame.
+/// A marker that the camera cannot image has a reading in every frame.
 #[test]
-fn a_reading_out_of_sight_is_left_out() {
+fn a_reading_of_a_hidden_marker_is_excluded() {
     let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
     let rest = partial(Some(30), 81)
         .calibrated(&at_rest, &presses)
         .unwrap();
     assert_eq!(rest.freedom, 4 * 4 * 80);
     assert!(!rest.seen[30]);
-    assert!(departures_off(&rest, &truth) < FAR);
+    assert!(departures_off(&rest, &truth) < CHI_SQUARED_LIMIT);
     assert!(rest.goodness().p_value > 1e-3, "{:?}", rest.goodness());
 }
 
 #[test]
-fn a_reading_out_of_sight_is_named_without_presses() {
+fn a_reading_of_a_hidden_marker_is_named_without_presses() {
     let (_, at_rest, _) = pressed(&[0.5]);
     let error = partial(Some(30), 81).at_rest(&at_rest).map(|_| ());
     assert_eq!(error, Err(PressError::HiddenMarker { marker: 30 }));
 }
 
 #[test]
-fn laws_of_another_number_of_markers_are_refused() {
+fn camera_models_with_another_number_of_markers_are_refused() {
     let (_, at_rest, presses) = pressed(&[0.5]);
     let rest = partial(None, 81).at_rest(&at_rest).unwrap();
-    for told in [0, 80, 82] {
-        let fit = partial(None, told);
-        assert!(fit.at_rest(&at_rest).is_err(), "{told}");
-        assert!(fit.calibrated(&at_rest, &presses).is_err(), "{told}");
+    for count in [0, 80, 82] {
+        let fit = partial(None, count);
+        assert!(fit.at_rest(&at_rest).is_err(), "{count}");
+        assert!(fit.calibrated(&at_rest, &presses).is_err(), "{count}");
         let estimate = fit.estimate(&rest, &presses[0].seen, None);
-        assert!(estimate.is_err(), "{told}");
+        assert!(estimate.is_err(), "{count}");
     }
 }

@@ -1,4 +1,4 @@
-//! Fits whose camera another frame told.
+//! Fits with a camera that was calibrated from another frame.
 
 use nalgebra::DMatrix;
 use palpate_press::DeparturePrior;
@@ -8,7 +8,7 @@ use super::*;
 /// Numbers of the camera: image's centre, pixels per radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera whose departures are counted from others.
+/// A camera whose departures are relative to other departures.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,
@@ -37,8 +37,8 @@ impl View for About {
     }
 }
 
-/// A fit about the camera that a frame at rest tells, with what that leaves unknown of it.
-fn told_by(seen: &[Option<Seen>]) -> ImageFit<About> {
+/// A fit that starts from the camera calibrated from a frame at rest, with the covariance of that calibration.
+fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     let ImageFit {
         view,
         markers,
@@ -78,9 +78,9 @@ fn told_by(seen: &[Option<Seen>]) -> ImageFit<About> {
     }
 }
 
-/// A frame is not counted twice: the camera that it told leaves all as it is.
+/// A frame is not counted twice: a fit with the camera that was calibrated from it has the same result.
 #[test]
-fn a_camera_that_the_frame_at_rest_told_changes_nothing() {
+fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);
     let mut noise = Stream::new(2, 11, Channel::Centroid);
     let at_rest = truth.at_rest(Some(&mut noise));
@@ -88,22 +88,25 @@ fn a_camera_that_the_frame_at_rest_told_changes_nothing() {
     let alone = fit(None, ROUGHLY);
     let rest = alone.at_rest(&at_rest).unwrap();
     let alone = alone.estimate(&rest, &seen, None).unwrap();
-    let told = told_by(&at_rest);
-    let rest = told.at_rest(&at_rest).unwrap();
+    let calibrated = fit_with_camera_of(&at_rest);
+    let rest = calibrated.at_rest(&at_rest).unwrap();
     for number in CAMERA {
         assert!(rest.common[number].abs() < 1e-9, "{:?}", rest.common);
     }
-    let told = told.estimate(&rest, &seen, None).unwrap();
+    let calibrated = calibrated.estimate(&rest, &seen, None).unwrap();
     let close = |one: f64, other: f64| assert!((one / other - 1.0).abs() < 1e-3, "{one} {other}");
     close(
-        told.relative_curvature.value,
+        calibrated.relative_curvature.value,
         alone.relative_curvature.value,
     );
-    close(told.relative_curvature.std, alone.relative_curvature.std);
-    close(told.indentation.std, alone.indentation.std);
+    close(
+        calibrated.relative_curvature.std,
+        alone.relative_curvature.std,
+    );
+    close(calibrated.indentation.std, alone.indentation.std);
 }
 
-/// A camera that one frame at rest told serves presses after another one: discs are misaligned alike in both.
+/// A camera calibrated from one frame at rest is used with another frame at rest. Both have the same misalignments.
 #[test]
 fn intervals_hold_with_the_camera_of_another_frame() {
     let trials = 150;
@@ -111,7 +114,7 @@ fn intervals_hold_with_the_camera_of_another_frame() {
     for number in 0..trials {
         let truth = Truth::drawn(number, ROUGHLY);
         let mut noise = Stream::new(4, number, Channel::Centroid);
-        let fit = told_by(&truth.at_rest(Some(&mut noise)));
+        let fit = fit_with_camera_of(&truth.at_rest(Some(&mut noise)));
         let rest = fit.at_rest(&truth.at_rest(Some(&mut noise))).unwrap();
         let seen = truth.seen(&truth.moved(None, [2.5, -1.0], 1.0), Some(&mut noise));
         let curvature = fit.estimate(&rest, &seen, None).unwrap().object_curvature();
@@ -127,21 +130,21 @@ fn intervals_hold_with_the_camera_of_another_frame() {
 }
 
 #[test]
-fn what_is_no_covariance_is_refused() {
+fn invalid_covariances_are_refused() {
     let at_rest = Truth::drawn(12, ROUGHLY).at_rest(None);
-    let good = told_by(&at_rest);
-    let refused = |told: DeparturePrior| {
+    let good = fit_with_camera_of(&at_rest);
+    let refused = |prior: DeparturePrior| {
         let fit = ImageFit {
-            departure_prior: Some(told),
+            departure_prior: Some(prior),
             ..good.clone()
         };
         let said = fit.at_rest(&at_rest).map(|_| ());
         assert!(matches!(said, Err(PressError::BadSetting(_))), "{said:?}");
     };
-    let told = good.departure_prior.clone().unwrap();
+    let valid = good.departure_prior.clone().unwrap();
     let with = |numbers: &[usize]| DeparturePrior {
         numbers: numbers.to_vec(),
-        ..told.clone()
+        ..valid.clone()
     };
     for numbers in [[2, 3, 5], [3, 2, 4], [2, 2, 4]] {
         refused(with(&numbers));
@@ -153,11 +156,11 @@ fn what_is_no_covariance_is_refused() {
         ((1, 1), f64::NAN),
         ((2, 2), 0.0),
     ] {
-        let mut covariance = told.covariance.clone();
+        let mut covariance = valid.covariance.clone();
         covariance[entry] = value;
         refused(DeparturePrior {
             covariance,
-            ..told.clone()
+            ..valid.clone()
         });
     }
 }

@@ -115,7 +115,7 @@ impl Press {
     }
 }
 
-/// Pictures that show only the first `count` markers.
+/// Pictures with only the first `count` markers.
 fn few(count: usize) -> Vec<Option<Seen>> {
     let seen = PRESS.pressed().into_iter().enumerate();
     seen.map(|(marker, seen)| seen.filter(|_| marker < count))
@@ -127,7 +127,7 @@ fn name<T>(result: Result<T, PressError>) -> &'static str {
 }
 
 #[test]
-fn presses_without_error_are_found_within_a_thousandth_of_a_standard_deviation() {
+fn noiseless_presses_are_estimated_within_a_thousandth_of_a_standard_deviation() {
     let mut presses = vec![];
     for unit in [1e-30, 1.0, 1e30] {
         presses.extend([EXACT, ROUGHLY].map(|known| Press {
@@ -252,7 +252,7 @@ fn settings_out_of_range_have_named_errors() {
 
 /// With 81 markers, the prior reduces the estimated camera errors by a share of only about 1e-5.
 #[test]
-fn camera_errors_are_found_on_sensors_of_any_size() {
+fn camera_errors_are_estimated_on_sensors_of_any_size() {
     for unit in [1e-30, 1.0, 1e30] {
         let press = Press {
             unit,
@@ -317,7 +317,7 @@ fn impossible_known_presses_have_named_errors() {
     assert_eq!(name(found), "not-finite");
     let found = by(&|press| press.relative_curvature *= 2.0);
     assert_eq!(name(found), "contradicting-press");
-    // A press without visible markers changes nothing.
+    // A press without visible markers does not change the calibration.
     let rest = by(&|press| press.seen = few(0)).unwrap();
     assert!(rest.common.iter().all(|more| more.abs() < 1e-6));
 }
