@@ -1,4 +1,4 @@
-//! Readings from arrays: what files of the same numbers tell, and errors that name array, index and value.
+//! Readings from arrays: the estimates from files with the same numbers, and errors that name array, index and value.
 
 use palpate_ep1::SetRow;
 use palpate_recorded::{
@@ -16,7 +16,7 @@ fn example(name: &str) -> std::path::PathBuf {
         .join(name)
 }
 
-/// Rows of numbers of an example's columns from `first` on.
+/// Rows of `D` numbers of an example, from the column `first`.
 fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
     let text = std::fs::read_to_string(example(name)).unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
@@ -27,7 +27,7 @@ fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
     lines.map(row).collect()
 }
 
-fn same(one: &impl Serialize, other: &impl Serialize) {
+fn assert_same_json(one: &impl Serialize, other: &impl Serialize) {
     assert_eq!(
         serde_json::to_string(one).unwrap(),
         serde_json::to_string(other).unwrap()
@@ -37,18 +37,18 @@ fn same(one: &impl Serialize, other: &impl Serialize) {
 const MM: Option<LengthUnit> = Some(LengthUnit::Mm);
 
 #[test]
-fn rolls_are_those_of_a_file() {
+fn rolls_from_arrays_match_those_from_a_file() {
     let name = "roll-readings.csv";
     let (rotations, shifts) = (columns::<2>(name, 1), columns::<2>(name, 3));
     let options = RollOptions::new(10.0);
     let readings = RollRecording::new(&rotations, &shifts, MM).unwrap();
     let estimate = estimate_roll(&readings, &options).unwrap();
     let of_file = estimate_roll(&read_roll(&example(name)).unwrap(), &options).unwrap();
-    same(&estimate, &of_file);
-    // A turn about the normal moves no contact.
+    assert_same_json(&estimate, &of_file);
+    // A rotation about the normal does not move the contact.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
     let readings = RollRecording::new(&spun, &shifts, MM).unwrap();
-    same(&estimate_roll(&readings, &options).unwrap(), &of_file);
+    assert_same_json(&estimate_roll(&readings, &options).unwrap(), &of_file);
     assert_eq!(estimate.covariance(), of_file.covariance());
 
     let sets = RollSets::new(40, rotations.len(), &rotations, &shifts).unwrap();
@@ -56,20 +56,20 @@ fn rolls_are_those_of_a_file() {
     sets.estimate(&options, 0, &mut rows).unwrap();
     let alone = serde_json::to_value(&estimate).unwrap();
     for row in &rows {
-        let due = alone["mean_curvature"]["value"].as_f64().unwrap();
-        assert_eq!(row[4], due);
-        let due = alone["mean_curvature"]["std"].as_f64().unwrap();
-        assert_eq!(row[8], due);
+        let expected = alone["mean_curvature"]["value"].as_f64().unwrap();
+        assert_eq!(row[4], expected);
+        let expected = alone["mean_curvature"]["std"].as_f64().unwrap();
+        assert_eq!(row[8], expected);
         let [least, greatest, angle] = RollSets::principal(row);
-        let due = alone["principal_curvature_max"]["value"].as_f64().unwrap();
-        assert!(greatest == due && least <= greatest);
-        let due = alone["principal_direction_max_deg"].as_f64().unwrap();
-        assert_eq!(angle, due);
+        let expected = alone["principal_curvature_max"]["value"].as_f64().unwrap();
+        assert!(greatest == expected && least <= greatest);
+        let expected = alone["principal_direction_max_deg"].as_f64().unwrap();
+        assert_eq!(angle, expected);
     }
 }
 
 #[test]
-fn glides_are_those_of_a_file() {
+fn glides_from_arrays_match_those_from_a_file() {
     let name = "glide-readings.csv";
     let points = columns::<3>(name, 1);
     let normals = columns::<3>(name, 4);
@@ -81,12 +81,12 @@ fn glides_are_those_of_a_file() {
     let readings = GlideRecording::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
     let (estimate, map) = estimate_glide(&readings, &options).unwrap();
     let (of_file, of_map) = estimate_glide(&read_glide(&example(name)).unwrap(), &options).unwrap();
-    same(&estimate, &of_file);
+    assert_same_json(&estimate, &of_file);
     assert_eq!(map.to_csv(), of_map.to_csv());
 }
 
 #[test]
-fn presses_are_those_of_a_file() {
+fn presses_from_arrays_match_those_from_a_file() {
     let name = "press-readings.csv";
     let (places, along) = (columns::<2>(name, 0), columns::<2>(name, 3));
     let normal: Vec<f64> = columns::<1>(name, 2).into_iter().flatten().collect();
@@ -97,10 +97,15 @@ fn presses_are_those_of_a_file() {
     let readings = PressRecording::new(&places, &normal, Some(&along), MM).unwrap();
     let object = estimate_press(&readings, &options).unwrap();
     let of_file = estimate_press(&read_press(&example(name)).unwrap(), &options).unwrap();
-    same(&object, &of_file);
+    assert_same_json(&object, &of_file);
 }
 
-fn is_of_array<T>(found: Result<T, RecordedError>, name: &str, place: &[usize], bad: Option<f64>) {
+fn assert_array_error<T>(
+    found: Result<T, RecordedError>,
+    name: &str,
+    place: &[usize],
+    bad: Option<f64>,
+) {
     match found.err() {
         Some(RecordedError::Array {
             array,
@@ -116,10 +121,10 @@ fn is_of_array<T>(found: Result<T, RecordedError>, name: &str, place: &[usize], 
 }
 
 #[test]
-fn arrays_that_cannot_be_are_named() {
+fn errors_name_invalid_arrays() {
     let mut shifts = [[2.0, 0.0], [0.0, 2.0]];
     let rotations = [[0.0, -0.3], [0.3, 0.0]];
-    is_of_array(
+    assert_array_error(
         RollRecording::new(&rotations, &shifts[..1], None),
         "shifts",
         &[],
@@ -128,7 +133,7 @@ fn arrays_that_cannot_be_are_named() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         shifts[1][0] = bad;
         let found = RollRecording::new(&rotations, &shifts, None);
-        is_of_array(found, "shifts", &[1, 0], Some(bad));
+        assert_array_error(found, "shifts", &[1, 0], Some(bad));
         let sets = RollSets::new(
             2,
             2,
@@ -137,30 +142,30 @@ fn arrays_that_cannot_be_are_named() {
         )
         .unwrap()
         .estimate(&RollOptions::new(10.0), 0, &mut [[0.0; 11]; 2]);
-        is_of_array(sets, "shifts", &[1, 1, 0], Some(bad));
+        assert_array_error(sets, "shifts", &[1, 1, 0], Some(bad));
         let points = [[0.0, 0.0, 0.0], [1.0, bad, 0.0]];
         let found = GlideRecording::new(&points, None, None, None);
-        is_of_array(found, "points", &[1, 1], Some(bad));
+        assert_array_error(found, "points", &[1, 1], Some(bad));
         let found = PressRecording::new(&[[0.0, 0.0], [1.0, bad]], &[0.0, 0.0], None, None);
-        is_of_array(found, "positions", &[1, 1], Some(bad));
+        assert_array_error(found, "positions", &[1, 1], Some(bad));
         let found = PressRecording::new(&[[0.0, 0.0], [1.0, 0.0]], &[bad, 0.0], None, None);
-        is_of_array(found, "displacements", &[0], Some(bad));
+        assert_array_error(found, "displacements", &[0], Some(bad));
     }
     let points = [[0.0; 3]; 2];
     let found = GlideRecording::new(&points, Some(&points[..1]), None, None);
-    is_of_array(found, "normals", &[], None);
-    is_of_array(
+    assert_array_error(found, "normals", &[], None);
+    assert_array_error(
         GlideRecording::new(&points, None, Some(&[0]), None),
         "fingers",
         &[],
         None,
     );
     let found = RollSets::new(3, 2, &rotations, &[[0.0; 2]; 5]).map(|_| ());
-    is_of_array(found, "shifts", &[], None);
+    assert_array_error(found, "shifts", &[], None);
 }
 
 #[test]
-fn settings_that_cannot_be_are_named() {
+fn errors_name_invalid_settings() {
     for (given, key, value, reason) in [
         (
             json!({ "probe_radius": -1.0 }),

@@ -37,15 +37,15 @@ fn text(radius: f64, misalignment: f64) -> String {
     )
 }
 
-/// A sensor as it truly is.
+/// True parameters of a sensor.
 struct Truth {
     place: [f64; 3],
     turn_deg: [f64; 3],
-    /// Pixels per radian, a share more.
+    /// Relative error of the pixels per radian.
     scale: f64,
     /// Diameter of the yellow discs.
     yellow: f64,
-    /// Markers that are not there.
+    /// Number of missing markers.
     lost: usize,
     white: f64,
     misalignment: f64,
@@ -71,7 +71,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The camera as it is meant to be, but for its odd terms.
+    /// The nominal camera, with the true odd terms.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -126,51 +126,64 @@ fn refused(image: RgbImage, study: &Study) -> String {
         .to_string()
 }
 
-/// Differences from the truth, in what is stated of them.
-fn pulls(told: &CameraEstimate, truth: &Truth) -> Vec<f64> {
+/// Differences from the truth, divided by their standard errors.
+fn pulls(estimate: &CameraEstimate, truth: &Truth) -> Vec<f64> {
     let scale = truth.lens().px_per_rad() * (1.0 + truth.scale);
     let of = |axis: usize| {
         [
-            (told.place[axis] - truth.place[axis]) / told.place_std[axis],
-            (told.turn_deg[axis] - truth.turn_deg[axis]) / told.turn_std_deg[axis],
+            (estimate.place[axis] - truth.place[axis]) / estimate.place_std[axis],
+            (estimate.turn_deg[axis] - truth.turn_deg[axis]) / estimate.turn_std_deg[axis],
         ]
     };
     let mut pulls: Vec<f64> = (0..3).flat_map(of).collect();
-    pulls.push((told.px_per_rad - scale) / told.px_per_rad_std);
+    pulls.push((estimate.px_per_rad - scale) / estimate.px_per_rad_std);
     pulls
 }
 
 #[test]
-fn one_frame_tells_where_the_camera_is() {
+fn one_frame_locates_the_camera() {
     let (study, truth) = (study(20.0), Truth::default());
     let (mut square, mut count) = (0.0, 0.0);
     for seed in 1..5 {
-        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
-        for pull in pulls(&told, &truth) {
-            assert!(pull.abs() < 4.0, "{pull}: {told:?}");
+        let estimate =
+            calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        for pull in pulls(&estimate, &truth) {
+            assert!(pull.abs() < 4.0, "{pull}: {estimate:?}");
             square += pull * pull;
             count += 1.0;
         }
-        assert!(told.warnings.is_empty(), "{:?}", told.warnings);
-        // The rim cuts one or two.
-        assert!(told.residuals_px.len() >= 75, "{told:?}");
-        // It was known to 2 mm, 5 degrees and a tenth.
-        assert!(told.place_std.iter().all(|std| *std < 0.3), "{told:?}");
-        assert!(told.turn_std_deg.iter().all(|std| *std < 1.0), "{told:?}");
-        assert!(told.px_per_rad_std < 0.03 * told.px_per_rad, "{told:?}");
-        assert!(told.residual_px < 0.05, "{told:?}");
-        let terms = [told.k3_std, told.k5_std].into_iter().flatten().count();
-        assert_eq!(told.covariance.len(), 9 + terms);
-        let variance = told.covariance[3][3];
-        assert!((variance.sqrt() / told.place_std[0] - 1.0).abs() < 1e-12);
+        assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
+        // The rim cuts one or two markers.
+        assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
+        // The prior standard deviations are 2 mm, 5 degrees and 10 %.
+        assert!(
+            estimate.place_std.iter().all(|std| *std < 0.3),
+            "{estimate:?}"
+        );
+        assert!(
+            estimate.turn_std_deg.iter().all(|std| *std < 1.0),
+            "{estimate:?}"
+        );
+        assert!(
+            estimate.px_per_rad_std < 0.03 * estimate.px_per_rad,
+            "{estimate:?}"
+        );
+        assert!(estimate.residual_px < 0.05, "{estimate:?}");
+        let terms = [estimate.k3_std, estimate.k5_std]
+            .into_iter()
+            .flatten()
+            .count();
+        assert_eq!(estimate.covariance.len(), 9 + terms);
+        let variance = estimate.covariance[3][3];
+        assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // Seven numbers, correlated, in four frames.
+    // Seven correlated numbers from each of four frames.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }
 
 #[test]
-fn one_frame_tells_the_odd_terms_of_the_lens() {
+fn one_frame_determines_the_odd_terms_of_the_lens() {
     let study = study(20.0);
     let (mut square, mut count) = (0.0, 0.0);
     let terms = [(0.04, -0.01), (-0.06, 0.01), (0.0, 0.02)];
@@ -179,20 +192,21 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
             terms: OddTerms { k3, k5 },
             ..Truth::default()
         };
-        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
-        let stds = [told.k3_std, told.k5_std].map(|std| std.expect("it is determined"));
-        let of_terms = [(told.k3 - k3) / stds[0], (told.k5 - k5) / stds[1]];
-        for pull in pulls(&told, &truth).into_iter().chain(of_terms) {
-            assert!(pull.abs() < 4.0, "{pull}: {told:?}");
+        let estimate =
+            calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        let stds = [estimate.k3_std, estimate.k5_std].map(|std| std.expect("it is determined"));
+        let of_terms = [(estimate.k3 - k3) / stds[0], (estimate.k5 - k5) / stds[1]];
+        for pull in pulls(&estimate, &truth).into_iter().chain(of_terms) {
+            assert!(pull.abs() < 4.0, "{pull}: {estimate:?}");
         }
         for pull in of_terms {
             square += pull * pull;
             count += 1.0;
         }
-        assert!(told.residual_px < 0.05, "{told:?}");
-        assert_eq!(told.covariance.len(), 11);
+        assert!(estimate.residual_px < 0.05, "{estimate:?}");
+        assert_eq!(estimate.covariance.len(), 11);
         for (at, std) in stds.into_iter().enumerate() {
-            let variance: f64 = told.covariance[9 + at][9 + at];
+            let variance: f64 = estimate.covariance[9 + at][9 + at];
             assert!((variance.sqrt() / std - 1.0).abs() < 1e-12);
         }
     }
@@ -201,7 +215,7 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
 }
 
 #[test]
-fn a_camera_far_above_or_below_the_centre_is_found() {
+fn one_frame_locates_a_camera_far_above_or_below_the_centre() {
     let study = misaligned(20.0, 0.0);
     for (seed, height) in (1..).zip([-3.0, -2.0, -1.5, -1.3, -1.8, 2.0]) {
         let truth = Truth {
@@ -211,21 +225,25 @@ fn a_camera_far_above_or_below_the_centre_is_found() {
             misalignment: 0.0,
             ..Truth::default()
         };
-        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
-        for pull in pulls(&told, &truth) {
-            assert!(pull.abs() < 4.0, "{height}, {pull}: {told:?}");
+        let estimate =
+            calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        for pull in pulls(&estimate, &truth) {
+            assert!(pull.abs() < 4.0, "{height}, {pull}: {estimate:?}");
         }
     }
 }
 
 #[test]
-fn missing_markers_are_told() {
+fn missing_markers_cause_a_warning_or_an_error() {
     let (study, mut truth) = (study(20.0), Truth::default());
     truth.lost = 6;
-    let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
-    assert!((69..=71).contains(&told.residuals_px.len()), "{told:?}");
+    let estimate = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
     assert!(
-        told.warnings[0]
+        (69..=71).contains(&estimate.residuals_px.len()),
+        "{estimate:?}"
+    );
+    assert!(
+        estimate.warnings[0]
             .text
             .contains("6 of the layout's 77 markers are missing")
     );
@@ -234,9 +252,9 @@ fn missing_markers_are_told() {
     assert!(said.contains("shows 47 of the 77 markers"), "{said}");
 }
 
-/// Uneven light moves markers near the rim by most of a pixel.
+/// Uneven light shifts markers near the rim by almost one pixel.
 #[test]
-fn uneven_light_that_the_study_states_is_no_other_camera() {
+fn stated_uneven_light_does_not_count_as_another_camera() {
     let truth = Truth {
         place: [0.0; 3],
         turn_deg: [0.0; 3],
@@ -249,15 +267,15 @@ fn uneven_light_that_the_study_states_is_no_other_camera() {
     let uneven = even.replace("size_px", "light_at_rim = 0.7, size_px");
     let scatter = |text: &str| {
         let study = parse("sensor.toml", text).expect("a study");
-        let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
-        told.reduced_chi_squared
+        let estimate = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
+        estimate.reduced_chi_squared
     };
     let [even, uneven] = [&even, &uneven].map(|text| scatter(text));
     assert!(even > 1.8 && uneven < 1.3, "{even} {uneven}");
 }
 
 #[test]
-fn a_study_whose_blur_leaves_no_markers_is_named() {
+fn an_error_names_the_blur_that_hides_all_markers() {
     let blurred = text(20.0, 0.25).replace("size_px", "blur_px = 16, size_px");
     let study = parse("sensor.toml", &blurred).expect("a study");
     let said = refused(Truth::default().frame(1), &study);
@@ -268,28 +286,28 @@ fn a_study_whose_blur_leaves_no_markers_is_named() {
 }
 
 #[test]
-fn markers_that_the_rim_cuts_are_not_missing() {
+fn markers_cut_by_the_rim_do_not_count_as_missing() {
     let truth = Truth {
         place: [0.4, -0.3, 0.5],
         turn_deg: [1.0, -2.0, 0.0],
         ..Truth::default()
     };
-    let told = calibrate_camera(&frame(truth.frame(1)), &study(20.0).config).expect("a camera");
+    let estimate = calibrate_camera(&frame(truth.frame(1)), &study(20.0).config).expect("a camera");
     assert!(
-        told.residuals_px.len() < 77 && told.warnings.is_empty(),
-        "{told:?}"
+        estimate.residuals_px.len() < 77 && estimate.warnings.is_empty(),
+        "{estimate:?}"
     );
     assert!(
-        pulls(&told, &truth).iter().all(|pull| pull.abs() < 4.0),
-        "{told:?}"
+        pulls(&estimate, &truth).iter().all(|pull| pull.abs() < 4.0),
+        "{estimate:?}"
     );
 }
 
 #[test]
-fn frames_that_do_not_fit_are_named() {
+fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // Markers that stand 1.5 times as far apart, seen from the centre, are of another layout.
+    // Markers at 1.5 times the angular distance from each other belong to another layout.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

@@ -1,4 +1,4 @@
-//! Recorded readings of extreme numbers, and files without readings.
+//! Recorded readings with extreme numbers, and files without readings.
 
 use image::{ImageFormat, Rgb, RgbImage};
 use palpate_recorded::{
@@ -83,7 +83,7 @@ fn calibrated(displacement: &str) -> Result<f64, RecordedError> {
 }
 
 #[test]
-fn numbers_out_of_range_are_named_by_line_and_tiny_ones_count_as_0() {
+fn errors_name_the_line_of_numbers_out_of_range_and_tiny_numbers_count_as_0() {
     for text in ["NaN", "inf", "1e400", ""] {
         assert_eq!(kind(roll(text, 1.0)), "line", "{text}");
         assert_eq!(kind(glide(Some(text), 1.0)), "line", "{text}");
@@ -107,7 +107,7 @@ fn numbers_out_of_range_are_named_by_line_and_tiny_ones_count_as_0() {
 }
 
 #[test]
-fn readings_of_any_size_give_a_curvature() {
+fn readings_of_any_size_have_a_curvature() {
     let [of_roll, of_glide] = [roll("0.6", 1.0), glide(None, 1.0)].map(Result::unwrap);
     for scale in [1e-100, 1e-9, 1e9, 1e100] {
         let found = roll(&format!("{:e}", 0.6 * scale), scale).unwrap();
@@ -181,7 +181,7 @@ fn png(width: u32, height: u32) -> Vec<u8> {
 }
 
 #[test]
-fn frames_are_read_back_or_refused() {
+fn images_are_read_or_refused() {
     let read = |bytes: Vec<u8>| parse_frame(&RecordedFile::new("frame.png", bytes));
     for (width, height) in [(1, 4096), (8192, 2)] {
         let image = read(png(width, height)).unwrap().image;

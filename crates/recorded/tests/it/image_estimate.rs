@@ -1,4 +1,4 @@
-//! Recorded frames whose press is fitted to what the camera sees.
+//! Presses that are fitted to recorded camera frames.
 
 use image::{Rgb, RgbImage};
 use palpate_recorded::{
@@ -13,7 +13,7 @@ use serde_json::Value;
 /// Curvature of the ball, 1/mm.
 const CURVATURE: f64 = 1.0 / 30.0;
 
-/// A press by a camera that stands so, of a sensor with the misalignments and the noise of `seed`.
+/// A press of a sensor with this camera; `seed` sets the misalignments and the noise.
 fn study(seed: u64, camera: &str) -> Study {
     parse("frames.toml", &text(seed, camera)).expect("a study")
 }
@@ -48,7 +48,7 @@ fn scene(study: &Study) -> PressScene {
     }
 }
 
-/// The frames at rest and pressed of a trial.
+/// Frames of a trial: at rest and pressed.
 fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     let trace = scene.trace(Some(trial), study.config.length_unit);
     let seen = trace.expect("a trace").camera.expect("a camera");
@@ -75,33 +75,33 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-/// Frames of a simulated trial tell what the trial tells.
+/// The estimate from the frames of a simulated trial equals that of the trial.
 #[test]
-fn frames_of_a_trial_tell_what_the_trial_tells() {
+fn frames_of_a_trial_have_the_estimate_of_the_trial() {
     let study = study(3, "");
     let (scene, options) = (scene(&study), options(&study));
     for trial in 0..2 {
-        let told = estimate(&frames(&scene, &study, trial), &options).expect("an estimate");
+        let report = estimate(&frames(&scene, &study, trial), &options).expect("an estimate");
         let of_trial = scene.curvature_score(trial).expect("an estimate");
-        let curvature = &told["object_curvature"];
+        let curvature = &report["object_curvature"];
         let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
-        // The finder of recorded frames has to find the image's circle and ground itself.
+        // The finder must estimate the image circle and background of recorded frames, so the values differ slightly.
         let off = (value - of_trial.estimated.value) / of_trial.estimated.std;
         assert!(off.abs() < 0.1, "{off}");
         assert!((std / of_trial.estimated.std - 1.0).abs() < 0.02, "{std}");
         assert_eq!(
-            (&told["method"], &told["warnings"]),
+            (&report["method"], &report["warnings"]),
             (&"image".into(), &Value::Array(vec![]))
         );
         assert!((value - CURVATURE).abs() < 4.0 * std, "{curvature}");
-        let p_value = told["noise"]["p_value"].as_f64().expect("a p-value");
-        assert!(p_value > 0.005, "{told}");
+        let p_value = report["noise"]["p_value"].as_f64().expect("a p-value");
+        assert!(p_value > 0.005, "{report}");
     }
 }
 
-/// Frames of a press on a layer, fitted as one of a half-space and of a thicker layer.
+/// Frames of a press on a layer, fitted with a half-space and with a thicker layer.
 #[test]
-fn another_body_is_told() {
+fn a_fit_with_another_body_causes_a_warning() {
     let study = study(3, "");
     let frames = frames(&scene(&study), &study, 0);
     for body in ["poisson = 0.5", "thickness = 8.0"] {
@@ -111,18 +111,18 @@ fn another_body_is_told() {
         );
         let mut options = options(&parse("frames.toml", &text).expect("a study"));
         options.indentation = Some(1.0);
-        let told = estimate(&frames, &options).expect("an estimate");
-        let warnings = told["warnings"].as_array().expect("warnings");
+        let report = estimate(&frames, &options).expect("an estimate");
+        let warnings = report["warnings"].as_array().expect("warnings");
         let p_value = |code: &str| {
             let mut coded = warnings.iter().filter(|one| one["code"] == code);
             number(&coded.next().expect(code)["numbers"]["p_value"])
         };
-        assert!(p_value("other-body") < 0.05, "{told}");
+        assert!(p_value("other-body") < 0.05, "{report}");
         assert_eq!(
-            number(&told["noise"]["p_value"]),
+            number(&report["noise"]["p_value"]),
             p_value("large-residuals")
         );
-        let warnings = told["warnings"].to_string();
+        let warnings = report["warnings"].to_string();
         assert!(
             warnings.contains("pressed.png scatter") && warnings.contains("than in this body"),
             "{warnings}"
@@ -130,9 +130,9 @@ fn another_body_is_told() {
     }
 }
 
-/// The camera stands elsewhere than the study says, and a frame at rest tells where.
+/// The position of the camera differs from the study. A frame at rest calibrates it.
 #[test]
-fn the_camera_of_a_frame_at_rest_serves_presses() {
+fn presses_are_estimated_with_the_camera_calibrated_at_rest() {
     let truth = study(
         1,
         ", place = [0.4, -0.3, -0.5], turn_deg = [0.5, -1.0, 3.0]",
@@ -147,16 +147,16 @@ fn the_camera_of_a_frame_at_rest_serves_presses() {
         "{said}"
     );
     options.camera = Some(("camera.toml".to_owned(), camera));
-    let told = estimate(&frames, &options).expect("an estimate");
-    let curvature = &told["object_curvature"];
+    let report = estimate(&frames, &options).expect("an estimate");
+    let curvature = &report["object_curvature"];
     let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
     let pull = (value - CURVATURE) / std;
     assert!(pull.abs() < 3.0, "{pull}");
     assert!(std < 0.1 * CURVATURE, "{std}");
 }
 
-/// A frame whose pixel at each place is that of another place, white outside.
-fn seen_from(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
+/// Copies each pixel of a frame from the position `from(x, y)`; positions outside the frame are white.
+fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     let (width, height) = frame.image.dimensions();
     let image = RgbImage::from_fn(width, height, |x, y| {
         let [x, y] = from(f64::from(x), f64::from(y)).map(f64::round);
@@ -173,21 +173,21 @@ fn seen_from(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     }
 }
 
-/// A motion that all markers have in common is one of the camera, not of the press.
+/// A motion that is common to all markers comes from the camera, not from the press.
 #[test]
-fn a_camera_that_moved_between_the_frames_is_told() {
+fn a_camera_that_moved_between_the_frames_causes_a_warning() {
     let study = study(3, "");
     let [rest, pressed] = frames(&scene(&study), &study, 0);
-    let told = |pressed: &Frame| {
+    let warnings = |pressed: &Frame| {
         let tracked = track_frames(&rest, pressed).expect("tracks");
         let texts = tracked.warnings().into_iter().map(|warning| warning.text);
         texts.collect::<Vec<_>>().join("; ")
     };
-    assert_eq!(told(&pressed), "");
-    let shifted = told(&seen_from(&pressed, |x, y| [x - 4.0, y]));
+    assert_eq!(warnings(&pressed), "");
+    let shifted = warnings(&warp(&pressed, |x, y| [x - 4.0, y]));
     assert!(shifted.contains("moved by about (4.0, "), "{shifted}");
     let (sine, cosine) = libm::sincos(0.04);
-    let turned = told(&seen_from(&pressed, |x, y| {
+    let turned = warnings(&warp(&pressed, |x, y| {
         let (x, y) = (x - 199.5, y - 199.5);
         [199.5 + cosine * x + sine * y, 199.5 - sine * x + cosine * y]
     }));
@@ -197,7 +197,7 @@ fn a_camera_that_moved_between_the_frames_is_told() {
     );
 }
 
-fn painted(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
+fn recolour(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
     let mut image = frame.image.clone();
     for pixel in image.pixels_mut() {
         *pixel = Rgb(paint(pixel.0));
@@ -208,7 +208,7 @@ fn painted(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
     }
 }
 
-/// A frame in which the ground stands for the first markers that are found in it.
+/// A frame in which `count` markers are replaced by the background.
 fn without_markers(frame: &Frame, count: usize) -> Frame {
     let mut image: RgbImage = frame.image.clone();
     let found = Finder::default().find(&image).expect("markers").markers;
@@ -227,7 +227,7 @@ fn without_markers(frame: &Frame, count: usize) -> Frame {
 }
 
 #[test]
-fn frames_that_do_not_fit_are_named() {
+fn errors_name_unusable_frames() {
     let study = study(3, "");
     let options = options(&study);
     let [rest, pressed] = frames(&scene(&study), &study, 0);
@@ -242,33 +242,33 @@ fn frames_that_do_not_fit_are_named() {
         &rest,
         &["rest.png: no contact", "all pixels are those of rest.png"],
     );
-    let swapped = |frame: &Frame| painted(frame, |[red, green, blue]| [red, blue, green]);
+    let swapped = |frame: &Frame| recolour(frame, |[red, green, blue]| [red, blue, green]);
     refused(
         &swapped(&rest),
         &swapped(&pressed),
         &["rest.png", "are colours swapped?"],
     );
-    let bright = |frame: &Frame| painted(frame, |levels| levels.map(|one| one.saturating_add(20)));
+    let bright = |frame: &Frame| recolour(frame, |levels| levels.map(|one| one.saturating_add(20)));
     refused(&rest, &bright(&pressed), &["pressed.png: is saturated"]);
     refused(&bright(&rest), &pressed, &["rest.png: is saturated"]);
-    let dark = |frame: &Frame| painted(frame, |levels| levels.map(|one| one / 8));
+    let dark = |frame: &Frame| recolour(frame, |levels| levels.map(|one| one / 8));
     refused(&rest, &dark(&pressed), &["pressed.png: is under-exposed"]);
     refused(
         &without_markers(&rest, 40),
         &pressed,
         &["rest.png: shows ", " of the 77 markers"],
     );
-    // A few that are missing are told.
-    let told = estimate(&[without_markers(&rest, 5), pressed], &options).expect("an estimate");
-    let warning = told["warnings"][0]["text"].as_str().expect("a warning");
+    // A few missing markers cause a warning.
+    let report = estimate(&[without_markers(&rest, 5), pressed], &options).expect("an estimate");
+    let warning = report["warnings"][0]["text"].as_str().expect("a warning");
     assert!(
         warning.contains("5 of the layout's 77 markers are missing at rest"),
-        "{told}"
+        "{report}"
     );
-    let interval = &told["object_curvature"]["interval95"];
+    let interval = &report["object_curvature"]["interval95"];
     assert!(
         number(&interval[0]) < CURVATURE && CURVATURE < number(&interval[1]),
-        "{told}"
+        "{report}"
     );
 }
 
@@ -292,9 +292,9 @@ fn a_camera_in_another_unit_is_refused() {
     );
 }
 
-/// Cameras of any numbers give an estimate of finite numbers, or an error.
+/// Cameras with any numbers return an estimate of finite numbers or an error.
 #[test]
-fn cameras_of_extreme_numbers_end() {
+fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
     let study = study(3, "");
     let frames = frames(&scene(&study), &study, 0);
     let good = calibrate_camera(&frames[0], &study.config).expect("a camera");
@@ -330,7 +330,7 @@ fn cameras_of_extreme_numbers_end() {
             options.camera = Some(("camera.toml".to_owned(), camera));
             // JSON has no numbers that are not finite.
             match estimate(&frames, &options) {
-                Ok(told) => assert!(told["object_curvature"]["value"].is_number(), "{told}"),
+                Ok(report) => assert!(report["object_curvature"]["value"].is_number(), "{report}"),
                 Err(said) => assert!(
                     said.contains("camera.toml") || said.contains("rest.png"),
                     "{said}"

@@ -27,7 +27,7 @@ fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedE
     estimate_roll(&read_roll(&path)?, options)
 }
 
-/// The value and the deviation of a quantity.
+/// The value and the standard error of a quantity.
 fn measured(estimate: &RollEstimate, quantity: &str) -> (f64, Option<f64>) {
     let json = serde_json::to_value(estimate).unwrap();
     (
@@ -36,7 +36,7 @@ fn measured(estimate: &RollEstimate, quantity: &str) -> (f64, Option<f64>) {
     )
 }
 
-/// Shifts of a probe of radius 10 on a surface of these normal curvatures along u and v.
+/// Shifts of a probe of radius 10 on a surface with these normal curvatures along u and v.
 fn rows(curvature_u: f64, curvature_v: f64, directions: usize) -> String {
     (0..directions)
         .map(|probe| {
@@ -56,7 +56,7 @@ fn close(found: f64, expected: f64) -> bool {
 }
 
 #[test]
-fn convex_flat_hollow_and_saddle_shaped() {
+fn convex_flat_concave_and_saddle_shaped_objects_are_estimated() {
     for (u, v) in [
         (0.02, 0.02),
         (0.0, 0.0),
@@ -96,7 +96,7 @@ fn convex_flat_hollow_and_saddle_shaped() {
 }
 
 #[test]
-fn the_principal_direction_is_that_of_the_largest_curvature() {
+fn the_principal_direction_belongs_to_the_largest_curvature() {
     for (u, v, direction) in [(0.04, 0.01, 0.0), (0.01, 0.04, 90.0)] {
         let estimate = estimate(&rows(u, v, 8), &options()).unwrap();
         let json = serde_json::to_value(&estimate).unwrap();
@@ -114,7 +114,7 @@ fn a_flat_object_has_no_amplification() {
     assert!(json["amplification_u"].is_null());
 }
 
-/// Lengths times a power of two give curvatures divided by it, to the last bit.
+/// With all lengths multiplied by a power of two, curvatures are divided by it, to the last bit.
 #[test]
 fn curvatures_scale_with_lengths() {
     let scaled = |scale: f64| {
@@ -136,7 +136,7 @@ fn curvatures_scale_with_lengths() {
 }
 
 #[test]
-fn more_scatter_gives_more_deviation() {
+fn standard_errors_increase_with_the_scatter() {
     let std = |scatter: f64| {
         let [more, less] = [4.0 + scatter, 4.0 - scatter];
         let rows =
@@ -179,7 +179,7 @@ fn errors_have_a_kind() {
 }
 
 #[test]
-fn the_unit_of_an_option_must_be_that_of_the_header() {
+fn the_unit_of_an_option_must_match_the_header() {
     let with = |length_unit| RollOptions {
         length_unit,
         ..options()
@@ -195,13 +195,13 @@ fn the_unit_of_an_option_must_be_that_of_the_header() {
     );
 }
 
-/// Numbers at the ends of the range give an estimate or an error, never a NaN.
+/// Numbers at the ends of the range return an estimate or an error, never a NaN.
 #[test]
-fn extremes() {
+fn extreme_numbers_return_an_estimate_or_an_error() {
     let numbers = [
         "0", "-0", "5e-324", "1e-160", "1e-9", "1", "1e9", "1e160", "1.7e308", "-1e160",
     ];
-    let mut told = 0;
+    let mut estimates = 0;
     for rotation in numbers {
         for shift in numbers {
             for (radius, pitch) in [(10.0, None), (1e-300, Some(1e-301)), (1e300, Some(1e-300))] {
@@ -217,7 +217,7 @@ fn extremes() {
                 let Ok(estimate) = estimate(&rows, &options) else {
                     continue;
                 };
-                told += 1;
+                estimates += 1;
                 for quantity in ["normal_curvature_u", "gaussian_curvature", "arc_length"] {
                     let json = serde_json::to_value(&estimate).unwrap();
                     // JSON has no NaN: it would be null.
@@ -229,12 +229,12 @@ fn extremes() {
             }
         }
     }
-    assert!(told > 0);
+    assert!(estimates > 0);
 }
 
 /// A file of arbitrary bytes is read or refused.
 #[test]
-fn garbage() {
+fn arbitrary_bytes_are_read_or_refused() {
     let mut state = 1_u64;
     for _ in 0..500 {
         let bytes: Vec<u8> = (0..60)
@@ -288,7 +288,7 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    // Names that only show by their last letters, all four together, that they are a quaternion.
+    // Names that form a quaternion only by the last letters of all four.
     let lettered = [
         "rotation.x,rotation.y,rotation.z,rotation.w",
         "rx,ry,rz,rw",
@@ -304,7 +304,7 @@ fn quaternions_are_rotations() {
 }
 
 #[test]
-fn quaternions_that_are_no_rotations_of_rolls_are_refused() {
+fn unusable_quaternions_are_refused() {
     let refused = |table: String, words: &str| {
         let error = roll_of(table).unwrap_err();
         assert!(error.contains(words), "{error}");
