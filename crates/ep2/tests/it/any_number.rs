@@ -1,5 +1,5 @@
-//! Patches that determine a surface have one; whatever the numbers, a finite answer or the error that is due; and what
-//! must not change it.
+//! Patches that determine a surface are fitted. Any other numbers return a finite result or the expected error. The
+//! unit of length and the orientation do not change the result.
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
@@ -9,7 +9,7 @@ use palpate_ep2::{
 use palpate_geometry::ShapeThresholds;
 use proptest::prelude::*;
 
-/// Any double, those of everyday size as often as all the others.
+/// Any double; half of them have an ordinary magnitude.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -130,7 +130,7 @@ fn bump() -> Vec<Contact> {
 }
 
 #[test]
-fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
+fn too_large_maps_and_regions_of_another_size_are_refused() {
     let fit = Quadric::default()
         .fit(&Patch::new(&bump(), &Vector3::z()).unwrap())
         .unwrap();
@@ -154,9 +154,9 @@ fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
     );
 }
 
-/// A spread that rounding swallows leaves one class, and one that no double holds leaves none.
+/// If the uncertainty is below rounding, one class has probability 1; if it overflows, there are no probabilities.
 #[test]
-fn uncertainties_of_any_size_give_probabilities_or_none() {
+fn uncertainties_of_any_size_return_probabilities_or_none() {
     let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
     let of = |std: f64, correlation: f64| {
         let uncertainty = Some(Uncertainty {
@@ -187,8 +187,8 @@ fn uncertainties_of_any_size_give_probabilities_or_none() {
     assert_eq!(of(1.0, f64::NAN), None);
 }
 
-/// The error that contacts call for, where it is plain without a calculation.
-fn due(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
+/// The expected error of contacts, if it follows without a calculation.
+fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
     if contacts.len() < 3 {
         return Some("too-few-contacts");
     }
@@ -216,7 +216,7 @@ fn due(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
 proptest! {
     #![proptest_config(config(200))]
 
-    /// Bumps of any size, with contacts off their place by up to a hundredth of it, are fitted by every method.
+    /// Every method fits bumps of any size, with position errors of the contacts of up to a hundredth of it.
     #[test]
     fn bumps_of_any_size_have_a_curvature_everywhere(
         power in -9.0..9.0_f64,
@@ -248,15 +248,15 @@ proptest! {
     }
 
     #[test]
-    fn any_contacts_give_numbers_or_the_error_that_is_due(
+    fn any_contacts_return_numbers_or_the_expected_error(
         contacts in contacts(),
         outward in prop_oneof![3 => Just(Vector3::z()), 1 => vector()],
         place in vector(),
         number in any_number(),
     ) {
         let patch = Patch::new(&contacts, &outward);
-        if let Some(due) = due(&contacts, &outward) {
-            prop_assert_eq!(patch.unwrap_err().name(), due);
+        if let Some(expected_error) = expected_error(&contacts, &outward) {
+            prop_assert_eq!(patch.unwrap_err().name(), expected_error);
             return Ok(());
         }
         let Ok(patch) = patch else { return Ok(()) };
@@ -277,7 +277,7 @@ proptest! {
         }
     }
 
-    /// Heights of any size on a grid of points are smoothed by any sum.
+    /// Heights of any size on a grid of points can be smoothed with any residual sum.
     #[test]
     fn grids_of_points_are_smoothed(
         heights in prop::collection::vec(-1.0..1.0, 64),
@@ -298,7 +298,7 @@ proptest! {
     }
 
     #[test]
-    fn any_points_give_numbers_or_the_error_that_is_due(
+    fn any_points_return_numbers_or_the_expected_error(
         numbers in prop::collection::vec(prop::array::uniform4(any_number()), 0..30),
         degree in 0..4_usize,
         smoothing in any_number(),
@@ -309,14 +309,14 @@ proptest! {
             let is_number = point.u.abs() + point.v.abs() + point.w.abs() <= 1e150 && point.weight <= 1e150;
             if is_number { (point.weight == 0.0).then_some("bad-weight") } else { Some("not-finite") }
         };
-        let due = if degree == 0 || smoothing.is_nan() {
+        let expected_error = if degree == 0 || smoothing.is_nan() {
             Some("bad-setting")
         } else {
             points.iter().find_map(flaw).or((points.len() < (degree + 1).pow(2)).then_some("too-few-contacts"))
         };
         let found = SmoothingSpline::new(degree, smoothing.abs()).fit(&points);
-        if let Some(due) = due {
-            prop_assert_eq!(found.as_ref().unwrap_err().name(), due);
+        if let Some(expected_error) = expected_error {
+            prop_assert_eq!(found.as_ref().unwrap_err().name(), expected_error);
         }
         if let Ok(found) = found {
             prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
@@ -328,7 +328,7 @@ proptest! {
 proptest! {
     #![proptest_config(config(24))]
 
-    /// Curvature is of the inverse of the length, and of the surface alone.
+    /// Curvatures scale with the inverse length, and do not depend on the orientation.
     #[test]
     fn scaled_and_turned_patches_have_scaled_curvatures(
         power in -200..200,
@@ -364,7 +364,7 @@ proptest! {
     /// The paraboloid w = (b₁ u² + b₂ v²)/2, of any size, curvature, position and orientation, has K = b₁ b₂ and
     /// H = −(b₁ + b₂)/2 at its apex.
     #[test]
-    fn paraboloids_are_found_exactly(
+    fn paraboloids_are_estimated_exactly(
         power in -100.0..100.0_f64,
         (bend, share) in (-12.0..0.0_f64, -1.0..1.0_f64),
         offset in prop_oneof![Just(0.0), (0.0..9.0_f64).prop_map(|power| libm::pow(10.0, power))],

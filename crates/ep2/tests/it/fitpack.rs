@@ -1,5 +1,5 @@
-//! Smoothing splines against those of FITPACK's `surfit` (by way of SciPy 1.17.1), which may place
-//! as many knots as the data bear.
+//! Smoothing splines compared with those of FITPACK's `surfit` (from SciPy 1.17.1), with as many knots as the data
+//! allow.
 
 use palpate_ep2::{Smoothed, SmoothingSpline, Status, WeightedPoint};
 
@@ -77,9 +77,9 @@ macro_rules! golden {
     };
 }
 
-/// Asserts that a fit has FITPACK's knots and a sum within a thousandth of the one asked for; and, at
-/// FITPACK's own sum, its values.
-fn agrees(name: &str, golden: &Golden, expected: Status) {
+/// Asserts that a fit has FITPACK's knots, and a sum within a thousandth of the requested one. With FITPACK's own sum
+/// as the request, it also has FITPACK's values.
+fn assert_agrees(name: &str, golden: &Golden, expected: Status) {
     let spline = SmoothingSpline::new(golden.degree, golden.smoothing);
     let smoothed = spline.fit(&golden.points).unwrap();
     assert_eq!(smoothed.status, expected, "{name}");
@@ -111,31 +111,31 @@ fn agrees(name: &str, golden: &Golden, expected: Status) {
 #[test]
 fn saddle() {
     let golden = golden!("saddle-10pct-biquadratic");
-    agrees("saddle", &golden, Status::Smoothing);
+    assert_agrees("saddle", &golden, Status::Smoothing);
 }
 
 #[test]
 fn sphere() {
     let golden = golden!("sphere-5pct-biquadratic");
-    agrees("sphere", &golden, Status::Polynomial);
+    assert_agrees("sphere", &golden, Status::Polynomial);
 }
 
 #[test]
 fn turned_cylinder() {
     let golden = golden!("turned-cylinder-10pct-bicubic");
-    agrees("turned cylinder", &golden, Status::Smoothing);
+    assert_agrees("turned cylinder", &golden, Status::Smoothing);
 }
 
 #[test]
 fn waves() {
     let golden = golden!("waves-2pct-bicubic");
-    agrees("bicubic waves", &golden, Status::Smoothing);
+    assert_agrees("bicubic waves", &golden, Status::Smoothing);
     let golden = golden!("waves-5pct-biquadratic");
-    agrees("biquadratic waves", &golden, Status::Smoothing);
+    assert_agrees("biquadratic waves", &golden, Status::Smoothing);
 }
 
 #[test]
 fn waves_nearly_interpolated() {
     let golden = golden!("waves-exact-interpolating-bicubic");
-    agrees("exact waves", &golden, Status::Smoothing);
+    assert_agrees("exact waves", &golden, Status::Smoothing);
 }

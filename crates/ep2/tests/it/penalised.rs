@@ -1,4 +1,4 @@
-//! The penalised spline: what it tells of known surfaces, and how far that may be trusted.
+//! The penalised spline: its estimates of known surfaces, and their standard errors.
 
 use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
@@ -7,7 +7,7 @@ use palpate_ep2::{
 };
 use palpate_geometry::ShapeThresholds;
 
-/// Curvatures found over the grid, each beside the true Gaussian and mean curvature.
+/// Estimated curvatures over the grid, each with the true Gaussian and mean curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
     let contacts = sweep.contacts(surface, trial);
     let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
@@ -43,14 +43,14 @@ fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) ->
 }
 
 #[test]
-fn a_quadric_without_noise_is_found_to_rounding() {
+fn a_noiseless_quadric_is_estimated_to_rounding() {
     let saddle = &QUADRIC_LIKE[3];
     let exact = Sweep {
         position_std: 0.0,
         normal_std_rad: 0.0,
         ..Sweep::paper(0.0)
     };
-    // The patch's mean normal is z, but for rounding: the saddle is a quadric in its frame too.
+    // The mean normal of the patch is z except for rounding, so the saddle is also a quadric in the frame of the patch.
     for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
         for [one, truth] in found(method, saddle, &exact, 0) {
             assert!((one.gaussian - truth.gaussian).abs() < 1e-11, "{one:?}");
@@ -60,7 +60,7 @@ fn a_quadric_without_noise_is_found_to_rounding() {
 }
 
 #[test]
-fn surfaces_without_noise_are_found_within_the_spline() {
+fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
     let exact = Sweep {
         fingers: 7,
         contacts_per_finger: 20,
@@ -78,7 +78,7 @@ fn surfaces_without_noise_are_found_within_the_spline() {
 }
 
 #[test]
-fn heights_that_a_quadric_meets_by_chance_do_not_rule() {
+fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
     // Three fingers along a cylinder: any three heights lie on a parabola, the slopes do not.
     let along = Surface {
         name: "cylinder along the fingers",
@@ -102,8 +102,8 @@ fn heights_that_a_quadric_meets_by_chance_do_not_rule() {
 }
 
 #[test]
-fn many_contacts_of_few_fingers_make_no_stairs() {
-    // Each finger's contacts err about one line, along which the slope across it is one.
+fn many_contacts_of_few_fingers_do_not_cause_steps() {
+    // The contacts of each finger scatter about one line; the slope across the line is constant along it.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -128,7 +128,7 @@ fn many_contacts_of_few_fingers_make_no_stairs() {
 }
 
 #[test]
-fn classes_hold_at_the_noise_of_the_paper() {
+fn most_classes_are_correct_at_the_noise_of_the_paper() {
     let thresholds = ShapeThresholds::new(0.005, 0.03).unwrap();
     for (noise, least) in [(0.1, 0.98), (0.2, 0.9)] {
         for surface in &QUADRIC_LIKE {
@@ -147,31 +147,31 @@ fn classes_hold_at_the_noise_of_the_paper() {
     }
 }
 
-/// Shares of the true K and H within 1.96 stated standard deviations over the grid, in some trials.
-fn covered(
+/// Shares of grid points and trials with the true K and H within 1.96 standard errors.
+fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,
     trials: u64,
 ) -> [f64; 2] {
-    let mut covered = [0.0; 2];
+    let mut coverage = [0.0; 2];
     for trial in 0..trials {
         let patch = Patch::new(&contacts(trial), &Vector3::z()).unwrap();
         let fit = Penalised::default().fit(&patch).unwrap();
         for (x, y) in grid(12) {
             let (point, _, gaussian, mean) = surface(x, y);
             let one = fit.curvature_at(&point).unwrap();
-            let told = one.uncertainty.unwrap();
+            let uncertainty = one.uncertainty.unwrap();
             let within = |error: f64, std: f64| f64::from(u8::from(error.abs() < 1.96 * std));
-            covered[0] += within(one.gaussian - gaussian, told.gaussian_std);
-            covered[1] += within(one.mean - mean, told.mean_std);
+            coverage[0] += within(one.gaussian - gaussian, uncertainty.gaussian_std);
+            coverage[1] += within(one.mean - mean, uncertainty.mean_std);
         }
     }
-    covered.map(|covered| covered / (144 * trials) as f64)
+    coverage.map(|coverage| coverage / (144 * trials) as f64)
 }
 
 #[test]
-fn stated_deviations_cover_the_truth_of_random_surfaces() {
-    // So many surfaces tell the mean coverage to about 1 %.
+fn intervals_contain_the_truth_of_random_surfaces() {
+    // With this number of surfaces, the mean coverage has a standard error of about 1 %.
     const SURFACES: u64 = 40;
     for noise in [0.005, 0.02, 0.1] {
         let mut sums = [0.0; 2];
@@ -181,7 +181,7 @@ fn stated_deviations_cover_the_truth_of_random_surfaces() {
             let at = |x: f64, y: f64| surface.at(x, y);
             let sweep = Sweep::paper(noise);
             let contacts = |trial: u64| sweep.contacts_on(at, SURFACES * trial + index);
-            let shares = covered(at, contacts, 6);
+            let shares = coverage(at, contacts, 6);
             held += u64::from(shares.iter().all(|share| *share >= 0.85));
             sums = [sums[0] + shares[0], sums[1] + shares[1]];
         }
@@ -193,12 +193,12 @@ fn stated_deviations_cover_the_truth_of_random_surfaces() {
 }
 
 #[test]
-fn stated_deviations_cover_the_truth_where_quadrics_are_near() {
-    // The model expects more than a quadric, so that its deviations are wide here.
+fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
+    // The model allows for more than a quadric, so its standard errors are too large here.
     for noise in [0.05, 0.1, 0.2] {
         for surface in &QUADRIC_LIKE {
             let contacts = |trial: u64| Sweep::paper(noise).contacts(surface, trial);
-            let shares = covered(surface.at, contacts, 40);
+            let shares = coverage(surface.at, contacts, 40);
             let is_held = |share: &f64| *share > 0.95;
             assert!(
                 shares.iter().all(is_held),
@@ -210,7 +210,7 @@ fn stated_deviations_cover_the_truth_where_quadrics_are_near() {
 }
 
 #[test]
-fn detailed_surfaces_are_found_better_than_by_two_passes() {
+fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
     let sweep = Sweep {
         fingers: 7,
         contacts_per_finger: 20,
@@ -237,7 +237,7 @@ fn detailed_surfaces_are_found_better_than_by_two_passes() {
 }
 
 #[test]
-fn criteria_agree_where_the_surface_is_plain() {
+fn criteria_agree_on_a_smooth_surface() {
     let saddle = &QUADRIC_LIKE[3];
     for criterion in [Criterion::Gcv, Criterion::Reml, Criterion::default()] {
         let method = Penalised {
@@ -253,7 +253,7 @@ fn criteria_agree_where_the_surface_is_plain() {
 }
 
 #[test]
-fn the_noise_is_found() {
+fn the_noise_is_estimated() {
     let sweep = Sweep {
         fingers: 9,
         contacts_per_finger: 30,
@@ -266,7 +266,7 @@ fn the_noise_is_found() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // Noise that is known is not estimated.
+    // Stated noise is not estimated.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

@@ -1,4 +1,4 @@
-//! Contacts that do not tell a patch: each gets a named error, or a finite result.
+//! Contacts that do not determine a patch return a named error or a finite result.
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
@@ -16,8 +16,8 @@ fn methods() -> [Box<dyn Method>; 3] {
     ]
 }
 
-/// The name of the first error on the way to the curvature at the centre, per method; "result"
-/// where there is none, which then is finite.
+/// The name of the first error before the curvature at the centre, per method; "result" if there is no error. Such a
+/// result is checked to be finite.
 fn outcomes(contacts: &[Contact]) -> [&'static str; 3] {
     methods().map(|method| {
         let outcome = Patch::new(contacts, &Vector3::z())
@@ -50,7 +50,7 @@ fn sphere() -> Vec<Contact> {
 }
 
 #[test]
-fn too_little() {
+fn too_few_contacts_are_refused() {
     assert_eq!(outcomes(&[]), ["too-few-contacts"; 3]);
     assert_eq!(outcomes(&plain([[0.0; 3]])), ["too-few-contacts"; 3]);
     let five = [
@@ -64,7 +64,7 @@ fn too_little() {
 }
 
 #[test]
-fn points_and_lines() {
+fn points_lines_and_curves_are_refused_or_uncertain() {
     let point = plain(std::iter::repeat_n([3.0, -1.0, 2.0], 1000));
     assert_eq!(outcomes(&point), ["coincident"; 3]);
     let line = plain((0..40).map(|step| [0.1 * f64::from(step), 0.2 * f64::from(step), 1.0]));
@@ -76,7 +76,7 @@ fn points_and_lines() {
         let is_refused = outcomes(&plain(nearly)).map(|outcome| outcome == "collinear");
         assert_eq!(is_refused, [is_line; 3], "{share:e}");
     }
-    // One finger: a curve in a plane leaves the shape across it open.
+    // One finger: a curve in a plane does not determine the shape across it.
     let curve = (0..40).map(|step| {
         let x = 0.1 * f64::from(step);
         [x, 0.0, -0.1 * x * x]
@@ -84,7 +84,7 @@ fn points_and_lines() {
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
     }
-    // With normals the slope across it is known, but hardly how it changes.
+    // With normals the slope across the curve is known, but its change is very uncertain.
     let mut one_finger = sphere();
     one_finger.truncate(10);
     for contact in &mut one_finger {
@@ -104,14 +104,14 @@ fn points_and_lines() {
 }
 
 #[test]
-fn duplicates_are_contacts() {
+fn duplicate_contacts_are_fitted() {
     let mut contacts = sphere();
     contacts.extend(sphere());
     assert_eq!(outcomes(&contacts), ["result"; 3]);
 }
 
 #[test]
-fn normals_that_are_none_of_a_graph() {
+fn invalid_and_folded_normals_are_refused() {
     let changed = |normal: Option<Vector3<f64>>| {
         let mut contacts = sphere();
         contacts[4].normal = normal;
@@ -124,7 +124,7 @@ fn normals_that_are_none_of_a_graph() {
 }
 
 #[test]
-fn closed_shapes_and_walls() {
+fn closed_shapes_are_refused_and_walls_need_an_outward_direction() {
     let directions: Vec<Vector3<f64>> = (0..200)
         .map(|index| {
             // A spiral over the whole sphere.
@@ -143,7 +143,7 @@ fn closed_shapes_and_walls() {
         .map(|direction| Contact::new(0, Point3::from(direction * 3.0), Some(*direction)))
         .collect();
     assert_eq!(outcomes(&with_normals), ["no-plane"; 3]);
-    // A vertical wall is a patch like any other, if its outside is told.
+    // A vertical wall is a valid patch if the outward direction is stated.
     let wall: Vec<Contact> = sphere()
         .iter()
         .map(|contact| Contact {
@@ -153,7 +153,7 @@ fn closed_shapes_and_walls() {
         })
         .collect();
     assert_eq!(outcomes(&wall), ["result"; 3]);
-    // Without normals, upwards does not say on which side of a wall the outside is, unless the wall leans.
+    // Without normals, an upward direction does not determine the outside of a wall, unless the wall is inclined.
     let bare_wall = |lean: f64| {
         plain((0..36).map(|index| {
             let (y, z) = (f64::from(index % 6), f64::from(index / 6));
@@ -166,7 +166,7 @@ fn closed_shapes_and_walls() {
 }
 
 #[test]
-fn settings_out_of_range() {
+fn settings_out_of_range_are_refused() {
     let patch = Patch::new(&sphere(), &Vector3::z()).unwrap();
     let refused = |method: &dyn Method| match method.fit(&patch).unwrap_err() {
         Ep2Error::BadSetting(BadSetting { setting, .. }) => setting,
@@ -221,7 +221,7 @@ fn settings_out_of_range() {
 }
 
 #[test]
-fn places_beyond_the_range_of_numbers() {
+fn positions_beyond_the_range_of_doubles_are_refused() {
     let patch = Patch::new(&sphere(), &Vector3::z()).unwrap();
     for method in methods() {
         let fit = method.fit(&patch).unwrap();
@@ -234,7 +234,7 @@ fn places_beyond_the_range_of_numbers() {
 }
 
 #[test]
-fn a_weight_that_outweighs_all_others_leaves_them_no_digits() {
+fn a_weight_far_above_all_others_makes_the_fit_undetermined() {
     for (weight, expected) in [
         (1e-300, "result"),
         (1e6, "result"),

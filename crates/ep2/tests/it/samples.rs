@@ -7,7 +7,7 @@ use palpate_sensing::{Channel, Stream};
 /// A point of a surface, its outward normal (of any length), Gaussian and mean curvature.
 pub(crate) type Truth = (Point3<f64>, Vector3<f64>, f64, f64);
 
-/// A surface as a graph with closed forms over each place.
+/// A surface as a graph, with closed forms at each (x, y).
 pub(crate) struct Surface {
     pub(crate) name: &'static str,
     pub(crate) at: fn(f64, f64) -> Truth,
@@ -121,7 +121,7 @@ pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     },
 ];
 
-/// Surfaces that are no quadrics: the top of a torus of radii 3 and 2, and a bump.
+/// Surfaces that are not quadrics: the top of a torus of radii 3 and 2, and a bump.
 pub(crate) const DETAILED: [Surface; 2] = [
     Surface {
         name: "torus",
@@ -153,7 +153,7 @@ pub(crate) const DETAILED: [Surface; 2] = [
     },
 ];
 
-/// Settings by which contacts are made, with their noise.
+/// Settings of simulated contacts, with their noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
     pub(crate) fingers: usize,
@@ -206,7 +206,7 @@ impl Sweep {
     }
 }
 
-/// Places of a grid of `side` × `side` over |x|, |y| <= 1.
+/// Positions of a grid of `side` × `side` over |x|, |y| <= 1.
 pub(crate) fn grid(side: usize) -> impl Iterator<Item = (f64, f64)> {
     let place = move |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
     (0..side * side).map(move |index| (place(index / side), place(index % side)))

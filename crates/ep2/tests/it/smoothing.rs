@@ -1,4 +1,4 @@
-//! Smoothing splines of sound and of unsound points.
+//! Smoothing splines of valid and of invalid points.
 
 use palpate_ep2::{Ep2Error, Smoothed, SmoothingSpline, Status, WeightedPoint};
 use palpate_statistics::BadSetting;
@@ -27,7 +27,7 @@ fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smooth
 
 /// Scaling the heights by a power of two changes the residual sum only by rounding.
 #[test]
-fn waves_are_smoothed_alike_in_any_unit() {
+fn smoothing_scales_with_the_unit_of_height() {
     let wave = grid(|u, v| libm::sin(5.0 * u) * libm::cos(4.0 * v));
     let unit = 2f64.powi(20);
     let scaled: Vec<_> = wave
@@ -75,10 +75,10 @@ fn polynomials_are_interpolated() {
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
 }
 
-/// With as many knots as points in either direction the sum of zero is met, or it is said that the
-/// knots ran out; either way the values stay sound.
+/// With as many knots as points in each direction, a residual sum of zero is reached, or the status is that the knots
+/// are exhausted. In both cases the values are accurate.
 #[test]
-fn a_sum_of_zero() {
+fn a_sum_of_zero_interpolates_or_exhausts_the_knots() {
     let smoothed = fit(3, 0.0, &grid(|u, v| libm::sin(2.0 * u) * libm::exp(v))).unwrap();
     assert!(matches!(
         smoothed.status,
@@ -91,7 +91,7 @@ fn a_sum_of_zero() {
 }
 
 #[test]
-fn a_huge_sum_is_met_by_the_polynomial() {
+fn a_huge_sum_returns_the_polynomial() {
     let points = grid(|u, v| libm::sin(9.0 * u * v));
     for smoothing in [1e9, f64::MAX, f64::INFINITY] {
         let smoothed = fit(2, smoothing, &points).unwrap();
@@ -101,9 +101,9 @@ fn a_huge_sum_is_met_by_the_polynomial() {
     }
 }
 
-/// The sum that is asked for is met, and more smoothing leaves fewer unknowns.
+/// The residual sum equals the requested sum, and more smoothing reduces the effective number of parameters.
 #[test]
-fn the_sum_is_met() {
+fn the_residual_sum_equals_the_requested_sum() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
     let mut before = 49.0;
     for smoothing in [0.01, 0.1, 1.0] {
@@ -120,7 +120,7 @@ fn the_sum_is_met() {
     }
 }
 
-/// A limit per direction, as FITPACK has one.
+/// A limit per direction, as in FITPACK.
 #[test]
 fn knots_can_be_limited() {
     let spline = SmoothingSpline {
@@ -137,7 +137,7 @@ fn knots_can_be_limited() {
 
 /// Weight and height in other units, powers of two: the same spline, digit by digit.
 #[test]
-fn units_do_not_matter() {
+fn weights_and_heights_in_other_units_have_the_same_spline() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
     let expected = fit(2, 1.0, &points).unwrap();
     for (height, weight) in [(-330, 0), (0, -300), (250, -100)] {
@@ -160,9 +160,9 @@ fn units_do_not_matter() {
     }
 }
 
-/// Points on a slanted line leave most of the polynomial open; what they fix is found.
+/// Points on a slanted line determine only 5 of 9 coefficients. The value on the line is still correct.
 #[test]
-fn points_on_a_slanted_line() {
+fn points_on_a_slanted_line_determine_a_polynomial_of_lower_rank() {
     let points: Vec<_> = (0..40)
         .map(|index| index as f64 / 39.0)
         .map(|t| point(t, 2.0 * t, t * t))
@@ -174,7 +174,7 @@ fn points_on_a_slanted_line() {
 }
 
 #[test]
-fn duplicates_count_as_often_as_they_are() {
+fn duplicates_are_fitted() {
     let mut points = grid(|u, v| u + v * v);
     points.extend_from_within(..);
     points.extend(std::iter::repeat_n(point(0.1, 0.2, 5.0), 100));
@@ -188,7 +188,7 @@ fn duplicates_count_as_often_as_they_are() {
 }
 
 #[test]
-fn what_is_refused() {
+fn invalid_points_and_settings_are_refused() {
     let sound = grid(|u, v| u * v);
     let with = |change: fn(&mut WeightedPoint)| {
         let mut points = sound.clone();

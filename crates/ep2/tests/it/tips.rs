@@ -5,7 +5,7 @@ use palpate_ep2::{Contact, Ep2Error, Method, Patch, Penalised, RoundTip, TipPoin
 
 const POINTS: [TipPoint; 2] = [TipPoint::Lowest, TipPoint::Centre];
 
-/// Unit normals of three fingers' contacts on a ball, which are also its points.
+/// Unit normals of three fingers' contacts on a ball. On a ball of radius 1 they are also the contact points.
 fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     (0..30).map(|index| {
         let (finger, step) = (index / 10, index % 10);
@@ -14,11 +14,11 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     })
 }
 
-/// Points that a tip tells on a ball, or in a dish where `hollow`, of radius 5.
-fn readings(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
-    let (radius, side) = if hollow { (5.0, -1.0) } else { (5.0, 1.0) };
+/// Points that the tip reports on a ball of radius 5, or in a dish of radius 5 if `concave`.
+fn readings(tip: &RoundTip, concave: bool, with_normals: bool) -> Vec<Contact> {
+    let (radius, side) = if concave { (5.0, -1.0) } else { (5.0, 1.0) };
     let readings = normals().map(|(finger, out)| {
-        // The normal of a dish points to its middle, from below.
+        // The normal of a dish points from the surface to the centre of the sphere.
         let normal = Vector3::new(side * out.x, side * out.y, out.z);
         let contact = Vector3::new(radius * out.x, radius * out.y, side * radius * out.z);
         let centre = contact + normal * tip.radius;
@@ -36,19 +36,19 @@ fn readings(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
 }
 
 #[test]
-fn contacts_lie_on_the_object_where_normals_are_known() {
+fn contacts_from_tips_with_normals_lie_on_the_object() {
     for point in POINTS {
-        for hollow in [false, true] {
+        for concave in [false, true] {
             for radius in [0.0, 1e-6, 0.5, 2.0] {
                 let tip = RoundTip { radius, point };
-                let readings = readings(&tip, hollow, true);
+                let readings = readings(&tip, concave, true);
                 let contacts =
                     tip.contacts(&readings, &(Vector3::z() * 7.0), &Penalised::default());
                 for contact in contacts.unwrap() {
                     let distance = contact.position.coords.norm();
                     assert!(
                         (distance - 5.0).abs() < 1e-12,
-                        "{tip:?} {hollow}: {distance}"
+                        "{tip:?} {concave}: {distance}"
                     );
                 }
             }
@@ -57,11 +57,11 @@ fn contacts_lie_on_the_object_where_normals_are_known() {
 }
 
 #[test]
-fn centres_without_normals_tell_the_object_too() {
+fn tips_without_normals_determine_the_object() {
     for point in POINTS {
-        for (hollow, mean) in [(false, 0.2), (true, -0.2)] {
+        for (concave, mean) in [(false, 0.2), (true, -0.2)] {
             let tip = RoundTip { radius: 1.0, point };
-            let readings = readings(&tip, hollow, false);
+            let readings = readings(&tip, concave, false);
             let method = Penalised::default();
             let contacts = tip.contacts(&readings, &Vector3::z(), &method).unwrap();
             assert!(contacts.iter().all(|contact| contact.normal.is_none()));
@@ -69,7 +69,7 @@ fn centres_without_normals_tell_the_object_too() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // A ball of 6, or a dish of 4, is what the tip's centres make.
+            // If the tip is ignored, its centres lie on a ball of radius 6 or in a dish of radius 4.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
@@ -78,7 +78,7 @@ fn centres_without_normals_tell_the_object_too() {
 }
 
 #[test]
-fn tips_at_the_extremes_are_refused_or_left_alone() {
+fn invalid_tips_are_refused_and_a_tip_of_radius_0_changes_nothing() {
     let method = Penalised::default();
     let tip = |radius| RoundTip {
         radius,
@@ -103,7 +103,7 @@ fn tips_at_the_extremes_are_refused_or_left_alone() {
         tip(1.0).contacts(&[], &Vector3::z(), &method).err(),
         Patch::new(&[], &Vector3::z()).err()
     );
-    // A normal of length 0 is named by the patch.
+    // `Patch::new` reports a normal of length 0.
     let mut broken = all.clone();
     broken[4].normal = Some(Vector3::zeros());
     let contacts = tip(1.0).contacts(&broken, &Vector3::z(), &method).unwrap();
@@ -115,10 +115,10 @@ fn tips_at_the_extremes_are_refused_or_left_alone() {
 }
 
 #[test]
-fn a_tip_larger_than_its_centre_can_follow_is_rejected() {
+fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
     for point in POINTS {
         for with_normals in [false, true] {
-            // On a ball of 5 the centre of a tip of 2 turns as on a ball of 7.
+            // On a ball of 5 the centre of a tip of 2 moves on a ball of 7.
             let tip = RoundTip { radius: 2.0, point };
             let readings = readings(&tip, false, with_normals);
             for radius in [1.0, 6.9, 7.1, 100.0, 1e9] {
@@ -139,7 +139,8 @@ fn a_tip_larger_than_its_centre_can_follow_is_rejected() {
 
 #[test]
 fn a_tip_of_any_size_can_turn_on_an_edge() {
-    // Centres on a cylinder about the edge, tilted by noise; half of the estimates of its curvature are above 1/r.
+    // Centres on a cylinder of radius r about the edge, with noisy normals: half of the curvatures estimated from them
+    // exceed 1/r.
     let mut state = 1_u64;
     let mut noise = || {
         state = state

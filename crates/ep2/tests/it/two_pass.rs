@@ -90,10 +90,10 @@ fn saddle_curvature(x: f64, y: f64) -> (f64, f64) {
     (-0.04 / (d * d), -trace / (2.0 * libm::pow(d, 1.5)))
 }
 
-/// The first pass finds it. The points on the tangents lie off the surface, by half the squared step
-/// times the curvature or 6e-4 here, so that the second pass is not exact.
+/// The first pass is exact. The points on the tangents are off the surface by half the squared step times the
+/// curvature, here 6e-4, so the second pass is not exact.
 #[test]
-fn a_saddle_is_a_biquadratic() {
+fn a_saddle_is_fitted_by_a_biquadratic() {
     let first = TwoPass {
         passes: Passes::One,
         ..TwoPass::default()
@@ -109,10 +109,9 @@ fn a_saddle_is_a_biquadratic() {
     }
 }
 
-/// On a patch of half-width a = 1.5 on radius 100 the fourth order, (a/R)² = 2e-4 relative, is what
-/// a biquadratic cannot do.
+/// On a patch of half-width a = 1.5 and radius R = 100, a biquadratic neglects the fourth order, (a/R)² = 2e-4.
 #[test]
-fn shallow_sphere_and_cylinder() {
+fn shallow_spheres_and_cylinders_are_fitted() {
     for passes in [Passes::One, Passes::Two] {
         let method = TwoPass {
             passes,
@@ -123,10 +122,10 @@ fn shallow_sphere_and_cylinder() {
     }
 }
 
-/// The paper's sum of 1000 against 30 contacts of weight 100: the plain biquadratic at 5 % of the
-/// unit, knots at 10 %. With 21 residuals left the expected sums are 525 and 2100.
+/// The paper's smoothing sum is 1000 for 30 contacts of weight 100. With noise of 5 % of the unit the plain biquadratic
+/// is sufficient; 10 % needs knots. With 21 degrees of freedom the expected sums are 525 and 2100.
 #[test]
-fn noise_decides_on_knots() {
+fn the_noise_decides_the_number_of_knots() {
     let trials = 100;
     let plain = |std: f64| {
         (0..trials)
@@ -139,10 +138,10 @@ fn noise_decides_on_knots() {
     assert!(plain(0.10) <= 6);
 }
 
-/// 90 points off by 10 % of the unit: where the second sum cannot be met the fit says so, with more
-/// coefficients than points.
+/// Points with errors of 10 % of the unit, and a sum of zero: the fit adds knots until no more are possible, and its
+/// status reports it.
 #[test]
-fn exhausted_knots_are_told() {
+fn the_status_reports_exhausted_knots() {
     let method = TwoPass {
         unit_length: Some(1.0),
         smoothing: 0.0,
@@ -159,7 +158,7 @@ fn exhausted_knots_are_told() {
 }
 
 #[test]
-fn size_and_orientation_do_not_matter() {
+fn results_do_not_depend_on_size_and_orientation() {
     let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.0);
     let found = noisy(saddle, 0.05, 3);
     let at = |found: &TwoPassFit| found.fit.point_at(0.3, -0.2).unwrap().curvature;
@@ -186,9 +185,9 @@ fn size_and_orientation_do_not_matter() {
     }
 }
 
-/// Fingers stand 1.5 apart: the unit that is found is the one that may be given.
+/// The fingers are 1.5 apart: the default unit equals a stated unit of 1.5.
 #[test]
-fn the_unit_is_the_distance_between_fingers() {
+fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);
     let found = TwoPass::default().fit_passes(&patch(&contacts)).unwrap();
     let given = TwoPass {
@@ -208,7 +207,7 @@ fn the_unit_is_the_distance_between_fingers() {
 }
 
 #[test]
-fn settings_and_contacts_that_do_not_do() {
+fn invalid_settings_and_too_few_contacts_are_refused() {
     let default = TwoPass::default();
     let contacts = contacts(saddle, false);
     let whole = patch(&contacts);
