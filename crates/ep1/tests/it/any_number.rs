@@ -1,5 +1,5 @@
-//! Readings that determine a curvature always give it, and exact readings give it exactly. Readings with arbitrary
-//! bit patterns give finite results or the right error.
+//! Readings that determine a curvature always have an estimate, and exact readings have an exact one. Readings with
+//! arbitrary bit patterns return finite results or the expected error.
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::readings;
 
-/// Any bit pattern of a double, or a number of everyday size.
+/// Any bit pattern of a double, or a number of ordinary magnitude.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -24,8 +24,12 @@ fn reading() -> impl Strategy<Value = ProbeReading> {
     })
 }
 
-/// The error that these inputs must give, if it follows without a calculation.
-fn due(radius: f64, noise: &ReadingNoise, readings: &[ProbeReading]) -> Option<Ep1Error> {
+/// The expected error of these inputs, if it follows without a calculation.
+fn expected_error(
+    radius: f64,
+    noise: &ReadingNoise,
+    readings: &[ProbeReading],
+) -> Option<Ep1Error> {
     let turns = |reading: &ProbeReading| reading.rotation.iter().all(|angle| angle.is_finite());
     let sizes = [
         noise.relative_rotation_std,
@@ -64,7 +68,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..Default::default() })]
 
     #[test]
-    fn readings_that_tell_the_curvature_do_so_whatever_the_noise(
+    fn readings_that_determine_the_curvature_have_finite_estimates_with_any_noise(
         radius in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         (k_min, spread, angle) in (-0.9..5.0_f64, 0.0..5.0_f64, -3.0..3.0_f64),
         noise in [0.0..1.0_f64, 0.0..1.0, 0.0..1.0, 0.0..1.0],
@@ -84,7 +88,7 @@ proptest! {
     }
 
     #[test]
-    fn any_numbers_give_numbers_or_the_error_that_is_due(
+    fn any_numbers_return_numbers_or_the_expected_error(
         radius in number(),
         noise in [number(), number(), number(), number()],
         readings in prop::collection::vec(reading(), 0..5),
@@ -105,15 +109,15 @@ proptest! {
                 prop_assert!(p_values.into_iter().all(|p_value| (0.0..=1.0).contains(&p_value)), "{found:?}");
             }
             let found = fitted.map(|(_, estimate)| estimate);
-            if let Some(due) = due(radius, &noise, &readings) {
-                prop_assert_eq!(&found, &Err(due));
+            if let Some(expected_error) = expected_error(radius, &noise, &readings) {
+                prop_assert_eq!(&found, &Err(expected_error));
             }
             prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
         }
     }
 
     #[test]
-    fn exact_readings_are_read_exactly(
+    fn exact_readings_have_exact_estimates(
         radius in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         along in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         across in -0.9..3.0_f64,
@@ -124,7 +128,7 @@ proptest! {
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let estimate = LeastSquares::of(radius, ReadingNoise::default(), &readings(radius, &form, &rolls));
         let found = estimate.unwrap().curvature;
-        // The bound grows with the curvature along u, and in a hollow (`across` < 0), which amplifies errors.
+        // The bound grows with the curvature along u, and in a concave object (`across` < 0), which amplifies errors.
         let bound = 1e-14 * (2.0 + along) * (1.0 + along) / (1.0 + across).min(1.0).powi(2) / radius;
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }

@@ -1,4 +1,4 @@
-//! The stated uncertainty against a Monte Carlo of the readings.
+//! Standard errors compared with a Monte Carlo simulation of the readings.
 
 use approx::assert_relative_eq;
 use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise};
@@ -44,7 +44,7 @@ const FORM: CurvatureForm = CurvatureForm {
 };
 
 #[test]
-fn rotation_noise() {
+fn standard_errors_match_rotation_noise() {
     let noise = ReadingNoise {
         relative_rotation_std: 0.003,
         ..Default::default()
@@ -54,7 +54,7 @@ fn rotation_noise() {
 }
 
 #[test]
-fn shift_noise() {
+fn standard_errors_match_shift_noise() {
     let noise = ReadingNoise {
         shift_std: 2e-4,
         ..Default::default()
@@ -63,7 +63,7 @@ fn shift_noise() {
 }
 
 #[test]
-fn all_noise_and_probes_of_every_length_and_direction() {
+fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
     let noise = ReadingNoise {
         relative_rotation_std: 0.002,
         rotation_std_rad: 1e-4,
@@ -79,8 +79,8 @@ fn all_noise_and_probes_of_every_length_and_direction() {
 }
 
 #[test]
-fn isotropic_std_is_the_formula() {
-    // Four of eight probes see each direction: std = e σ (1 + R₂/R₁)/√4 relative.
+fn the_isotropic_standard_error_matches_the_formula() {
+    // Four of eight probes measure each direction: relative std = e σ (1 + R₂/R₁)/√4.
     let noise = ReadingNoise {
         relative_rotation_std: 0.01,
         ..Default::default()
@@ -92,7 +92,7 @@ fn isotropic_std_is_the_formula() {
 }
 
 #[test]
-fn residual_sees_what_the_model_does_not_explain() {
+fn the_residual_increases_with_a_departure_from_the_model() {
     let mut readings = readings(1.0, &FORM, &eight(0.1));
     let fit = |readings: &[ProbeReading]| {
         LeastSquares::of(1.0, ReadingNoise::default(), readings)
@@ -106,8 +106,8 @@ fn residual_sees_what_the_model_does_not_explain() {
 }
 
 #[test]
-fn covariance_of_the_form_against_finite_differences() {
-    // Noise of one component of one probe: the change of the form per that, to first order.
+fn the_covariance_of_the_form_matches_finite_differences() {
+    // First-order change of the form per noise in one component of one probe.
     let noise = ReadingNoise {
         shift_std: 1e-3,
         ..Default::default()
@@ -187,7 +187,7 @@ fn rolls_that_share_errors_count_once() {
 }
 
 #[test]
-fn intervals_of_flat_objects_hold_the_rounding() {
+fn intervals_of_flat_objects_include_the_rounding_error() {
     for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
         let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
         // The noise is far below the last digit of the readings.

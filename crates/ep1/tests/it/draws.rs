@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use palpate_ep1::{ProbeReading, ReadingNoise};
 
-/// A small congruential generator: the tests need no better.
+/// A small congruential generator; it is sufficient for these tests.
 pub(crate) struct Draws(pub(crate) u64);
 
 impl Draws {

@@ -1,4 +1,4 @@
-//! Noiseless readings give the curvature back.
+//! Noiseless readings recover the curvature.
 
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
@@ -20,7 +20,7 @@ const EXACT: ReadingNoise = ReadingNoise {
 
 proptest! {
     #[test]
-    fn any_spanning_probes_give_any_form(
+    fn probes_that_span_the_plane_determine_any_curvature(
         k_min in -0.9..5.0_f64,
         spread in 0.0..5.0_f64,
         angle in -3.0..3.0_f64,
@@ -39,7 +39,7 @@ proptest! {
 }
 
 #[test]
-fn readings_of_a_plane_give_exactly_zero() {
+fn readings_of_a_plane_have_a_curvature_of_exactly_zero() {
     for radius in [10.0, 1.0, 0.3, 7e-9] {
         let readings: Vec<_> = eight(0.1)
             .iter()
@@ -80,7 +80,7 @@ fn rolled(object: Shape, theta: f64, model: Model) -> Vec<ProbeReading> {
 }
 
 #[test]
-fn a_rolled_sphere_is_recovered() {
+fn the_curvature_of_a_rolled_sphere_is_recovered() {
     for radius in [500.0, 50.0, 5.0, 1.0, 0.5] {
         let object = Shape::Sphere(Sphere::new(radius).unwrap());
         let readings = rolled(object, 0.1, Model::ClosedForm);
@@ -105,21 +105,21 @@ fn a_rolled_sphere_is_recovered() {
 }
 
 #[test]
-fn a_rolled_saddle_has_its_signs() {
+fn the_curvatures_of_a_rolled_saddle_have_the_right_signs() {
     let object = Shape::Saddle(Graph::saddle(0.1).unwrap());
     let model = Model::Dop853 {
         tolerance: 1e-12,
         chart: Chart::Free,
     };
     let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, 1e-4, model)).unwrap();
-    // z = a (x² − y²): hollow along x.
+    // z = a (x² − y²): concave along x.
     assert_relative_eq!(estimate.curvature.k_uu, -0.2, max_relative = 1e-6);
     assert_relative_eq!(estimate.curvature.k_vv, 0.2, max_relative = 1e-6);
 }
 
 #[test]
-fn the_paraboloids_error_at_equal_arc_is_the_known_one() {
-    // c = 1 rolled by θ = α + s/R₁ over s = 0.1 errs by 1.9 %.
+fn the_error_on_a_paraboloid_matches_the_known_value() {
+    // c = 1, rolled by θ = α + s/R₁ over s = 0.1: the error is 1.9 %.
     let theta = 0.296_15;
     let object = Shape::Paraboloid(Graph::paraboloid(1.0).unwrap());
     let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, theta, Model::Meridian)).unwrap();

@@ -1,4 +1,4 @@
-//! Readings that do not tell the curvature are refused by name.
+//! Readings that do not determine the curvature are refused with a named error.
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
@@ -11,7 +11,7 @@ fn estimate(readings: &[ProbeReading]) -> Result<Estimate, Ep1Error> {
 }
 
 #[test]
-fn parallel_probes() {
+fn parallel_probes_are_refused() {
     for direction in [0.0, 0.7, 1.5] {
         let rolls = [
             (direction, 0.1),
@@ -49,7 +49,7 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     let relative = 0.1 / 0.01;
     assert!((bound - 1.0 / (relative - 1.0)).abs() < 1e-12, "{bound}");
     assert!(error.to_string().contains("radius below 0.11"), "{error}");
-    // Without a resolution there is no number to give.
+    // Without a resolution there is no bound.
     let error = estimate(&readings).unwrap_err();
     assert!(
         matches!(
@@ -64,7 +64,7 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
 }
 
 #[test]
-fn a_contact_that_moves_backwards_is_no_rolling() {
+fn a_contact_that_moves_backwards_is_not_rolling() {
     let mut readings = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
     for reading in &mut readings {
         reading.shift.y = -reading.shift.y;
@@ -77,9 +77,9 @@ fn a_contact_that_moves_backwards_is_no_rolling() {
     );
 }
 
-/// Forwards, backwards and not at all, in any two directions across each other.
+/// Forward, backward or no motion in each of two perpendicular directions.
 #[test]
-fn only_a_contact_that_moves_along_in_every_direction_tells_a_curvature() {
+fn a_curvature_needs_contacts_that_move_forwards_in_every_direction() {
     let sizes = [0.0, 1e-16, 1e-14, 1e-13, 1e-9, 0.5];
     let travels = || sizes.into_iter().flat_map(|size| [size, -size]);
     for along in travels() {
@@ -142,7 +142,7 @@ fn lopsided(theta: f64, across: f64) -> Result<Estimate, Ep1Error> {
 }
 
 #[test]
-fn rotations_must_span_the_plane_and_leave_their_squares_in_range() {
+fn rotations_must_span_the_plane_and_have_squares_in_range() {
     for theta in [1e-40, 1e-12, 6000.0, 1e40] {
         for across in [1.0, 1e-4] {
             let form = lopsided(theta, across).unwrap().curvature;

@@ -1,4 +1,4 @@
-//! Sets of readings side by side: the estimates of each alone, whatever stands beside it.
+//! Sets of readings that are estimated together: each set has the estimate that it has alone.
 
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
@@ -11,7 +11,7 @@ const RADIUS: f64 = 2.0;
 const COUNT: usize = 75;
 const PROBES: usize = 8;
 
-/// Rotations and shifts of sets on objects that differ, with residuals.
+/// Rotations and shifts of sets on different objects, with residuals.
 fn noisy() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let mut all = (Vec::new(), Vec::new());
     for set in 0..COUNT {
@@ -49,7 +49,7 @@ fn sets<'a>(noise: ReadingNoise, rotations: &'a [[f64; 2]], shifts: &'a [[f64; 2
     }
 }
 
-/// Readings of one of the sets, of which some share rotations or shifts.
+/// Readings of one set; the sets may share their rotations or shifts.
 fn alone(rotations: &[[f64; 2]], shifts: &[[f64; 2]], set: usize) -> Vec<ProbeReading> {
     let of = |all: &[[f64; 2]], probe: usize| -> Vector2<f64> {
         let first = if all.len() == PROBES { 0 } else { set * PROBES };
@@ -87,7 +87,7 @@ const NOISES: [ReadingNoise; 3] = [
 ];
 
 #[test]
-fn each_set_is_that_alone() {
+fn each_set_has_the_estimate_of_the_set_alone() {
     let (rotations, shifts) = noisy();
     let pairs = [
         (&rotations[..], &shifts[..]),
@@ -98,11 +98,11 @@ fn each_set_is_that_alone() {
         for (rotations, shifts) in pairs {
             for (set, row) in rows(noise, rotations, shifts).iter().enumerate() {
                 let readings = alone(rotations, shifts, set);
-                let told = LeastSquares::of(RADIUS, noise, &readings).unwrap();
-                let (residual, _) = told.residual(&readings);
+                let estimate = LeastSquares::of(RADIUS, noise, &readings).unwrap();
+                let (residual, _) = estimate.residual(&readings);
                 let stated = match noise.shift_std > 0.0 {
-                    true => told,
-                    // As noisy as the residuals.
+                    true => estimate,
+                    // The noise is estimated from the residuals.
                     false => {
                         let found = ReadingNoise {
                             shift_std: residual,
@@ -119,7 +119,7 @@ fn each_set_is_that_alone() {
                 ];
                 let [u, v, gaussian, mean] = measured.map(|one| one.value);
                 let [std_u, std_v, of_gaussian, of_mean] = measured.map(|one| one.std.unwrap());
-                let due: SetRow = [
+                let expected: SetRow = [
                     u,
                     v,
                     stated.curvature.k_uv,
@@ -132,14 +132,14 @@ fn each_set_is_that_alone() {
                     stated.arc_length,
                     residual,
                 ];
-                assert_eq!(*row, due, "set {set}");
+                assert_eq!(*row, expected, "set {set}");
             }
         }
     }
 }
 
 #[test]
-fn exact_readings_give_the_curvature_and_no_residual() {
+fn exact_readings_determine_the_curvature_without_residual() {
     let form = CurvatureForm {
         k_uu: 0.4,
         k_uv: 0.3,
@@ -153,8 +153,8 @@ fn exact_readings_give_the_curvature_and_no_residual() {
         let rotations = rotations.repeat(all);
         let shifts = shifts.repeat(COUNT);
         for row in rows(NOISES[0], &rotations, &shifts) {
-            for (found, due) in row.iter().zip([0.4, 1.2, 0.3, gaussian, mean]) {
-                assert_relative_eq!(*found, due, max_relative = 1e-13);
+            for (found, expected) in row.iter().zip([0.4, 1.2, 0.3, gaussian, mean]) {
+                assert_relative_eq!(*found, expected, max_relative = 1e-13);
             }
             assert!(row[10] < 1e-15, "{}", row[10]);
         }
@@ -162,17 +162,17 @@ fn exact_readings_give_the_curvature_and_no_residual() {
 }
 
 #[test]
-fn sets_that_tell_nothing_stand_between_those_that_do() {
+fn undetermined_sets_do_not_change_their_neighbours() {
     let (rotations, mut shifts) = noisy();
     let usual = rows(NOISES[0], &rotations, &shifts);
-    let silent = [0, 33, COUNT - 1];
-    for (set, factor) in silent.into_iter().zip([0.0, -1.0, 1e3]) {
+    let undetermined = [0, 33, COUNT - 1];
+    for (set, factor) in undetermined.into_iter().zip([0.0, -1.0, 1e3]) {
         for shift in &mut shifts[set * PROBES..][..PROBES] {
             *shift = shift.map(|along| factor * along);
         }
     }
     for (set, row) in rows(NOISES[0], &rotations, &shifts).iter().enumerate() {
-        match silent.contains(&set) {
+        match undetermined.contains(&set) {
             true => assert!(row.iter().all(|number| number.is_nan()), "{set}: {row:?}"),
             false => assert_eq!(row, &usual[set], "{set}"),
         }
@@ -180,14 +180,14 @@ fn sets_that_tell_nothing_stand_between_those_that_do() {
 }
 
 #[test]
-fn a_number_that_is_none_is_named() {
+fn a_non_finite_number_is_named() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let (mut rotations, mut shifts) = noisy();
         shifts[40 * PROBES + 3][1] = bad;
         let mut rows = vec![[0.0; 11]; COUNT];
         let error = sets(NOISES[0], &rotations, &shifts).estimate(0, &mut rows);
         assert_eq!(error, Err((40, Ep1Error::NotFinite { probe: 3 })));
-        // Counted from the first set of all.
+        // The number of the set is counted from the first set of all.
         let error = sets(NOISES[0], &rotations, &shifts).estimate(30, &mut rows[..20]);
         assert_eq!(error, Err((40, Ep1Error::NotFinite { probe: 3 })));
         rotations[7][0] = bad;
@@ -197,7 +197,7 @@ fn a_number_that_is_none_is_named() {
 }
 
 #[test]
-fn no_sets_and_no_probes() {
+fn no_sets_and_no_probes_are_accepted() {
     assert_eq!(sets(NOISES[0], &[], &[]).estimate(0, &mut []), Ok(()));
     let none = Sets {
         probes: 0,
@@ -209,8 +209,8 @@ fn no_sets_and_no_probes() {
 }
 
 #[test]
-fn two_probes_leave_no_residual() {
-    // Four equations for three unknowns: a residual of one degree of freedom; with shifts that the law explains, none.
+fn exact_readings_of_two_probes_have_no_residual() {
+    // Four equations for three unknowns: one degree of freedom. These shifts follow the model exactly, without residual.
     let sets = Sets {
         radius: 1.0,
         noise: ReadingNoise::default(),
@@ -222,7 +222,7 @@ fn two_probes_leave_no_residual() {
     sets.estimate(0, &mut rows).unwrap();
     for row in rows {
         assert_relative_eq!(row[4], 1.0 / 3.0, max_relative = 1e-13);
-        // Rounding alone: no standard deviation, or one of its size.
+        // Only rounding errors: no standard error, or one of the size of rounding.
         assert!(
             row[10] < 1e-16 && (row[8].is_nan() || row[8] <= 1e-13),
             "{row:?}"
@@ -231,7 +231,7 @@ fn two_probes_leave_no_residual() {
 }
 
 #[test]
-fn more_probes_than_are_kept_side_by_side() {
+fn sets_of_many_probes_have_the_estimate_of_the_set_alone() {
     const MANY: usize = 25;
     let (rotations, shifts) = noisy();
     let mut rows = vec![[0.0; 11]; rotations.len() / MANY];
@@ -247,9 +247,9 @@ fn more_probes_than_are_kept_side_by_side() {
                 shift: shifts[probe].into(),
             })
             .collect();
-        let told = LeastSquares::of(RADIUS, NOISES[0], &readings).unwrap();
-        let (residual, _) = told.residual(&readings);
-        assert_eq!(row[4].to_bits(), told.mean_curvature.value.to_bits());
+        let estimate = LeastSquares::of(RADIUS, NOISES[0], &readings).unwrap();
+        let (residual, _) = estimate.residual(&readings);
+        assert_eq!(row[4].to_bits(), estimate.mean_curvature.value.to_bits());
         assert_eq!(row[10].to_bits(), residual.to_bits());
     }
 }
