@@ -1,4 +1,4 @@
-"""What all tests share: the command line to compare with, and readings as arrays."""
+"""Fixtures of all tests: the command line, and readings as arrays."""
 
 import json
 import os
@@ -13,14 +13,14 @@ EXAMPLES = Path(os.environ.get("PALPATE_EXAMPLES", Path(__file__).parents[3] / "
 
 
 @pytest.fixture(scope="session", autouse=True)
-def ctrl_c_is_heard():
-    """Ctrl-C that ends what runs, also where the tests were started in the background, which ignores it."""
+def enable_ctrl_c():
+    """Enable Ctrl-C: a process that was started in the background ignores it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
 def cli():
-    """Command line: the JSON that it prints, or its text."""
+    """Runs the command line and returns its JSON or its text."""
     program = os.environ.get("PALPATE")
     if program is None:
         pytest.skip("PALPATE does not name the program")

@@ -1,4 +1,4 @@
-"""What arguments may be, and what is said of those that cannot be."""
+"""Accepted arguments, and the errors of invalid ones."""
 
 import importlib
 
@@ -12,8 +12,8 @@ def equal(one, other):
     return one.to_dict() == other.to_dict()
 
 
-def laid_out(array):
-    """The array in other layouts."""
+def in_layouts(array):
+    """The same array in several memory layouts."""
     wide = np.zeros((*array.shape[:-1], 2 * array.shape[-1]))
     wide[..., ::2] = array
     fixed = array.copy()
@@ -30,10 +30,10 @@ def laid_out(array):
     }
 
 
-@pytest.mark.parametrize("layout", laid_out(np.zeros((2, 2))))
-def test_arrays_of_any_layout(rolls, glides, presses, layout):
+@pytest.mark.parametrize("layout", in_layouts(np.zeros((2, 2))))
+def test_arrays_in_any_layout_are_accepted(rolls, glides, presses, layout):
     def of(array):
-        return laid_out(array)[layout]
+        return in_layouts(array)[layout]
 
     whole = palpate.estimate_roll(*rolls, probe_radius=10)
     assert equal(whole, palpate.estimate_roll(*map(of, rolls), probe_radius=10))
@@ -44,7 +44,7 @@ def test_arrays_of_any_layout(rolls, glides, presses, layout):
     assert equal(whole, palpate.estimate_press(*map(of, presses), **SENSOR))
 
 
-def test_single_precision_and_whole_numbers(rolls):
+def test_single_precision_and_whole_numbers_are_accepted(rolls):
     single = [array.astype(np.float32) for array in rolls]
     double = [array.astype(float) for array in single]
     assert equal(
@@ -58,7 +58,7 @@ def test_single_precision_and_whole_numbers(rolls):
 
 
 @pytest.mark.parametrize("name", ["pandas", "polars"])
-def test_columns_of_data_frames(presses, name):
+def test_columns_of_data_frames_are_accepted(presses, name):
     frames = importlib.import_module(name)
     positions, displacements = presses
     frame = frames.DataFrame({"x": positions[:, 0], "y": positions[:, 1], "inward": displacements[:, 0]})
@@ -66,7 +66,7 @@ def test_columns_of_data_frames(presses, name):
     assert equal(found, palpate.estimate_press(positions, displacements[:, 0], **SENSOR))
 
 
-def test_a_turn_about_the_normal_moves_nothing(rolls):
+def test_a_rotation_about_the_normal_does_not_change_the_estimate(rolls):
     rotations, shifts = rolls
     spun = np.column_stack([rotations, np.linspace(-1, 1, len(rotations))])
     assert equal(
@@ -97,7 +97,7 @@ def with_bad(array, index, bad):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_numbers_that_are_none(rolls, glides, presses, bad):
+def test_errors_name_non_finite_numbers(rolls, glides, presses, bad):
     rotations, shifts = rolls
     points, normals, fingers = glides
     positions, displacements = presses
@@ -125,7 +125,7 @@ def test_numbers_that_are_none(rolls, glides, presses, bad):
     refused(press(positions, with_bad(displacements[:, 0], 9, bad)), "displacements", (9,), bad)
 
 
-def test_shapes(rolls, glides, presses):
+def test_errors_name_wrong_shapes(rolls, glides, presses):
     rotations, shifts = rolls
     points, normals, fingers = glides
     positions, displacements = presses
@@ -175,7 +175,7 @@ def test_shapes(rolls, glides, presses):
         ({"probe_radius": 10, "length_unit": "inch"}, "length_unit", "one of m, cm, mm, um, unit"),
     ],
 )
-def test_settings_of_rolls(rolls, settings, argument, says):
+def test_invalid_settings_of_rolls_are_refused(rolls, settings, argument, says):
     with pytest.raises(palpate.ArgumentError) as caught:
         palpate.estimate_roll(*rolls, **settings)
     assert caught.value.argument == argument
@@ -201,7 +201,7 @@ def test_settings_of_rolls(rolls, settings, argument, says):
         ({"position_std": np.inf}, "position_std is inf; it must be finite"),
     ],
 )
-def test_settings_of_glides(glides, settings, says):
+def test_invalid_settings_of_glides_are_refused(glides, settings, says):
     with pytest.raises(palpate.ArgumentError, match=".*") as caught:
         palpate.estimate_glide(*glides, **settings)
     assert says in str(caught.value)
@@ -223,7 +223,7 @@ def test_settings_of_glides(glides, settings, says):
         ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian has no stress"),
     ],
 )
-def test_settings_of_presses(presses, settings, says):
+def test_invalid_settings_of_presses_are_refused(presses, settings, says):
     with pytest.raises(palpate.ArgumentError) as caught:
         palpate.estimate_press(*presses, **{**SENSOR, **settings})
     assert says in str(caught.value)
@@ -231,12 +231,12 @@ def test_settings_of_presses(presses, settings, says):
         palpate.estimate_press(presses[0], presses[1][:, 0], tangential_std=0.1, **SENSOR)
 
 
-def test_unknown_arguments_are_no_arguments(rolls):
+def test_unknown_arguments_are_refused(rolls):
     with pytest.raises(TypeError, match="probe_radios"):
         palpate.estimate_roll(*rolls, probe_radios=10)
 
 
-def test_readings_that_tell_nothing(rolls, glides, presses):
+def test_readings_without_information_are_refused(rolls, glides, presses):
     rotations, shifts = rolls
     for turned, moved, says in [
         (rotations[:1], shifts[:1], "at least 2"),
@@ -265,7 +265,7 @@ def test_readings_that_tell_nothing(rolls, glides, presses):
         palpate.estimate_roll(np.zeros((0, 2)), np.zeros((0, 2)), probe_radius=10)
 
 
-def test_extremes_are_results_or_errors(rolls, glides, presses):
+def test_extreme_numbers_return_results_or_errors(rolls, glides, presses):
     random = np.random.default_rng(11)
     for exponent in (-300, -160, -20, 20, 150, 160, 300):
         scale = 10.0**exponent
@@ -287,7 +287,7 @@ def test_extremes_are_results_or_errors(rolls, glides, presses):
             else:
                 text = repr(found)
                 assert "nan" not in text and " inf" not in text, text
-    # Any bits whatever.
+    # Arbitrary bit patterns.
     for _ in range(300):
         bits = random.integers(0, 2**64, (6, 2), dtype=np.uint64).view(float)
         try:

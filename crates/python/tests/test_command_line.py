@@ -1,11 +1,11 @@
-"""Functions against the command line: the same numbers, the same bytes."""
+"""Functions and the command line return the same numbers and the same bytes."""
 
 import palpate
 import pytest
 from conftest import EXAMPLES, SENSOR
 
 
-def test_rolls(cli, rolls):
+def test_estimates_of_rolls_match(cli, rolls):
     found = palpate.estimate_roll(*rolls, probe_radius=10, pitch=0.5, length_unit="mm")
     file = EXAMPLES / "roll-readings.csv"
     assert found.to_dict() == cli("estimate", "roll", file, "--probe-radius", 10, "--pitch", 0.5)
@@ -26,7 +26,7 @@ def test_rolls(cli, rolls):
         {"tip_radius": 4.0, "reports": "centre"},
     ],
 )
-def test_glides(cli, glides, tmp_path, settings):
+def test_estimates_of_glides_match(cli, glides, tmp_path, settings):
     found = palpate.estimate_glide(*glides, length_unit="mm", **settings)
     flags = [
         word for key, value in settings.items() for word in (f"--{key.replace('_', '-')}", value)
@@ -45,7 +45,7 @@ def test_glides(cli, glides, tmp_path, settings):
         {"young": 2.0, "baseline": "fitted"},
     ],
 )
-def test_presses(cli, presses, settings):
+def test_estimates_of_presses_match(cli, presses, settings):
     found = palpate.estimate_press(*presses, **SENSOR, **settings).to_dict()
     flags = [
         word for key, value in settings.items() for word in (f"--{key.replace('_', '-')}", value)
@@ -61,7 +61,7 @@ def test_presses(cli, presses, settings):
 @pytest.mark.parametrize(
     "name", ["pads-for-a-ball", "fingers-over-a-mug", "press-a-ball", "press-with-a-camera"]
 )
-def test_tables_are_byte_for_byte_the_same(cli, tmp_path, name):
+def test_tables_have_the_same_bytes(cli, tmp_path, name):
     config = EXAMPLES / f"{name}.toml"
     trials = 2 if "camera" in name else 20
     results = palpate.Study(config).run(trials=trials, threads=2)
@@ -72,7 +72,7 @@ def test_tables_are_byte_for_byte_the_same(cli, tmp_path, name):
     assert written >= results.files().keys()
 
 
-def test_passes_are_the_same(cli, tmp_path):
+def test_traces_are_the_same(cli, tmp_path):
     config = EXAMPLES / "press-with-a-camera.toml"
     cli("trace", config, "--cell", 3, "--trial", 0, "--out", tmp_path, is_json=False)
     trace = palpate.Study(config).trace(3, 0)

@@ -1,4 +1,4 @@
-"""Estimates against programs that have nothing in common with palpate: NumPy and SciPy."""
+"""Estimates compared with programs that share no code with palpate: NumPy and SciPy."""
 
 import numpy as np
 import palpate
@@ -8,7 +8,7 @@ from scipy.interpolate import bisplev, bisplrep
 from scipy.special import j0
 
 
-def test_rolls_against_least_squares_of_numpy():
+def test_rolls_match_least_squares_of_numpy():
     random = np.random.default_rng(3)
     radius, probes = 10.0, 9
     for _ in range(50):
@@ -17,7 +17,7 @@ def test_rolls_against_least_squares_of_numpy():
         rotations = random.normal(0, 0.2, (probes, 2))
         drives = np.stack([-rotations[:, 1], rotations[:, 0]], axis=1)
         shifts = drives @ np.linalg.inv(relative) + random.normal(0, 0.01, (probes, 2))
-        # Unknown are the three entries of a symmetric mobility; each probe tells two equations.
+        # The unknowns are the three entries of a symmetric mobility; each probe adds two equations.
         design = np.zeros((2 * probes, 3))
         design[0::2, 0], design[0::2, 1] = drives.T
         design[1::2, 1], design[1::2, 2] = drives.T
@@ -26,7 +26,7 @@ def test_rolls_against_least_squares_of_numpy():
         form = np.linalg.inv(mobility) - np.eye(2) / radius
         std = np.sqrt(square / (2 * probes - 3))
         of_mobility = np.linalg.inv(design.T @ design) * std**2
-        # Changes of the entries (uu, vv, uv) of the inverse with those of the mobility.
+        # Derivatives of the entries (uu, vv, uv) of the inverse by those of the mobility.
         jacobian = []
         for step in ([[1, 0], [0, 0]], [[0, 1], [1, 0]], [[0, 0], [0, 1]]):
             inverse = np.linalg.inv(mobility)
@@ -47,9 +47,9 @@ def test_rolls_against_least_squares_of_numpy():
 
 
 @pytest.mark.parametrize("smoothing", [0.3, 3.0, 30.0])
-def test_the_first_pass_against_fitpack(smoothing):
+def test_the_first_pass_matches_fitpack(smoothing):
     random = np.random.default_rng(5)
-    # Of either sign in x and in y, so that the patch's own frame is that of the axes.
+    # Symmetric in x and in y, so the frame of the patch is that of the axes.
     quarter = [
         (x, y, 0.1 * x * x - 0.08 * y * y + random.normal(0, 0.03))
         for y in (0.5, 1.5)
@@ -81,7 +81,7 @@ def test_the_first_pass_against_fitpack(smoothing):
 
 
 def displacement(radius, depth, contact, approach, poisson):
-    """Inward displacement of an elastic half-space under Hertz's pressure, by a Hankel transform."""
+    """Inward displacement of an elastic half-space under a Hertz pressure, by a Hankel transform."""
 
     def integrand(t):
         k = t / contact
@@ -90,12 +90,12 @@ def displacement(radius, depth, contact, approach, poisson):
         return transform * fading * j0(k * radius)
 
     whole, _ = quad(integrand, 0, 60 * contact / depth, limit=2000, epsabs=1e-12)
-    # At the surface's middle the transform integrates to pi/4.
+    # At the centre of the surface the integral is pi/4.
     return approach * whole / (np.pi / 4)
 
 
 @pytest.mark.parametrize("poisson", [0.5, 0.3])
-def test_the_half_space_against_a_hankel_integral(poisson):
+def test_the_half_space_matches_a_hankel_integral(poisson):
     study = palpate.Study({
         "name": "press",
         "length_unit": "mm",
@@ -117,7 +117,7 @@ def test_the_half_space_against_a_hankel_integral(poisson):
     ]
     found = truth["normal_displacement"][near]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
-    # And back: from such displacements to the object.
+    # The inverse: estimate the object from these displacements.
     layout = palpate.Layout(20.0)
     away = np.hypot(*layout.positions.T)
     moved = [displacement(radius, 2.0, contact, 1.2, poisson) for radius in away]
@@ -128,7 +128,7 @@ def test_the_half_space_against_a_hankel_integral(poisson):
     assert estimate.indentation.value == pytest.approx(1.2, rel=1e-5)
 
 
-def test_a_batch_is_the_same_as_one_by_one(rolls):
+def test_a_batch_equals_single_estimates(rolls):
     random = np.random.default_rng(7)
     rotations, shifts = rolls
     many_rotations = rotations + random.normal(0, 0.01, (37, *rotations.shape))

@@ -1,4 +1,4 @@
-"""Options of the command line, each of which a function has too."""
+"""Every option of the command line is also an argument of a function."""
 
 import inspect
 import re
@@ -6,12 +6,12 @@ import re
 import palpate
 import pytest
 
-# What only a program with files and a terminal has use for.
+# Options for files and the terminal only.
 OF_FILES = {
     "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "out", "quiet", "restart", "shard",
 }
 
-# Names that Python has taken, or that say more in a call.
+# Names that Python reserves, or that are clearer in a call.
 RENAMED = {
     ("estimate glide", "normals"): "tangent_normals",
     ("sensor calibrate", "from"): "source",
@@ -23,7 +23,7 @@ COMMANDS = {
     "estimate roll": [palpate.estimate_roll],
     "estimate glide": [palpate.estimate_glide],
     "estimate press": [palpate.estimate_press],
-    # The settings of an estimate go through.
+    # Settings of an estimate are passed on.
     "sensor track": [palpate.track, palpate.estimate_press],
     "sensor calibrate": [palpate.calibrate, palpate.calibrate_frames, palpate.calibrate_camera],
     "sensor pattern": [palpate.pattern],
@@ -43,7 +43,7 @@ def options(cli, command):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_an_option_is_an_argument(cli, command):
+def test_every_option_is_an_argument(cli, command):
     arguments = {name for function in COMMANDS[command] for name in inspect.signature(function).parameters}
     found = options(cli, command)
     assert found, "the help lists no option"
@@ -54,17 +54,17 @@ def test_an_option_is_an_argument(cli, command):
     assert not missing
 
 
-def test_no_exception_is_stale(cli):
+def test_every_exception_is_still_needed(cli):
     found = {command: options(cli, command) for command in COMMANDS}
     assert OF_FILES <= set().union(*found.values())
     assert all(option in found[command] for command, option in RENAMED)
 
 
-def test_every_command_is_one_of_these(cli):
-    """Commands that have no function are those of files, queues and schemas."""
+def test_every_other_command_has_no_function(cli):
+    """Only commands for files, queues and schemas have no function."""
     text = cli("--help", is_json=False)
     names = set(re.findall(r"^  ([a-z]+) {2,}", text.split("Commands:")[1].split("Options:")[0], re.M))
     known = {command.split()[0] for command in COMMANDS}
     assert known <= names
-    # Figures and the schema are properties; the others put runs together that files hold.
+    # Figures and the schema are properties; the other commands merge or manage runs in files.
     assert names - known <= {"plot", "schema", "merge", "status", "submit", "help"}

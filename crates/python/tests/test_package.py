@@ -34,14 +34,14 @@ def test_every_argument_is_described():
             assert section in document, f"{name}: {section}"
 
 
-def test_texts_of_settings_follow_from_the_schema():
+def test_texts_of_settings_match_the_schema():
     texts = runpy.run_path(str(EXAMPLES.parent / "crates/python/settings.py"))["texts"]
     for path, text in texts(palpate.schema()).items():
         assert path.read_text() == text, f"{path.name} is old: palpate schema | python crates/python/settings.py"
 
 
 def test_settings_of_estimators_are_arguments():
-    """A setting that a config has is an argument too."""
+    """Every estimator setting of a config is also an argument."""
     settings = runpy.run_path(str(EXAMPLES.parent / "crates/python/settings.py"))["settings"]
     for scene, function in [("glide", palpate.estimate_glide), ("press", palpate.estimate_press)]:
         for name in settings(palpate.schema(), scene):
@@ -68,8 +68,8 @@ def test_errors_are_value_errors_that_pickle():
         assert (again.argument, again.index) == ("shifts", (0, 1))
 
 
-def test_examples_in_the_documents():
-    """The lines of the docstrings do what they say."""
+def test_examples_in_the_docstrings():
+    """The examples in the docstrings run and have the stated results."""
     import doctest
 
     for name in palpate.__all__:
@@ -81,7 +81,7 @@ def test_examples_in_the_documents():
         assert runner.summarize().failed == 0, name
 
 
-def test_the_lines_of_the_readme(monkeypatch, capsys):
+def test_the_readme_example_runs(monkeypatch, capsys):
     root = EXAMPLES.parent
     monkeypatch.chdir(root)
     (block,) = re.findall(r"```python\n(.*?)```", (root / "README.md").read_text(), re.S)
@@ -90,8 +90,8 @@ def test_the_lines_of_the_readme(monkeypatch, capsys):
     assert "1/mm" in capsys.readouterr().out
 
 
-def test_import_is_light():
-    """Nothing but NumPy and the package itself is imported."""
+def test_import_loads_only_numpy():
+    """Only NumPy and the package itself are imported."""
     script = (
         "import sys, numpy; before = set(sys.modules); import palpate;"
         "print(*sorted({name.split('.')[0] for name in set(sys.modules) - before}))"
@@ -101,7 +101,7 @@ def test_import_is_light():
 
 
 def test_import_takes_at_most_15_ms():
-    # Of the processor's time, for a machine that does other things.
+    # Processor time, because the machine may be busy.
     script = "import time, numpy; start = time.process_time(); import palpate; print(time.process_time() - start)"
     runs = (subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True) for _ in range(5))
     assert min(float(run.stdout) for run in runs) < 0.015

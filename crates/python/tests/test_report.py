@@ -1,4 +1,4 @@
-"""Scores, pages, words, and tables of trials: those of the command line."""
+"""Scores, pages, explanations and tables of trials match the command line."""
 
 import pickle
 
@@ -24,11 +24,11 @@ def results():
     return palpate.Study(STUDY).run(trials=40, trials_out=True)
 
 
-def test_the_page_is_that_of_the_command_line(written, results):
+def test_the_page_matches_the_command_line(written, results):
     page = (written.parent / "page.html").read_text()
     for source in (results, written, str(written)):
         report = palpate.report(source)
-        # Lines that measurements beside a directory would stand on are missing of what is in memory.
+        # Results in memory lack the empty lines for measurements that a directory may contain.
         assert report.html == page or source is results and report.html.split() == page.split()
         assert [score.claim for score in report.scores] == [5, 6, 7, 8, 20]
         assert {score.verdict for score in report.scores} <= {"holds", "differs", "not testable"}
@@ -42,7 +42,7 @@ def test_the_page_is_that_of_the_command_line(written, results):
     assert len(both.scores) == 5 and "a-ball" in both.html
 
 
-def test_a_directory_is_read_as_it_was_written(written, results):
+def test_a_directory_is_read_without_changes(written, results):
     found = palpate.Results.read(written)
     assert found == results and found.files() == results.files()
     assert found.warnings == results.warnings and found.trials_out is None
@@ -51,7 +51,7 @@ def test_a_directory_is_read_as_it_was_written(written, results):
         assert figure.svg == (written / f"{figure.name}.svg").read_text()
 
 
-def test_directories_without_results(tmp_path):
+def test_directories_without_results_are_refused(tmp_path):
     with pytest.raises(palpate.RunError, match="run.toml"):
         palpate.Results.read(tmp_path)
     with pytest.raises(palpate.RunError, match="run.toml"):
@@ -67,7 +67,7 @@ def test_directories_without_results(tmp_path):
     assert (empty.scores, empty.text) == ([], "") and empty.html.startswith("<!DOCTYPE html>")
 
 
-def test_all_trials_as_the_command_line_writes_them(written, results):
+def test_the_table_of_trials_matches_the_command_line(written, results):
     trials = results.trials_out
     assert trials.to_csv() == (written.parent / "trials.csv").read_text()
     assert trials.height == len(trials["estimate"]) and trials["failure"].dtype.kind == "U"
@@ -75,7 +75,7 @@ def test_all_trials_as_the_command_line_writes_them(written, results):
     assert palpate.Study(BALL).run(trials=3).trials_out is None
 
 
-def test_passes_that_a_config_asks_for(cli, tmp_path):
+def test_outputs_of_a_config_match_the_command_line(cli, tmp_path):
     config = EXAMPLES.parent / "sim-configs" / "ep2-three-fingers.toml"
     cli("run", config, "--trials", 2, "--out", tmp_path, is_json=False)
     results = palpate.Study(config).run(trials=2)
@@ -87,7 +87,7 @@ def test_passes_that_a_config_asks_for(cli, tmp_path):
         assert figure.svg == (tmp_path / f"{figure.name}.svg").read_text()
 
 
-def test_some_cells_alone():
+def test_selected_cells_match_those_of_a_full_run():
     study = palpate.Study(EXAMPLES / "pads-for-a-ball.toml").with_(trials=20)
     every, some = study.run(), study.run(cells=[3, 1, 3])
     assert sorted(set(some.cells["cell"])) == [1, 3]
@@ -100,7 +100,7 @@ def test_some_cells_alone():
     assert study.run(cells=[]).cells.height == 0
 
 
-def test_words_as_the_command_line_explains_them(cli):
+def test_explanations_match_the_command_line(cli):
     for word in ("pitch", "Relative-Curvature", "coverage95", "mean_curvature", "ifd"):
         name, meaning = cli("explain", word, is_json=False).split("\n", 1)
         assert palpate.explain(word).split() == meaning.split()

@@ -1,4 +1,4 @@
-"""Results: fields, arrays, words, pickles; batches."""
+"""Results: fields, arrays, texts, pickles; batches."""
 
 import copy
 import json
@@ -42,7 +42,7 @@ def everything(rolls, glides, presses, ball):
 
 
 def assert_same(one, other):
-    """That dictionaries have the same fields, arrays and tables among them."""
+    """Checks that dictionaries are equal, including arrays and tables."""
     if isinstance(other, dict):
         assert one.keys() == other.keys()
         for name, value in other.items():
@@ -55,7 +55,7 @@ def assert_same(one, other):
         assert one == other
 
 
-def test_all_results_have_words_and_pickle(rolls, glides, presses, ball):
+def test_all_results_can_be_printed_and_pickled(rolls, glides, presses, ball):
     for result in everything(rolls, glides, presses, ball):
         assert type(result).__name__ in repr(result) or isinstance(result, (palpate.Record, palpate.Calibration))
         if hasattr(result, "_repr_html_"):
@@ -83,7 +83,7 @@ def test_notebooks_show_a_figure_of_each_estimate(rolls, glides, presses):
         assert len(list(parsed.iter())) > 5
 
 
-def test_fields_are_those_of_the_dictionary(rolls, glides, presses):
+def test_fields_match_the_dictionary(rolls, glides, presses):
     for estimate in (
         palpate.estimate_roll(*rolls, probe_radius=10),
         palpate.estimate_glide(*glides),
@@ -102,7 +102,7 @@ def test_fields_are_those_of_the_dictionary(rolls, glides, presses):
         assert set(arrays) >= set(fields)
         with pytest.raises(AttributeError, match="no field .curvature"):
             estimate.curvature
-        # Changing a copy changes nothing.
+        # Changing the dictionary does not change the estimate.
         fields["method"] = "another"
         assert estimate.method != "another"
     assert estimate.relative_curvature.interval95.shape == (2,)
@@ -130,7 +130,7 @@ def test_the_map_of_a_patch(glides):
 
 
 def test_points_of_round_tips():
-    """The centres and the lowest points of tips on a ball tell the ball."""
+    """Estimates from the centres or the lowest points of tips on a ball match those from the contacts."""
     tip, ball = 4.0, 30.0
     along, across = np.meshgrid(np.linspace(-6, 6, 10), np.linspace(-4, 4, 3))
     out = np.stack([along.T.ravel(), across.T.ravel(), np.full(30, ball)], axis=1)
@@ -140,10 +140,10 @@ def test_points_of_round_tips():
     fingers = np.tile(np.arange(3), 10)
     of_contacts = palpate.estimate_glide(ball * normals, normals, fingers)
     for points, reports in ((centres, "centre"), (lowest, "lowest-point"), (lowest, None)):
-        told = palpate.estimate_glide(points, normals, fingers, tip_radius=tip, reports=reports)
-        assert told.mean_curvature.value == pytest.approx(of_contacts.mean_curvature.value, rel=1e-9)
+        estimate = palpate.estimate_glide(points, normals, fingers, tip_radius=tip, reports=reports)
+        assert estimate.mean_curvature.value == pytest.approx(of_contacts.mean_curvature.value, rel=1e-9)
     assert of_contacts.mean_curvature.value == pytest.approx(1 / ball, rel=1e-2)
-    # Without them it is another surface.
+    # If the tip radius is ignored, the surface is a larger ball.
     alone = palpate.estimate_glide(centres, normals, fingers).mean_curvature.value
     assert alone == pytest.approx(1 / (ball + tip), rel=1e-2)
 
@@ -179,7 +179,7 @@ def test_batches_of_glides_and_presses(glides, presses):
     assert batch.errors == {}
 
 
-def test_a_batch_of_rolls_in_which_some_tell_nothing(rolls):
+def test_a_batch_of_rolls_reports_undetermined_sets(rolls):
     rotations, shifts = rolls
     many = np.stack([shifts] * 10_001)
     many[[0, 7, 10_000]] = [0 * shifts, -shifts, 1e3 * shifts]
@@ -203,7 +203,7 @@ def test_a_batch_of_rolls_in_which_some_tell_nothing(rolls):
         palpate.estimate_roll(rotations, shifts[None], probe_radius=10, threads=0)
 
 
-def test_many_threads_of_python(glides):
+def test_many_python_threads_have_the_same_estimate(glides):
     points, normals, fingers = glides
     alone = palpate.estimate_glide(points, normals, fingers)
     with ThreadPoolExecutor(8) as pool:
@@ -211,7 +211,7 @@ def test_many_threads_of_python(glides):
     assert all(one == alone for one in found)
 
 
-def test_data_frames_take_tables(ball):
+def test_data_frames_accept_tables(ball):
     import polars
 
     results = ball.run(trials_out=True)
@@ -230,7 +230,7 @@ def worker(shifts):
     return palpate.estimate_roll(rotations, shifts, probe_radius=10)
 
 
-def test_processes_that_are_spawned():
+def test_spawned_processes_return_estimates():
     shifts = [[[2, 0], [0, scale]] for scale in (1.5, 2.0, 2.5)]
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         found = pool.map(worker, shifts)
@@ -239,8 +239,8 @@ def test_processes_that_are_spawned():
     ]
 
 
-def grown(work):
-    """Growth of the process over 200 runs, MB, once 30 have filled what is kept for later runs."""
+def memory_growth(work):
+    """Memory growth of the process over 200 runs, MB, after 30 runs that fill the caches."""
 
     def resident():
         with open("/proc/self/statm") as statm:
@@ -271,21 +271,21 @@ def once(rolls, glides, presses, ball):
 
 
 def test_memory_does_not_grow(once):
-    assert grown(once) < MOST_GROWN
+    assert memory_growth(once) < MAX_GROWTH
 
 
-def test_growth_of_memory_is_noticed(once):
-    kept = []
+def test_a_memory_leak_is_detected(once):
+    leaked = []
 
-    def keeping():
+    def leak():
         once()
-        kept.append(bytearray(100_000))
+        leaked.append(bytearray(100_000))
 
-    assert grown(keeping) > MOST_GROWN
+    assert memory_growth(leak) > MAX_GROWTH
 
 
-# MB in 200 runs: what allocators hold back may hide tens of kB of each.
-MOST_GROWN = 1
+# MB in 200 runs: allocators may hide a leak of some 10 kB per run.
+MAX_GROWTH = 1
 
 MEMORY = """
 import resource, sys
@@ -299,7 +299,7 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3)
 """
 
 
-def test_arrays_are_copied_only_where_they_are_laid_out_otherwise():
+def test_arrays_are_copied_only_if_their_layout_differs():
     grown = {}
     for order in "CF":
         done = subprocess.run([sys.executable, "-c", MEMORY, order], capture_output=True, text=True, check=True)

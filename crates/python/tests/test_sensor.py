@@ -27,7 +27,7 @@ def test_frames_are_tracked(trace):
     assert again.markers.to_csv() == tracked.markers.to_csv()
 
 
-def test_frames_that_cannot_be(trace):
+def test_invalid_frames_are_refused(trace):
     for frame in (trace.rest[..., 0], trace.rest[..., :2], trace.rest / 255, trace.rest.astype(int), "frame"):
         with pytest.raises(palpate.ArgumentError) as caught:
             palpate.track(frame, trace.pressed)
@@ -40,15 +40,15 @@ def test_frames_that_cannot_be(trace):
         palpate.track(trace.rest, trace.pressed, depth=2.0)
 
 
-def test_from_two_frames_to_an_object():
-    """Presses of the known depth calibrate the sensor; then one on a ball tells its radius."""
+def test_two_frames_determine_the_object():
+    """Presses of known depth calibrate the sensor. Then a press on a ball determines its radius."""
     plane = CAMERA.with_({"sweep": None, "plot": None, "scene.object": {"kind": "plane"}})
     scene = plane.to_dict()["scene"]
     probe = scene["probe"]
     frames, depths = [], [0.3, 0.6, 0.9, 1.2]
     for depth in depths:
         frames.append(plane.with_(**{"scene.motion.indentation": depth}).trace(0, 0))
-    # Displacement of the marker under the contact, which is not the indentation at its depth.
+    # Displacement of the marker under the contact; at its depth this is less than the indentation.
     inward = [float(np.max(one.contacts["normal_displacement"])) for one in frames]
     focal = 0.5 * scene["sensor"]["size_px"] / np.radians(scene["sensor"]["field_deg"])
     calibration = palpate.calibrate_frames(
@@ -86,18 +86,18 @@ BALL = CAMERA.with_(**{
 })
 
 
-def holds(told, truth):
-    low, high = told.interval95
+def contains(estimate, truth):
+    low, high = estimate.interval95
     return low < truth < high
 
 
-def test_what_the_camera_sees_is_fitted():
+def test_a_press_is_fitted_to_frames():
     seen = BALL.trace(0, 0)
     known = {"method": "image", "like": BALL, "indentation": 1.0, "indentation_std": 0.02}
     tracked = palpate.track(seen.rest, seen.pressed, **known)
     estimate = tracked.estimate
     assert estimate.method == "image" and estimate.verdict == "convex"
-    assert holds(estimate.object_curvature, 1 / 30) and holds(estimate.indentation, 1.0)
+    assert contains(estimate.object_curvature, 1 / 30) and contains(estimate.indentation, 1.0)
     assert tracked.readings.height == tracked.fates.tracked and tracked.field.height > 0
     with pytest.raises(palpate.ReadingsError, match="all pixels are those of rest"):
         palpate.track(seen.rest, seen.rest, **known)
@@ -116,7 +116,7 @@ def test_what_the_camera_sees_is_fitted():
         assert caught.value.argument == argument
 
 
-def test_a_frame_at_rest_tells_the_camera():
+def test_one_frame_at_rest_locates_the_camera():
     place = [0.5, 0.0, -0.4]
     seen = BALL.with_(**{"scene.sensor.place": place}).trace(0, 0)
     known = {"method": "image", "like": BALL}
@@ -127,14 +127,14 @@ def test_a_frame_at_rest_tells_the_camera():
     assert palpate.calibrate_camera(seen.rest, swept, cell=1) == camera
     with pytest.raises(palpate.ConfigError, match="no cell 2"):
         palpate.calibrate_camera(seen.rest, swept, cell=2)
-    told = camera.to_dict()
-    assert np.all(np.abs(np.array(told["place"]) - place) < 4 * np.array(told["place_std"]))
+    fields = camera.to_dict()
+    assert np.all(np.abs(np.array(fields["place"]) - place) < 4 * np.array(fields["place_std"]))
     assert camera.length_unit == "mm" and camera.warnings == [] and "px per rad" in camera.summary
     again = palpate.CameraCalibration(camera.to_toml())
     assert again == camera == pickle.loads(pickle.dumps(camera)) and repr(again) == camera.summary
     tracked = palpate.track(seen.rest, seen.pressed, calibration=again, **known)
-    assert holds(tracked.estimate.object_curvature, 1 / 30) and tracked.estimate.warnings == []
-    away = camera.to_toml().replace(f"place = [{told['place'][0]}", "place = [3.0")
+    assert contains(tracked.estimate.object_curvature, 1 / 30) and tracked.estimate.warnings == []
+    away = camera.to_toml().replace(f"place = [{fields['place'][0]}", "place = [3.0")
     with pytest.raises(palpate.ReadingsError, match=r"calibration: contradicts .* `place\[0\]` is 3"):
         palpate.track(seen.rest, seen.pressed, calibration=palpate.CameraCalibration(away), **known)
     of_displacements = palpate.calibrate({"normal_displacement": [0.5, 1.0], "hue_turns": [0.01, 0.02]})
@@ -154,7 +154,7 @@ def test_a_frame_at_rest_tells_the_camera():
         palpate.calibrate_camera(seen.rest, palpate.Study(EXAMPLES / "press-a-ball.toml"))
 
 
-def test_calibrations_that_cannot_be(trace):
+def test_invalid_calibrations_are_refused(trace):
     good = {"normal_displacement": [0.0, 0.5, 1.0], "hue_turns": [0.0, 0.01, 0.02]}
     assert palpate.calibrate(good, length_unit="mm").length_unit == "mm"
     assert palpate.calibrate({**good, "colour": [1, 2, 3]}) == palpate.calibrate(good)

@@ -1,4 +1,4 @@
-"""Studies: made, changed, checked, run, stopped, drawn."""
+"""Studies: creation, changes, checks, runs, interruption, figures."""
 
 import importlib
 import signal
@@ -11,7 +11,7 @@ import pytest
 from conftest import BALL, EXAMPLES, SENSOR
 
 
-def test_made_of_text_dictionary_and_file(ball):
+def test_studies_are_created_from_text_dictionary_and_file(ball):
     assert palpate.Study(ball.toml) == ball
     assert palpate.Study(ball.resolved) == ball
     assert palpate.Study(ball.to_dict()) == ball
@@ -28,7 +28,7 @@ def test_made_of_text_dictionary_and_file(ball):
     assert palpate.schema()["properties"]["trials"]["minimum"] == 1
 
 
-def test_what_is_wrong_is_named():
+def test_errors_name_the_wrong_field():
     def refused(change, path, says):
         with pytest.raises(palpate.ConfigError) as caught:
             palpate.Study(BALL).with_(change)
@@ -70,7 +70,7 @@ def test_changes_and_sweeps(ball):
 
 def test_check_and_plan(ball):
     check = ball.check(threads=1)
-    assert sum(told.cells for told in check.intervals) == check.set_up
+    assert sum(group.cells for group in check.intervals) == check.set_up
     assert (check.cells, check.trials, check.threads) == (1, 200, 1)
     assert "closed form" in check.groups[0].needs[0]
     planned = ball.plan(target_error=0.05)
@@ -79,9 +79,9 @@ def test_check_and_plan(ball):
     for goal in ({}, {"budget": -1}, {"target_error": float("nan")}):
         with pytest.raises(palpate.ArgumentError):
             ball.plan(**goal)
-    told = []
-    EXAMPLE.check(progress=told.append)
-    assert 0 < sum(told) <= EXAMPLE.cell_count
+    counts = []
+    EXAMPLE.check(progress=counts.append)
+    assert 0 < sum(counts) <= EXAMPLE.cell_count
 
 
 EXAMPLE = palpate.Study(EXAMPLES / "pads-for-a-ball.toml")
@@ -104,7 +104,7 @@ def test_tables_are_mappings_of_arrays():
         assert list(frame.columns) == list(cells) and len(frame) == cells.height
 
 
-def test_threads_and_order_change_no_byte(ball):
+def test_threads_and_order_do_not_change_the_bytes(ball):
     study = ball.sweep(**{"scene.object.radius": [20.0, 40.0, 80.0]})
     alone = study.run(threads=1)
     assert study.run(threads=3).files() == alone.files() == study.run().files()
@@ -112,10 +112,10 @@ def test_threads_and_order_change_no_byte(ball):
     assert alone.study.run() == alone
 
 
-def test_progress_is_told_how_much_was_done(ball):
-    told = []
-    ball.run(trials=300_000, progress=told.append)
-    assert sum(told) == 300_000 and all(one > 0 for one in told)
+def test_progress_receives_the_number_of_trials(ball):
+    counts = []
+    ball.run(trials=300_000, progress=counts.append)
+    assert sum(counts) == 300_000 and all(one > 0 for one in counts)
 
     class Bar:
         done = 0
@@ -134,7 +134,7 @@ def test_progress_is_told_how_much_was_done(ball):
         ball.run(trials=50_000_000, progress=fails)
 
 
-def test_other_threads_go_on_while_trials_run(ball):
+def test_other_threads_continue_while_trials_run(ball):
     ticks = 0
     stop = threading.Event()
 
@@ -153,7 +153,7 @@ def test_other_threads_go_on_while_trials_run(ball):
 
 
 @pytest.mark.parametrize("what", ["run", "rolls", "rolls in turn", "glides", "presses", "distinguish"])
-def test_ctrl_c(ball, rolls, glides, presses, what):
+def test_ctrl_c_ends_the_work(ball, rolls, glides, presses, what):
     many = np.stack([rolls[1]] * 400_000)
     patches, pressed = np.stack([glides[0]] * 5_000), np.stack([presses[1]] * 500)
     work = {
@@ -180,7 +180,7 @@ def test_ctrl_c(ball, rolls, glides, presses, what):
                 work[what]()
     finally:
         timer.join()
-    # 0.1 s, and as much again for a machine that does other things.
+    # 0.1 s, and another 0.2 s because the machine may be busy.
     assert time.perf_counter() - late[0] < 0.3
 
 
