@@ -210,7 +210,7 @@ fn no_sets_and_no_probes_are_accepted() {
 
 #[test]
 fn exact_readings_of_two_probes_have_no_residual() {
-    // Four equations for three unknowns: one degree of freedom. These shifts follow the model exactly, without residual.
+    // Four equations for three unknowns: one degree of freedom. These shifts follow the model without residual.
     let sets = Sets {
         radius: 1.0,
         noise: ReadingNoise::default(),
