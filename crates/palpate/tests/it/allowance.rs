@@ -73,7 +73,7 @@ fn budget_and_target_are_refused_if_trials_are_swept() {
 }
 
 /// Errors of sums of eight uniform draws are nearly Gaussian: their root mean square has the relative standard error
-/// 1/√(2 N), so that 0.01 takes 5,000 trials, and the margin adds less than half.
+/// 1/√(2 N). A target of 0.01 needs 5,000 trials, and the margin adds less than half of this.
 #[test]
 fn target_error_sets_the_number_of_trials() {
     let desk = Desk::with(STUDY);

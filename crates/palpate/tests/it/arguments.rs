@@ -240,7 +240,7 @@ fn claims_exactness(json: &Value) -> bool {
     }
 }
 
-/// No flag accepts a non-finite number. No flag with the value 1e300 gives an estimate with standard deviation 0.
+/// No flag accepts a non-finite number. With the value 1e300, no flag leads to a standard error of 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;

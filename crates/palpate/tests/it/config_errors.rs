@@ -1,4 +1,4 @@
-//! Studies that cannot be run: which field the error names, where it points, and why.
+//! Studies that cannot be run: the field, the position and the reason in the error.
 
 use palpate::config::ConfigError;
 use palpate::{RunOptions, Runner, Simulation, check_outputs, parse};

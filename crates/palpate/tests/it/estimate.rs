@@ -93,7 +93,7 @@ fn the_last_row_of_a_time_series_counts() {
 }
 
 #[test]
-fn deviations_come_from_the_residuals() {
+fn standard_errors_are_estimated_from_the_residuals() {
     let json = estimate(SCATTERED, "");
     assert_eq!(json["std_from"], "the residuals");
     // Four residuals of 0.1 mm over 2 · 4 − 3 degrees of freedom.
@@ -114,7 +114,7 @@ fn deviations_come_from_the_residuals() {
 
 #[test]
 fn a_warning_names_the_probe_that_slipped() {
-    // Rolls over 4 mm per half radian, with errors of 0.02 mm; that of probe 13 is 1 mm short.
+    // Rolls over 4 mm per half radian, with errors of 0.02 mm; the shift of probe 13 is 1 mm too short.
     let rows = [
         "10,0,-0.5,4.02,0",
         "11,0.5,0,-0.02,4",
@@ -162,7 +162,7 @@ fn a_warning_names_the_probe_that_slipped() {
 }
 
 #[test]
-fn without_residuals_there_is_no_deviation() {
+fn without_residuals_there_is_no_standard_error() {
     let json = estimate(EXACT, "");
     assert_eq!(json["normal_curvature_u"]["std"], Value::Null);
     assert!(json["std_from"].as_str().unwrap().starts_with("none"));
@@ -172,7 +172,7 @@ fn without_residuals_there_is_no_deviation() {
 }
 
 #[test]
-fn deviations_come_from_the_pitch() {
+fn standard_errors_follow_from_the_pitch() {
     let json = estimate(SCATTERED, "--pitch 0.3");
     assert_eq!(json["std_from"], "the pads' pitch");
     let std = 0.3 / 6.0_f64.sqrt() / (0.5 * 2.0_f64.sqrt()) / 64.0;
@@ -185,7 +185,7 @@ fn deviations_come_from_the_pitch() {
 }
 
 #[test]
-fn a_probe_that_did_not_shift_gives_a_bound() {
+fn a_contact_that_did_not_move_bounds_the_radius() {
     let readings = format!("{EXACT}12,0,-0.5,0,0\n13,0,0,0,0\n");
     let bound = |options| {
         let unresolved = estimate(&readings, options)["unresolved_probes"].clone();

@@ -1,4 +1,4 @@
-//! `palpate run`, `trace` and `check` of glides, and `estimate glide` on what `trace` wrote.
+//! `palpate run`, `trace` and `check` of glides, and `estimate glide` from traced readings.
 
 use serde_json::Value;
 
@@ -76,7 +76,7 @@ fn a_run_writes_cells_trace_and_maps() {
     assert_eq!(map.text(middle, "true_class"), "minimal");
     assert_eq!((map.text(0, "cell"), map.text(49, "cell")), ("0", "1"));
 
-    // The resolved config gives the same bytes.
+    // A run of the resolved config writes the same bytes.
     desk.palpate("run o/run.toml --out again --threads 1")
         .printed();
     for name in names {

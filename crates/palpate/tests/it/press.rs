@@ -1,4 +1,4 @@
-//! `palpate run`, `trace` and `check` of presses, and `estimate press` on what `trace` wrote.
+//! `palpate run`, `trace` and `check` of presses, and `estimate press` from traced readings.
 
 use serde_json::Value;
 
@@ -141,7 +141,7 @@ fn a_run_writes_cells_trace_and_profiles() {
         0.1,
     );
 
-    // The resolved config gives the same bytes.
+    // A run of the resolved config writes the same bytes.
     desk.palpate("run o/run.toml --out again --threads 1");
     for name in names {
         assert_eq!(

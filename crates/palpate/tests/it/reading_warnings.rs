@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::desk::{Desk, with_flags};
 use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
 
-/// Options of a command, and words of its warning; `[]` if it gives no warning.
+/// Options of a command, and words of its warning; `[]` if it prints no warning.
 const PRESSES: &str = "
  | at the skin's surface
 --depth 0 | []

@@ -57,7 +57,7 @@ fn cells_have_a_row_per_cell_and_quantity() {
 }
 
 #[test]
-fn relative_errors_are_empty_where_the_truth_is_zero() {
+fn relative_errors_are_empty_if_the_truth_is_zero() {
     let desk = Desk::with(&edited(
         SCENE,
         r#"{ kind = "sphere", radius = 50.0 }"#,

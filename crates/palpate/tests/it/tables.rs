@@ -307,7 +307,7 @@ fn the_form_renames_columns_and_converts_units() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// With the setting `columns` that a message proposes, the table can be read, whatever the names in the file.
+/// With the setting `columns` that a message proposes, the table can be read. This works for any names in the file.
 #[test]
 fn messages_propose_names_of_columns() {
     fn proposed(said: &str) -> &str {
