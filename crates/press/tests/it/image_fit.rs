@@ -265,7 +265,7 @@ fn an_outlier_is_found_and_excluded() {
 }
 
 #[test]
-fn markers_at_rest_show_no_contact() {
+fn markers_at_rest_are_no_contact() {
     let truth = Truth::drawn(7, [0.0; 5]);
     let fit = fit(None, [0.0; 5]);
     let mut noise = Stream::new(3, 7, Channel::Centroid);

@@ -108,7 +108,7 @@ fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
 
 /// A camera calibrated from one frame at rest is used with another frame at rest. Both have the same misalignments.
 #[test]
-fn intervals_hold_with_the_camera_of_another_frame() {
+fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
     let trials = 150;
     let (mut held, mut squared, mut stated) = (0.0, 0.0, 0.0);
     for number in 0..trials {
