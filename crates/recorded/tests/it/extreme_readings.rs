@@ -146,7 +146,7 @@ fn files_without_readings_are_refused() {
 }
 
 #[test]
-fn calibrations_hold_any_finite_slope_but_0() {
+fn calibrations_accept_any_finite_slope_except_0() {
     let calibration = |slope: &str, weight: &str| {
         let text = format!(
             "length_unit = \"mm\"\n[normal]\nfrom = \"hue\"\nhue_weight = {weight}\nnearness_weight = 0.0\n\
