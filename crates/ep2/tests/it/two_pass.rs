@@ -248,7 +248,7 @@ fn invalid_settings_and_too_few_contacts_are_refused() {
             ..
         }
     ));
-    // Two fingers leave a biquadratic open across their travel.
+    // Two fingers do not determine a biquadratic across their travel.
     let two = patch(&self::contacts(cylinder, false)[..20]);
     assert!(matches!(
         name(default, &two),
