@@ -14,7 +14,7 @@ fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
 }
 
 #[test]
-fn one_two_and_seven_threads_give_the_same_bits() {
+fn one_two_and_seven_threads_return_the_same_bits() {
     let constant = observing(|trial| observation(3.0 + 0.1 * normal(trial), 3.0, Some(0.1)));
     let moving = observing(|trial| observation(normal(trial), (trial / 3000) as f64, None));
     let failing = Function {
@@ -122,7 +122,7 @@ fn progress_adds_up_to_all_trials() {
 }
 
 #[test]
-fn a_cancelled_run_begins_no_more_trials_and_returns_nothing() {
+fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
     let cancelled = AtomicBool::new(false);
     let begun = AtomicU64::new(0);
     let trial = observing(|_| {

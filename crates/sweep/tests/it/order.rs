@@ -12,7 +12,7 @@ fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
         .collect()
 }
 
-/// Share of 400 samples whose interval holds the probability.
+/// Share of 400 samples whose interval contains the probability.
 fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
     let held = (0..400).filter(|seed| {
         let Order { low, high, .. } = found(*seed);
