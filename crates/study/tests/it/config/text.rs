@@ -16,7 +16,7 @@ fn a_byte_order_mark_and_crlf_change_nothing() {
 }
 
 #[test]
-fn the_caret_stands_under_its_column() {
+fn the_caret_is_under_its_column() {
     let text = edited("object = {", "object\t=\t{");
     let said = error(&text.replace("\"sphere\", radius = 5.0", "\"Größe→∞\"")).to_string();
     let excerpt = "  |\n7 | object\t=\t{ kind = \"Größe→∞\" }\n  |       \t \t         ^^^^^^^^^";
