@@ -3,6 +3,7 @@
 mod bad_setting;
 mod goodness_of_fit;
 mod hue;
+mod misfit;
 mod normal;
 mod number_format;
 mod score_test;
@@ -12,6 +13,7 @@ pub mod work;
 pub use bad_setting::BadSetting;
 pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL};
 pub use hue::hue_turns;
+pub use misfit::{Misfit, POOR_FIT_LEVEL, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::{Number, Percent};
 pub use score_test::{Explained, LEFT, doubted, least_likely};
