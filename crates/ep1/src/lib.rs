@@ -10,22 +10,20 @@
 //! The least squares of the 1996 paper (equations 2 to 4) solve it for any number of probes.
 //! See [`LeastSquares`].
 
-mod agreement;
 mod batch;
-mod doubt;
 mod error;
 mod estimate;
 mod least_squares;
+mod misfit;
 mod reading;
 mod sets;
 mod symmetric;
 
-pub use agreement::Agreement;
 pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
-pub use doubt::Doubt;
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
 pub use least_squares::{LeastSquares, rounding_std};
+pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
 pub use sets::{SetRow, Sets};
 

@@ -8,7 +8,7 @@ use crate::curvature::{Curvatures, form_and_basis};
 use crate::posterior::{PosteriorLine, Series};
 use crate::spline::{LANES, Lanes, Local};
 use crate::{
-    Agreement, Curvature, Ep2Error, Jet, NoiseEstimate, Patch, PatchFrame, Posterior, Status,
+    Curvature, Ep2Error, Jet, MisfitTest, NoiseEstimate, Patch, PatchFrame, Posterior, Status,
     TensorSpline,
 };
 
@@ -24,12 +24,12 @@ pub trait Method {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
     /// Goodness of fit, and the ways in which the contacts contradict the method's model; both empty for methods without
-    /// these tests. This repeats the fit and takes about as long.
+    /// this test. It repeats the fit and takes about as long.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
-    fn agreement(&self, _patch: &Patch) -> Result<Agreement, Ep2Error> {
-        Ok(Agreement::default())
+    fn misfit(&self, _patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+        Ok(MisfitTest::default())
     }
 }
 

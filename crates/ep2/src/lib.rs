@@ -36,23 +36,21 @@
 //! # Ok::<(), palpate_ep2::Ep2Error>(())
 //! ```
 
-mod agreement;
 mod chebyshev;
 mod class;
 mod curvature;
-mod doubt;
 mod error;
 mod fit;
 mod frame;
 mod knots;
 mod matrix;
+mod misfit;
 mod noise;
 mod patch;
 mod penalised;
 mod posterior;
 mod quadric;
 mod regions;
-mod score_test;
 mod smoothing;
 mod spline;
 mod square_quadric;
@@ -61,12 +59,13 @@ mod two_pass;
 
 pub use class::SignClass;
 pub use curvature::{Curvature, Uncertainty};
-pub use doubt::{Agreement, Doubt};
 pub use error::Ep2Error;
 pub use fit::{Fit, MapPoint, Method};
 pub use frame::PatchFrame;
 pub use knots::{Knots, MAX_DEGREE};
+pub use misfit::MisfitTest;
 pub use noise::{Noise, NoiseEstimate};
+pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use patch::{Contact, Patch, Sample};
 pub use penalised::{Criterion, Penalised};
 pub use posterior::Posterior;

@@ -81,8 +81,6 @@ pub struct Sample {
     pub w: f64,
     /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
-    /// Finger that made the contact.
-    pub finger: usize,
     /// Slopes ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
     pub slopes: Option<[f64; 2]>,
 }
@@ -175,15 +173,6 @@ impl Patch {
         self.samples[0].slopes.is_some()
     }
 
-    /// The patch without its normals.
-    pub(crate) fn without_normals(&self) -> Self {
-        let mut patch = self.clone();
-        for sample in &mut patch.samples {
-            sample.slopes = None;
-        }
-        patch
-    }
-
     /// Number of equations: one per contact, or three if the contacts have normals.
     pub fn equations(&self) -> usize {
         self.samples.len() * if self.has_normals() { 3 } else { 1 }
@@ -250,7 +239,6 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
         v: place.y,
         w: place.z,
         weight: contact.weight,
-        finger: contact.finger,
         slopes,
     })
 }

@@ -10,13 +10,13 @@ mod weight;
 
 pub use weight::Criterion;
 
-use crate::agreement::{Exclusion, Model};
 use crate::chebyshev::count;
+use crate::misfit::Model;
 use crate::noise::{Noise, Variances};
 use crate::square_quadric::{Square, SquareQuadric};
-use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
+use crate::{Ep2Error, Fit, Knots, Method, MisfitTest, Patch, Posterior, TensorSpline};
 use equations::{DEGREE, Equations, roughness_penalty};
-use roughness_posterior::{SeriesProblem, likely_processes};
+use roughness_posterior::{SeriesProblem, likeliest_process};
 use series::SeriesEquations;
 use spectrum::Spectrum;
 use weight::Search;
@@ -78,44 +78,21 @@ impl Method for Penalised {
         })
     }
 
-    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
         let estimated = self.estimated(patch)?;
         if !estimated.has_noise {
-            return Ok(Agreement::default());
+            return Ok(MisfitTest::default());
         }
-        let degree = estimated.degree();
         let model = Model {
             patch,
             square: estimated.square,
             fit: &estimated.fit,
             quadric: &estimated.quadric,
             noise: &self.noise,
-            degree,
+            degree: estimated.degree(),
         };
         let equations = estimated.equations(patch);
-        let processes = likely_processes(&estimated.problem(&equations, patch))?;
-        model.agreement(&processes, &|exclusion| {
-            let Estimated {
-                quadric,
-                square,
-                variances,
-                ..
-            } = &estimated;
-            let (patch, equations) = match exclusion {
-                Exclusion::Finger(finger) => {
-                    let changed =
-                        equations.with_displaced(quadric, patch, square, variances, degree, finger);
-                    (patch.clone(), changed)
-                }
-                Exclusion::Normals => {
-                    let positions = patch.without_normals();
-                    let equations =
-                        SeriesEquations::around(quadric, &positions, square, variances, degree);
-                    (positions, equations)
-                }
-            };
-            likely_processes(&estimated.problem(&equations, &patch))
-        })
+        model.misfit(&likeliest_process(&estimated.problem(&equations, patch))?)
     }
 }
 

@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use crate::agreement::Model;
+use crate::misfit::Model;
 use crate::noise::Noise;
 use crate::square_quadric::{SERIES, Square, SquareQuadric, UNKNOWNS};
-use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
+use crate::{Ep2Error, Fit, Knots, Method, MisfitTest, Patch, Posterior, TensorSpline};
 
 /// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
 /// by their noise.
@@ -38,7 +38,7 @@ impl Method for Quadric {
         Ok(self.fit_quadric(patch)?.0)
     }
 
-    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
         let (fit, quadric) = self.fit_quadric(patch)?;
         let model = Model {
             patch,
@@ -48,8 +48,7 @@ impl Method for Quadric {
             noise: &self.noise,
             degree: 2,
         };
-        let none = vec![(1.0, DMatrix::zeros(0, 0))];
-        model.agreement(&none, &|_| Ok(none.clone()))
+        model.misfit(&DMatrix::zeros(0, 0))
     }
 }
 

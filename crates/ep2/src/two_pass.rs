@@ -6,7 +6,7 @@ use palpate_statistics::BadSetting;
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{
-    Agreement, Ep2Error, Fit, Method, Patch, Penalised, Sample, Smoothed, SmoothingSpline, Status,
+    Ep2Error, Fit, Method, MisfitTest, Patch, Penalised, Sample, Smoothed, SmoothingSpline, Status,
     TensorSpline, WeightedPoint,
 };
 
@@ -115,10 +115,10 @@ impl Method for TwoPass {
         Ok(self.fit_passes(patch)?.fit)
     }
 
-    /// Doubts of [`Penalised`] of unknown noise: contacts that contradict each other do so whatever is fitted to them. None where
-    /// they do not determine its spline.
-    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        Ok(Penalised::default().agreement(patch).unwrap_or_default())
+    /// Misfit of [`Penalised`] with estimated noise: a contact that contradicts the others does so for any fit. It is empty if
+    /// the contacts do not determine its spline.
+    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+        Ok(Penalised::default().misfit(patch).unwrap_or_default())
     }
 }
 

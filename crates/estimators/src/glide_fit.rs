@@ -1,7 +1,7 @@
 //! The methods of EP2, chosen at run time.
 
 use palpate_ep2::{
-    Agreement, Criterion, Ep2Error, Fit, Method, Noise, Passes, Patch, Penalised, Quadric,
+    Criterion, Ep2Error, Fit, Method, MisfitTest, Noise, Passes, Patch, Penalised, Quadric,
     TangentNormals, TwoPass,
 };
 
@@ -23,8 +23,8 @@ impl Method for GlideFit {
         self.method().fit(patch)
     }
 
-    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        self.method().agreement(patch)
+    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+        self.method().misfit(patch)
     }
 }
 

@@ -26,6 +26,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..RollOptions::new(10.0)
     };
     let estimate = estimate_roll(&readings, &options)?;
-    println!("{}", serde_json::to_string_pretty(&estimate)?);
+    println!("{}", serde_json::to_string_pretty(&estimate.report())?);
     Ok(())
 }

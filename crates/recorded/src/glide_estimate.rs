@@ -4,22 +4,22 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
-    Agreement, Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Regions, RoundTip,
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, MisfitTest, Patch, Regions, RoundTip,
     Status, Uncertainty, regions,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_statistics::StatedQuantity;
 
 use super::Value;
 use super::consistency::FORMAT_VERSION;
 use super::duplicate_rows::repeated;
 use super::error::{RecordedError, explained};
 use super::extra_columns::ExtraColumns;
-use super::glide_misfit::{alone, noise, of_wrong_normals, spacing, words};
+use super::glide_misfit::{alone, misfit_warnings, noise, spacing};
 use super::glide_recording::GlideRecording;
 use super::glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::glide_settings::TipReports;
 use super::input_checks::{of_directions, of_normals};
-use super::misfit::{Misfit, poor_fit, with_p_values};
 use super::source::agreed_unit;
 use palpate_estimators::GlideFit;
 use palpate_study::Unit;
@@ -240,37 +240,30 @@ impl<'r> GlideFitResult<'r> {
         let stds = curvature.uncertainty;
         let [min_std, max_std] = principal_stds(&curvature);
         let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
-        let (agreement, unknown) = match method.agreement(patch) {
-            Ok(agreement) => (agreement, None),
+        let (tested, unknown) = match method.misfit(patch) {
+            Ok(tested) => (tested, None),
             Err(error) => {
                 let why = format!("the goodness of fit cannot be computed: {error}");
-                (Agreement::default(), Some(why))
+                (MisfitTest::default(), Some(why))
             }
         };
-        let p_value = agreement.goodness.map(|goodness| goodness.p_value);
-        let of_noise = noise(patch, &options.estimator, unit);
+        let p_value = tested.goodness.map(|goodness| goodness.p_value);
         let directions = of_directions(self.contacts());
-        let doubts = match directions {
-            Some(_) => of_wrong_normals(agreement.doubts),
-            None => agreement.doubts,
-        };
-        let words = words(&doubts, &of_noise, directions.is_some(), &recorded.origin);
+        let misfits = misfit_warnings(&tested.misfits, directions.is_some(), &recorded.origin);
         let distant = alone(self.contacts(), unit, &recorded.origin);
         let normals = of_normals(self.contacts());
-        let warnings = Warning::of("finger-distance", self.spacing())
+        let warnings = Warning::of(StatedQuantity::Scale.code(), self.spacing())
             .into_iter()
-            .chain(words)
-            .chain(poor_fit(p_value, !doubts.is_empty()))
+            .chain(misfits)
             .chain(Warning::of("unknown-fit", unknown))
             .chain(Warning::of("unknown-noise", self.few()))
             .chain(Warning::of("distant-contact", distant))
-            .chain(of_noise.iter().cloned())
+            .chain(noise(patch, &options.estimator, unit))
             .chain(normals)
-            .chain(Warning::of("contradicting-normals", directions))
+            .chain(Warning::of("signs", directions))
             .chain(Warning::of("repeated-rows", copies(recorded)))
             .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
             .collect();
-        let warnings = with_p_values(warnings, doubts.iter().map(Misfit::warning));
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
@@ -389,11 +382,11 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     };
     let origin = &recorded.origin;
     let message = remedied(error, recorded.fingers);
-    let doubt = match error {
+    let signs = match error {
         Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
         _ => None,
     };
-    let message = doubt.map_or(message.clone(), |doubt| format!("{message}; {doubt}"));
+    let message = signs.map_or(message.clone(), |signs| format!("{message}; {signs}"));
     let message = explained(message, error.name());
     match contact {
         Some(contact) => origin.fail_at(contact, message),

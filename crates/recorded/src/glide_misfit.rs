@@ -1,11 +1,11 @@
 //! Warnings if settings of a patch contradict its contacts.
 
-use palpate_ep2::{Contact, Doubt, Method, Patch};
-use palpate_statistics::{Number, Percent};
+use palpate_ep2::{Contact, Method, Patch};
+use palpate_statistics::{Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
-use super::consistency::{LARGE_RESIDUALS, row};
-use super::misfit::Misfit;
+use super::consistency::row;
+use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 use palpate_estimators::GlideFit;
 use palpate_study::Warning;
@@ -74,6 +74,9 @@ pub(super) fn alone(
     })
 }
 
+/// Ratio of the estimated noise to the stated one, or its inverse, above which the intervals are wrong.
+const MAX_NOISE_RATIO: f64 = 1.5;
+
 /// Warnings if the stated noise of contacts differs from the noise that the same method estimates.
 pub(super) fn noise(
     patch: &Patch,
@@ -89,67 +92,51 @@ pub(super) fn noise(
     else {
         return Vec::new();
     };
-    // Percent of the readings that the fit leaves.
-    let left = 1.0 - unknowns / patch.equations() as f64;
     let found = [
         Some(found.position_std),
         found.normal_std_rad.map(f64::to_degrees),
     ];
-    let names = [("positions", unit.as_str()), ("normals", "degrees")];
-    let each = [1, 2].map(|each| each * patch.samples.len());
-    let all = stated.into_iter().zip(found).zip(names).zip(each);
-    all.filter_map(|(((stated, found), (what, unit)), readings)| {
-        let (stated, found) = stated.zip(found)?;
-        // The estimated noise has a relative standard error of about 1/√(2 freedom).
-        let freedom = (left * readings as f64).max(1.0);
-        let ratio = (1.0 + 3.0 / (2.0 * freedom).sqrt()).max(LARGE_RESIDUALS);
-        let near = found / ratio..=found * ratio;
-        let code = match found > stated {
-            true => "large-residuals",
-            false => "small-residuals",
+    // Share of the readings that the fit leaves.
+    let left = 1.0 - unknowns / patch.equations() as f64;
+    let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
+    let all = stated.into_iter().zip(found).zip(kinds);
+    all.filter_map(|((stated, found), (noise_of, unit, components))| {
+        let (stated, estimated) = stated.zip(found)?;
+        let ratio = estimated / stated;
+        let freedom = (left * (components * patch.samples.len()) as f64).max(1.0);
+        let larger = chi_squared_tail(freedom * ratio * ratio, freedom.round() as usize);
+        let p_value = 2.0 * larger.min(1.0 - larger);
+        let is_far = ratio.max(ratio.recip()) > MAX_NOISE_RATIO && p_value < SIGNIFICANCE_LEVEL;
+        let words = ReadingWords {
+            reading: &|_| String::new(),
+            noise_of,
+            unit,
         };
-        let numbers = [("stated_std", stated), ("found_std", found)];
-        let [stated_shown, found] = [stated, found].map(Number::rounded);
-        (!near.contains(&stated)).then(|| {
-            let text = format!("the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}");
-            Warning::new(code, text, numbers)
+        is_far.then(|| {
+            words.warning(&Misfit::Stated {
+                quantity: StatedQuantity::Noise,
+                stated,
+                estimated,
+                p_value,
+            })
         })
     })
     .collect()
 }
 
-/// Replaces doubts about fingers and contacts by doubts about normals, for normals that are known to be wrong: a fit
-/// to them displaces the fingers too.
-pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
-    for doubt in &mut doubts {
-        if let Doubt::DisplacedFinger { p_value, .. } | Doubt::StrayContact { p_value, .. } = *doubt
-        {
-            *doubt = Doubt::ContradictingNormals { p_value };
-        }
-    }
-    // If there are two, keep the first, which is from the test of normals.
-    doubts.dedup_by_key(|doubt| doubt.name());
-    doubts
-}
-
-/// Warnings for doubts. Doubts about noise or directions are skipped if a more specific warning exists.
-pub(super) fn words(
-    doubts: &[Doubt],
-    of_noise: &[Warning],
-    has_directions: bool,
+/// Warnings of misfits. Wrong normals make a contact seem an outlier.
+pub(super) fn misfit_warnings(
+    misfits: &[Misfit],
+    are_normals_wrong: bool,
     origin: &ReadingSource,
 ) -> impl Iterator<Item = Warning> {
-    doubts.iter().filter_map(move |doubt| match doubt {
-        Doubt::LargeResiduals { .. } if !of_noise.is_empty() => None,
-        Doubt::ContradictingNormals { .. } if has_directions => None,
-        Doubt::StrayContact { contact, p_value } => Some(Warning {
-            text: format!(
-                "the contact of {} contradicts the others (chance does as much in {} of glides)",
-                row(*contact, origin),
-                Percent(*p_value)
-            ),
-            ..doubt.warning()
-        }),
-        _ => Some(doubt.warning()),
+    misfits.iter().filter_map(move |misfit| {
+        let words = ReadingWords {
+            reading: &|contact| format!("the contact of {}", row(contact, origin)),
+            noise_of: "contacts",
+            unit: "",
+        };
+        let is_caused = are_normals_wrong && matches!(misfit, Misfit::Outlier { .. });
+        (!is_caused).then(|| words.warning(misfit))
     })
 }

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use palpate_ep1::{Estimate, ProbeReading, ReadingNoise, rounding_std};
 use palpate_press::{ForwardFit, PressEstimate, Reading};
-use palpate_statistics::{GoodnessOfFit, Number};
+use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 
 use super::press_recording::PressRecording;
@@ -198,12 +198,6 @@ pub(super) fn of_roll(
     }
 }
 
-/// Significance level at which residuals of rolls are too small for the stated noise.
-const TOO_SMALL: f64 = 3e-5;
-
-/// Ratio of the stated noise to the residuals above which the noise is far too large.
-const FAR_TOO_LARGE: f64 = 4.0;
-
 /// Warning if the stated noise of rotations exceeds every rotation.
 pub(super) fn of_rotation_noise(
     readings: &[ProbeReading],
@@ -216,28 +210,6 @@ pub(super) fn of_rotation_noise(
         let [noise, most] = [noise, most].map(Number::rounded);
         format!(
             "the noise of rotations is stated as {noise} rad, but no probe turned by more than {most} rad: is it in degrees?"
-        )
-    })
-}
-
-/// Warning if the residuals of rolls are far smaller than the stated noise of shifts. Pads give no warning: their
-/// errors may all be equal or zero.
-pub(super) fn of_small_residuals(
-    residual: f64,
-    goodness: GoodnessOfFit,
-    stated: &ReadingNoise,
-    unit: LengthUnit,
-) -> Option<String> {
-    let noise = stated.shift_std;
-    if noise <= 0.0 || stated.shift_resolution > 0.0 {
-        return None;
-    }
-    let share = residual / noise;
-    (1.0 - goodness.p_value < TOO_SMALL && goodness.freedom > 0 && share * FAR_TOO_LARGE < 1.0).then(|| {
-        let [noise, residual] = [noise, residual].map(Number::rounded);
-        let unit = unit.as_str();
-        format!(
-            "the noise of shifts is stated as {noise} {unit}, but they contradict each other by {residual} {unit} only: standard deviations are too large, or the shifts are in a larger unit than {unit}"
         )
     })
 }

@@ -20,7 +20,7 @@ macro_rules! warns {
     )+};
 }
 
-warns!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);
+warns!(palpate_press::Doubt);
 
 /// Adds the p-value of each contradiction to the warnings with the same code. If there is none, the contradiction is
 /// added as a new warning.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::OnceLock;
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
@@ -12,11 +13,11 @@ use super::Value;
 use super::consistency::FORMAT_VERSION;
 use super::error::{RecordedError, explained};
 use super::input_checks::of_roll;
-use super::roll_misfit::RollMisfit;
+use super::roll_misfit::RollFit;
 use super::roll_recording::{RollOptions, RollRecording};
 use super::source::agreed_unit;
-use palpate_study::Unit;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
+use palpate_study::{Unit, Warning};
 
 /// A probe whose contact did not move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,7 +32,7 @@ pub struct UnresolvedProbe {
     columns: BTreeMap<String, String>,
 }
 
-/// Output of `estimate roll`.
+/// Estimate of the curvature from recorded rolls. Its [`report`](Self::report) has the warnings too.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollEstimate {
     /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
@@ -55,13 +56,37 @@ pub struct RollEstimate {
     /// ReadingSource of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
-    #[serde(flatten)]
-    agreement: RollMisfit,
+    /// Goodness-of-fit p-value by the stated noise; `null` if no noise is stated.
+    p_value: Option<f64>,
+    #[serde(skip)]
+    fitted: RollFit,
     #[serde(skip)]
     covariance: Option<[[f64; 3]; 3]>,
 }
 
+/// Output of `estimate roll`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RollReport<'e> {
+    #[serde(flatten)]
+    estimate: &'e RollEstimate,
+    warnings: Vec<Warning>,
+}
+
 impl RollEstimate {
+    /// Contradictions between the readings and the model, and likely mistakes in the readings. They take longer than the
+    /// estimate, so they are computed only here.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.fitted.warnings()
+    }
+
+    /// The estimate with its warnings.
+    pub fn report(&self) -> RollReport<'_> {
+        RollReport {
+            estimate: self,
+            warnings: self.warnings(),
+        }
+    }
+
     /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
     /// unknown.
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
@@ -97,10 +122,9 @@ pub fn estimate_roll(
     let origin = &recorded.origin;
     let unit = agreed_unit(origin, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
-    let suspicion = of_roll(readings, options.probe_radius, unit);
     let fail = |message: String| {
-        let suspicion = suspicion.as_deref();
-        origin.fail(suspicion.map_or(message.clone(), |more| format!("{message}; {more}")))
+        let units = of_roll(readings, options.probe_radius, unit);
+        origin.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
     let half_way = PI * options.probe_radius;
     for (probe, reading) in recorded.probes.iter().zip(readings) {
@@ -137,7 +161,14 @@ pub fn estimate_roll(
     let stated = options.noise;
     let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
     let (mut fitted, mut estimate) = fit(stated)?;
-    let by_stated_noise = (fitted.clone(), estimate);
+    let by_stated_noise = RollFit {
+        recorded: recorded.clone(),
+        options: options.clone(),
+        unit,
+        fit: fitted.clone(),
+        estimate,
+    };
+    let goodness = fitted.goodness(&estimate, readings);
     let (residual, freedom) = estimate.residual(readings);
     let mut std_from = match stated {
         ReadingNoise {
@@ -160,7 +191,7 @@ pub fn estimate_roll(
     }
 
     let half_width = match std_from {
-        "the residuals" => student_half_width(0.95, freedom),
+        "the residuals" => half_width(freedom),
         _ => NORMAL_95,
     };
     let value =
@@ -189,9 +220,23 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
-        agreement: RollMisfit::new(recorded, options, unit, by_stated_noise, suspicion),
+        p_value: goodness.map(|goodness| goodness.p_value),
+        fitted: by_stated_noise,
         covariance: fitted.covariance(&estimate),
     })
+}
+
+/// Largest number of degrees of freedom for which half-widths are computed only once.
+const MAX_CACHED: usize = 64;
+
+/// Half-width of the 95 % interval in standard deviations with these degrees of freedom. Computing it takes longer than the
+/// estimate of a few rolls.
+fn half_width(freedom: usize) -> f64 {
+    static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
+    let compute = || student_half_width(0.95, freedom);
+    CACHE
+        .get(freedom)
+        .map_or_else(compute, |half_width| *half_width.get_or_init(compute))
 }
 
 /// Probes that rolled without a shift, with the bound on the object's radius that follows.

@@ -47,16 +47,16 @@ fn tally(family: &Family, number: u64, options: Options<'_>) -> Result<Tally> {
         let mut contacts = case.contacts(&surface, &path, options.seed, trial)?;
         flaw.add_to(case, &mut contacts, options.seed, number);
         let estimated = estimates(&method, &contacts, &places)
-            .and_then(|(patch, curvatures)| Ok((curvatures, method.agreement(&patch)?)));
-        let (curvatures, agreement) = match estimated {
+            .and_then(|(patch, curvatures)| Ok((curvatures, method.misfit(&patch)?)));
+        let (curvatures, tested) = match estimated {
             Ok(estimated) => estimated,
             Err(error) => {
                 tally.failures.add([error.name()]);
                 continue;
             }
         };
-        let warnings = agreement.doubts.iter().map(|doubt| doubt.name());
-        tally.add_estimate(agreement.goodness.map(|fit| fit.p_value), warnings);
+        let warnings = tested.misfits.iter().map(|misfit| misfit.code());
+        tally.add_estimate(tested.goodness.map(|fit| fit.p_value), warnings);
         for (error, std) in errors(&curvatures, &places).flatten() {
             tally.sums.add(error, std);
         }

@@ -41,8 +41,9 @@ fn tally(case: &Case, trials: u64) -> Result<Tally> {
                 continue;
             }
         };
-        let agreement = fit.agreement(&estimate, &readings);
-        if agreement.goodness.is_none() {
+        let goodness = fit.goodness(&estimate, &readings);
+        let misfits = fit.misfits(&estimate, &readings);
+        if goodness.is_none() {
             // As `estimate roll` does without a stated noise.
             let noise = ReadingNoise {
                 shift_std: estimate.residual(&readings).0,
@@ -50,8 +51,8 @@ fn tally(case: &Case, trials: u64) -> Result<Tally> {
             };
             estimate = LeastSquares::of(case.radius, noise, &readings)?;
         }
-        let warnings = agreement.doubts.iter().map(|doubt| doubt.name());
-        tally.add_estimate(agreement.goodness.map(|fit| fit.p_value), warnings);
+        let warnings = misfits.iter().map(|misfit| misfit.code());
+        tally.add_estimate(goodness.map(|fit| fit.p_value), warnings);
         let both = [
             (estimate.normal_curvature_u, case.truth.k_uu),
             (estimate.normal_curvature_v, case.truth.k_vv),

@@ -103,9 +103,10 @@ proptest! {
         for (radius, noise) in [(radius, noise), (1.0, noise), (1.0, ReadingNoise::default())] {
             let fitted = LeastSquares::fitted(radius, noise, &readings);
             if let Ok((fit, estimate)) = &fitted {
-                let found = fit.agreement(estimate, &readings);
-                let p_values = found.doubts.iter().map(|doubt| doubt.p_value());
-                let p_values = p_values.chain(found.goodness.map(|goodness| goodness.p_value));
+                let found = fit.misfits(estimate, &readings);
+                let p_values = found.iter().map(|misfit| misfit.p_value());
+                let goodness = fit.goodness(estimate, &readings);
+                let p_values = p_values.chain(goodness.map(|goodness| goodness.p_value));
                 prop_assert!(p_values.into_iter().all(|p_value| (0.0..=1.0).contains(&p_value)), "{found:?}");
             }
             let found = fitted.map(|(_, estimate)| estimate);

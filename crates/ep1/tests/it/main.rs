@@ -1,11 +1,11 @@
 //! Integration tests of EP1.
 #![allow(clippy::unwrap_used)]
 
-mod agreement;
 mod any_number;
 mod covariance;
 mod draws;
 mod exact;
+mod misfit;
 mod refusals;
 mod sets;
 

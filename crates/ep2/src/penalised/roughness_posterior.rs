@@ -167,15 +167,12 @@ impl Eliminated {
     }
 }
 
-/// The processes of all lengths with their probabilities, most probable first. Each has the mean square amplitude of its
-/// length. A process is the matrix of its coefficients after those of the quadrics, with a column for each independent
-/// factor of unit variance.
+/// The process of the most probable length, with the mean square amplitude of this length: the matrix of its coefficients
+/// after those of the quadrics, with a column for each independent factor of unit variance.
 ///
 /// # Errors
 /// Errors of [`posterior`].
-pub(super) fn likely_processes(
-    problem: &SeriesProblem<'_>,
-) -> Result<Vec<(f64, DMatrix<f64>)>, Ep2Error> {
+pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f64>, Ep2Error> {
     let Eliminated { start, rest, .. } = Eliminated::new(problem)?;
     let quadric = std::array::from_fn(|place| problem.quadric[place] + start[place]);
     let rest = Rest {
@@ -189,24 +186,17 @@ pub(super) fn likely_processes(
     };
     let all: Vec<(f64, Vec<Candidate>)> = lengths(problem.degree).map(of_length).collect();
     let most = max_log_probability(all.iter().flat_map(|(_, candidates)| candidates));
-    let mut likely: Vec<(f64, f64, f64)> = Vec::new();
-    for (length, candidates) in &all {
+    let sums = all.iter().map(|(length, candidates)| {
         let shares = candidates.iter().map(|one| {
             let share = libm::exp(one.log_probability - most);
             Vector2::new(share, share * one.square_amplitude)
         });
-        let sums: Vector2<f64> = shares.sum();
-        if sums.x > 0.0 {
-            likely.push((sums.x, *length, sums.y / sums.x));
-        }
-    }
-    likely.sort_by(|(one, ..), (other, ..)| other.total_cmp(one));
-    let total: f64 = likely.iter().map(|(share, ..)| share).sum();
-    let processes = likely.into_iter().map(|(share, length, square)| {
-        let process = gaussian_process::factors(length, problem.degree).matrix();
-        (share / total, process * square.sqrt())
+        (*length, shares.sum::<Vector2<f64>>())
     });
-    Ok(processes.collect())
+    let likeliest = sums.max_by(|(_, one), (_, other)| one.x.total_cmp(&other.x));
+    let (length, sum) = likeliest.ok_or(Ep2Error::OutOfRange)?;
+    let process = gaussian_process::factors(length, problem.degree).matrix();
+    Ok(process * (sum.y / sum.x).sqrt())
 }
 
 /// Largest logarithm of the candidates' probabilities.

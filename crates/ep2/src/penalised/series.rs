@@ -8,7 +8,6 @@ use crate::noise::Variances;
 use crate::square_quadric::{Square, SquareQuadric};
 
 /// The weighted normal equations of heights and slopes, of unit variance, for the deviation from a quadric.
-#[derive(Clone)]
 pub(super) struct SeriesEquations {
     pub(super) gram: DMatrix<f64>,
     pub(super) right: DVector<f64>,
@@ -121,43 +120,6 @@ impl SeriesEquations {
             }
         }
         equations
-    }
-
-    /// The equations if one finger is displaced by an unknown height.
-    pub(super) fn with_displaced(
-        &self,
-        quadric: &SquareQuadric,
-        patch: &Patch,
-        square: &Square,
-        variances: &Variances,
-        degree: usize,
-        finger: usize,
-    ) -> Self {
-        let all = quadric.observations(patch, square).zip(&patch.samples);
-        let own = all.filter(|(_, sample)| sample.finger == finger);
-        let mut by_series = DVector::zeros(count(degree));
-        let (mut by_height, mut information) = (0.0, 0.0);
-        for (one, _) in own {
-            let weight = one.height_weight / variances.heights;
-            let a: Vec<f64> = values(one.a, degree).collect();
-            let b: Vec<f64> = values(one.b, degree).collect();
-            for (sum, [i, j]) in by_series.iter_mut().zip(products(degree)) {
-                *sum += weight * a[i] * b[j];
-            }
-            by_height += weight * one.height;
-            information += weight;
-        }
-        let mut changed = self.clone();
-        if information > 0.0 {
-            changed
-                .gram
-                .ger(-1.0 / information, &by_series, &by_series, 1.0);
-            changed
-                .right
-                .axpy(-by_height / information, &by_series, 1.0);
-            changed.square -= by_height * by_height / information;
-        }
-        changed
     }
 
     /// Adds the equations of the derivatives along an axis. `sums` belong to the series of these derivatives.

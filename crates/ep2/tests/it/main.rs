@@ -1,9 +1,9 @@
 //! Tests of the crate's public face.
 #![allow(clippy::unwrap_used)]
 
-mod agreement;
 mod any_number;
 mod fitpack;
+mod misfit;
 mod penalised;
 mod refusals;
 mod samples;

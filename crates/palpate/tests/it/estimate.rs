@@ -113,7 +113,7 @@ fn standard_errors_are_estimated_from_the_residuals() {
 }
 
 #[test]
-fn a_warning_names_the_probe_that_slipped() {
+fn an_outlier_is_named_by_its_number() {
     // Rolls over 4 mm per half radian, with errors of 0.02 mm; the shift of probe 13 is 1 mm too short.
     let rows = [
         "10,0,-0.5,4.02,0",
@@ -138,7 +138,7 @@ fn a_warning_names_the_probe_that_slipped() {
         .map(|warning| warning["code"].as_str().unwrap())
         .collect();
     assert!(
-        names.contains(&"slipped-probe") && names.contains(&"large-residuals"),
+        names.contains(&"outlier") && names.contains(&"poor-fit"),
         "{names:?}"
     );
     let warnings = json["warnings"].to_string();
@@ -149,10 +149,7 @@ fn a_warning_names_the_probe_that_slipped() {
     // With estimated noise there is no p-value, but the warning still names the probe.
     let found = estimate(&readings, "");
     assert_eq!(found["p_value"], Value::Null);
-    assert!(
-        found["warnings"].to_string().contains("slipped-probe"),
-        "{found}"
-    );
+    assert!(found["warnings"].to_string().contains("outlier"), "{found}");
     let sound = estimate(
         &readings.replace("-0.5,0,0,-3", "-0.5,0,0,-3.98"),
         "--shift-std 0.02",
@@ -236,7 +233,7 @@ fn a_far_too_small_stated_noise_prints_no_infinity() {
     );
     let command = format!("estimate roll {readings} --probe-radius 10 --shift-std 1e-300");
     let printed = desk.palpate(&command).printed();
-    assert!(printed.contains("\"large-residuals\""), "{printed}");
+    assert!(printed.contains("\"poor-fit\""), "{printed}");
     assert!(
         !printed.contains("inf ") && !printed.contains("NaN"),
         "{printed}"

@@ -25,7 +25,7 @@ const PRESSES: &str = "
 ";
 const ROLLS: &str = "
 --pitch 0.5 | []
---shift-std 1e-6 | the noise that is given explains
+--shift-std 1e-6 | larger than the noise explains
 --rotation-std-rad 0.01 | []
 --rotation-std-rad 0.5 | roll further, or measure the rotations more exactly
 ";
@@ -33,13 +33,13 @@ const GLIDES: &str = "
 --method two-pass --inter-finger-distance 1000 | the fingers of the readings are
 --method two-pass --inter-finger-distance 0.01 | is the unit right?
 --method quadric --position-std 0.5 --normal-std-deg 2 | []
---method quadric --position-std 5 | stated as 5 mm, but the contacts show 0.4
+--method quadric --position-std 5 | stated as 5 mm, but the readings show 0.4
 --method quadric --position-std 0.01 | stated as 0.01 mm
 --method quadric --position-fraction-of-ifd 0.03 | []
 --method quadric --position-fraction-of-ifd 0.5 | stated as 6.9 mm
 --method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | stated as 5 mm
 --method quadric --position-fraction-of-ifd 0.05 --inter-finger-distance 100 | 100 mm, but the fingers of the readings are 13.8
---method quadric --normal-std-deg 20 | stated as 20 degrees, but the contacts show 1.9
+--method quadric --normal-std-deg 20 | stated as 20 degrees, but the readings show 1.9
 ";
 
 #[test]

@@ -26,7 +26,7 @@ record!(
 
 impl Made for recorded::RollEstimate {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, self)
+        to_python(py, &self.report())
     }
 
     fn others(&self) -> &'static [&'static str] {

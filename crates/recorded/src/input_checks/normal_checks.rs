@@ -29,10 +29,8 @@ pub(crate) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> 
     let inward = is_down.then(|| {
         "the normals point to -z: unless the object is touched from below, they point inward, and convex and concave are swapped".to_owned()
     });
-    let length = Warning::of("normal-lengths", length);
-    length
-        .into_iter()
-        .chain(Warning::of("inward-normals", inward))
+    let length = Warning::of("units", length);
+    length.into_iter().chain(Warning::of("signs", inward))
 }
 
 /// Fewest contacts for comparing the normals with a surface through the places.

@@ -39,23 +39,19 @@ probe each row is one; of time series, each that a blank line or a time that doe
 ", tables!(), "Other columns are ignored, but those of rolls whose contact did not move stand in
 `unresolved_probes`, as `columns`.
 
-`p_value` is the probability that noise of the stated size leaves residuals at least as large; null where none is
-stated or too few probes leave any. Errors of pads are no independent noise: theirs is rather too large. `warnings` have a
-`code`, a `text` and `numbers`; `palpate explain CODE` explains one. With a `p_value` among the numbers they are ways in
-which the readings contradict the model: poor-fit (where it is below 1e-6), large-residuals, common-shift (a slip or a
-first contact that is off), twist (frames that are turned against each other), varying-curvature (rolls too long for
-the object), slipped-probe; 1 set of rolls in 200 has each of the others by chance, and 1 in 50 one of the middle three by all that
-they tell together. Where probes roll as far to as fro, a curvature that changes along them cancels: it makes
-`p_value` small, but makes a warning only where the rolls are so long that it is likely to change the estimate.
+`p_value` is the probability that noise of the stated size leaves residuals at least as large; null if no noise is
+stated. The errors of pads are not independent: their p-value is rather too large. `warnings`, which standard error
+repeats, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Readings contradict the model by
+poor-fit (the p-value is below 0.005: the stated noise is too small, the rolls are too long, frames are turned or probes
+slip) and outlier (one roll contradicts the others). Stated values contradict the readings by stated-noise (a noise of
+shifts that is at least four times too large) and stated-pitch. `units` warns of rotations in degrees, and of shifts in
+another unit than the probe's radius. Sound readings get a warning in about 1 of 100 estimates. Readings do not show a
+gain of all shifts or rotations, nor a wrong radius in the right unit: it errs the curvature by the error of 1/R.
 
 `interval95` is 1.96 standard deviations to either side where noise is stated. Where none is, they follow from the residuals,
 of 2n - 3 degrees of freedom with n probes, and it is as many as Student's t says: 2.57 with 4 probes, 2.16 with 8.
 
-The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, name these contradictions, and where the readings contradict what is stated: noise (or a pitch)
-that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
-do not tell noise that is too large, nor a gain of all shifts or rotations, nor a radius that is wrong in the right
-unit: it errs the curvature by the error of 1/R.
+The JSON has `format_version` 2, which rises when a key goes or changes its meaning.
 
 With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
 unit; flags override them.
@@ -80,16 +76,15 @@ The JSON tells the curvature in the middle of the patch and the regions of one s
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
 `p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
-where noise is found and not stated, and of two-pass. `warnings` have a `code`, a `text` and `numbers`. With a
-`p_value` among the numbers they are ways in which the contacts contradict the model: poor-fit (where it is below 1e-6),
-large-residuals, contradicting-normals (of a turned frame or a wrong sign), displaced-finger, stray-contact, and of the
-method quadric not-a-quadric; 1 glide in 200 has each of the others by chance, 1 in 2,000 the last. A wrong radius of tips makes
-none of them.
+if the noise is estimated, and for two-pass. `warnings`, which standard error repeats, have a `code`, a `text` and
+`numbers`; `palpate explain CODE` explains one. Contacts contradict the model by poor-fit (the p-value is below 0.005:
+the stated noise is too small, a finger is displaced, or a quadric does not fit the surface) and outlier (one contact
+contradicts the others). Stated values contradict the readings by stated-noise (of positions or normals, compared with the
+noise that the same method estimates) and stated-scale (the distance between fingers). `units` and `signs` warn of normals
+that are not of length 1, point to -z, or fit the positions better with a sign reversed or components swapped. Contacts do
+not show a wrong tip radius, whether all normals point inward, or the unit of all lengths.
 
-The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, name these contradictions, and where the readings contradict what is stated: the noise of positions and
-of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
-length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
+The JSON has `format_version` 2, which rises when a key goes or changes its meaning.
 
 Fingertips are points unless --tip-radius says otherwise. Where positions are of a round tip's lowest point or of its
 centre, contacts are found from the normals; without, from those of a first fit to the centres, whose error the

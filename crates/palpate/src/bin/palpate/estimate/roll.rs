@@ -19,6 +19,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let options = RollOptions::with_settings(base.transpose()?, &given, args.form.length_unit);
     let options = options.map_err(Failure::usage)?;
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
-    warn(&estimate)?;
-    output::print(&output::json(&estimate)?)
+    let report = estimate.report();
+    warn(&report)?;
+    output::print(&output::json(&report)?)
 }

@@ -1,0 +1,334 @@
+//! Misfit of a surface: goodness of fit, and contacts that contradict the others.
+//!
+//! The surface is a quadric plus a Gaussian process of known covariance. The errors of the contacts follow to first order from
+//! those of positions and normals. In the modes in which the noise is larger than the process, the squared residuals follow
+//! a chi-squared distribution for any surface.
+
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
+use palpate_statistics::{GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, ratio_tail};
+
+use crate::chebyshev::{count, products, values};
+use crate::patch::Sample;
+use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
+use crate::{Ep2Error, Fit, Jet, Noise, Patch};
+
+/// Number of observations of a contact: its height and both slopes.
+const OBSERVATIONS: usize = 3;
+/// Smallest number of contacts for which estimated noise and outliers can be separated.
+const MIN_CONTACTS: usize = 10;
+/// Largest number of tested contacts. From more contacts an even selection is tested, so the test takes no longer than a fit.
+const MAX_CONTACTS: usize = 2000;
+/// Smallest estimated noise of positions that is tested, in the patch's unit. A smaller value may come from rounding errors,
+/// or from the series' approximation error.
+const MIN_POSITION_STD: f64 = 1e-4;
+/// Smallest share of the estimated noise of normals that is not caused by position errors.
+const MIN_NORMAL_SHARE: f64 = 0.1;
+/// Smallest share of a residual's variance that the fit leaves, for a test of this residual.
+const MIN_LEFT: f64 = 0.02;
+
+/// Goodness of fit and misfit of contacts; of more than 2,000 contacts, of an even selection.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MisfitTest {
+    /// Goodness of fit; `None` if the noise is not stated.
+    pub goodness: Option<GoodnessOfFit>,
+    /// Ways in which the contacts contradict the model; none if the noise is estimated from fewer than 10 contacts.
+    ///
+    /// A wrong radius of round tips, or a gain of all positions, causes no misfit: the readings fit another surface.
+    pub misfits: Vec<Misfit>,
+}
+
+/// A process that is added to a quadric: its coefficients after those of the quadrics, with a column for each independent
+/// factor of unit variance.
+pub(crate) type Process = DMatrix<f64>;
+
+/// The fit to test, with the data that the tests need.
+pub(crate) struct Model<'a> {
+    pub(crate) patch: &'a Patch,
+    pub(crate) square: Square,
+    pub(crate) fit: &'a Fit,
+    /// A quadric near the fit. Deviations from it keep more digits than heights.
+    pub(crate) quadric: &'a SquareQuadric,
+    /// Stated noise.
+    pub(crate) noise: &'a Noise,
+    /// Degree of the surface as a series.
+    pub(crate) degree: usize,
+}
+
+/// Variances of positions and normals, in the patch's unit.
+#[derive(Clone, Copy)]
+struct Variances {
+    position: f64,
+    normal: f64,
+}
+
+/// Observations of a contact, in standard deviations.
+struct Weighted {
+    /// Deviation from the quadric.
+    values: DVector<f64>,
+    /// Derivatives with respect to the factors of quadric and process.
+    slopes: DMatrix<f64>,
+}
+
+impl Model<'_> {
+    /// Goodness of fit and misfit, by the most probable process.
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] if the numbers leave the range of doubles.
+    pub(crate) fn misfit(&self, process: &Process) -> Result<MisfitTest, Ep2Error> {
+        let Some(variances) = self.variances() else {
+            return Ok(MisfitTest::default());
+        };
+        let contacts = self
+            .samples()
+            .map(|sample| self.weighted(sample, variances, process));
+        let contacts: Vec<Weighted> = contacts
+            .collect::<Option<_>>()
+            .ok_or(Ep2Error::OutOfRange)?;
+        let refit = Refit::new(&contacts).ok_or(Ep2Error::OutOfRange)?;
+        let is_stated = self.noise.is_complete_for(self.patch);
+        let poor_fit = is_stated.then(|| Misfit::poor_fit(refit.goodness, true));
+        let numbers = (0..).step_by(self.step());
+        let p_values = contacts
+            .iter()
+            .map(|contact| refit.p_value(contact, is_stated));
+        let outlier = Misfit::outlier(numbers.zip(p_values));
+        Ok(MisfitTest {
+            goodness: is_stated.then_some(refit.goodness),
+            misfits: poor_fit.flatten().into_iter().chain(outlier).collect(),
+        })
+    }
+
+    /// Variances of the contacts; `None` if they were estimated and may be rounding errors, or from too few contacts.
+    fn variances(&self) -> Option<Variances> {
+        let noise = self.fit.noise?;
+        let square = |std: f64| std * std;
+        let stated = self.noise.normal_std_rad.map(square);
+        let position = self.noise.position_std.unwrap_or(noise.position_std);
+        let position = position / self.fit.frame.scale();
+        let is_estimated = position > MIN_POSITION_STD && self.patch.samples.len() >= MIN_CONTACTS;
+        if !(self.noise.is_complete_for(self.patch) || is_estimated) {
+            return None;
+        }
+        let position = square(position);
+        let found = noise.normal_std_rad.map_or(0.0, square);
+        // The fit's noise of normals includes the effect of position errors.
+        let jets = self.samples().map(|sample| self.jet(sample));
+        let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
+        let bending = jets.map(bend).sum::<f64>() / self.samples().count() as f64;
+        Some(Variances {
+            position,
+            normal: stated.unwrap_or((found - bending * position).max(MIN_NORMAL_SHARE * found)),
+        })
+    }
+
+    /// The tested contacts.
+    fn samples(&self) -> impl Iterator<Item = &Sample> {
+        self.patch.samples.iter().step_by(self.step())
+    }
+
+    /// Every how many contacts one is tested.
+    fn step(&self) -> usize {
+        self.patch.samples.len().div_ceil(MAX_CONTACTS).max(1)
+    }
+
+    fn jet(&self, sample: &Sample) -> Jet {
+        self.fit.spline.jet(sample.u, sample.v)
+    }
+
+    /// Observations of a contact in standard deviations of its noise; `None` out of the range of doubles.
+    fn weighted(
+        &self,
+        sample: &Sample,
+        variances: Variances,
+        process: &Process,
+    ) -> Option<Weighted> {
+        let root = self.root(sample, variances)?;
+        let rows = root.nrows();
+        let [height, p, q] = self.quadric.at(&self.square, sample);
+        let [along_u, along_v] = sample.slopes.unwrap_or_default();
+        let deviations = [sample.w - height, along_u - p, along_v - q];
+        let series = series(self.square, self.degree, sample);
+        let mut slopes = DMatrix::zeros(rows, UNKNOWNS + process.ncols());
+        let quadrics = series.view((0, 0), (rows, UNKNOWNS));
+        slopes.columns_mut(0, UNKNOWNS).copy_from(&quadrics);
+        if process.ncols() > 0 {
+            let rough = series.view((0, UNKNOWNS), (rows, process.nrows()));
+            slopes
+                .columns_mut(UNKNOWNS, process.ncols())
+                .copy_from(&(rough * process));
+        }
+        Some(Weighted {
+            values: root
+                .solve_lower_triangular(&DVector::from_column_slice(&deviations[..rows]))?,
+            slopes: root.solve_lower_triangular(&slopes)?,
+        })
+    }
+
+    /// Cholesky factor of the covariance of a contact's height and slopes. A position error affects both.
+    fn root(&self, sample: &Sample, variances: Variances) -> Option<DMatrix<f64>> {
+        let jet = self.jet(sample);
+        let (p, q) = (jet.u, jet.v);
+        let moved = Matrix3::from_rows(&[
+            Vector3::new(-p, -q, 1.0).transpose(),
+            Vector3::new(-jet.uu, -jet.uv, 0.0).transpose(),
+            Vector3::new(-jet.uv, -jet.vv, 0.0).transpose(),
+        ]);
+        let mut covariance = moved * moved.transpose() * variances.position;
+        let steepness = 1.0 + p * p + q * q;
+        let tilted = Matrix2::new(1.0 + p * p, p * q, p * q, 1.0 + q * q);
+        let mut of_slopes = covariance.fixed_view_mut::<2, 2>(1, 1);
+        of_slopes += tilted * (steepness * variances.normal);
+        covariance /= sample.weight;
+        let rows = if sample.slopes.is_some() {
+            OBSERVATIONS
+        } else {
+            1
+        };
+        let covariance = DMatrix::from_fn(rows, rows, |row, column| covariance[(row, column)]);
+        Some(covariance.cholesky()?.l())
+    }
+}
+
+/// A fit of quadric and process to weighted contacts.
+struct Refit {
+    covariance: DMatrix<f64>,
+    /// The most probable factors.
+    factors: DVector<f64>,
+    goodness: GoodnessOfFit,
+    /// Residuals of all contacts, after the process has explained as much as it can, and their degrees of freedom.
+    chi_squared: f64,
+    freedom: usize,
+}
+
+impl Refit {
+    /// `None` if the equations do not determine the quadric, or numbers leave the range of doubles.
+    fn new(contacts: &[Weighted]) -> Option<Self> {
+        let size = contacts.first()?.slopes.ncols();
+        let mut information = DMatrix::zeros(size, size);
+        let mut right = DVector::zeros(size);
+        let (mut square, mut equations) = (0.0, 0);
+        for contact in contacts {
+            information.gemm_tr(1.0, &contact.slopes, &contact.slopes, 1.0);
+            right.gemv_tr(1.0, &contact.slopes, &contact.values, 1.0);
+            square += contact.values.norm_squared();
+            equations += contact.values.len();
+        }
+        if !(square + right.sum() + information.sum()).is_finite() {
+            return None;
+        }
+        let rough = size - UNKNOWNS;
+        let quadrics = information.view((0, 0), (UNKNOWNS, UNKNOWNS)).into_owned();
+        let quadrics = quadrics.cholesky()?;
+        let cross = information
+            .view((0, UNKNOWNS), (UNKNOWNS, rough))
+            .into_owned();
+        let own = right.rows(0, UNKNOWNS).into_owned();
+        let start = quadrics.solve(&own);
+        let rest = information.view((UNKNOWNS, UNKNOWNS), (rough, rough))
+            - cross.tr_mul(&quadrics.solve(&cross));
+        let rest_right = right.rows(UNKNOWNS, rough) - cross.tr_mul(&start);
+        let square = (square - own.dot(&start)).max(0.0);
+        let freedom = equations.saturating_sub(UNKNOWNS);
+        let (mut noisy, mut chi_squared, mut outweighing) = (square, square, 0);
+        // A quadric without a process has no modes.
+        let eigen = (rough > 0).then(|| rest.symmetric_eigen());
+        let modes = eigen.iter().flat_map(|eigen| {
+            let vectors = eigen.eigenvectors.column_iter();
+            eigen.eigenvalues.iter().zip(vectors)
+        });
+        for (&weight, mode) in modes {
+            let along = mode.dot(&rest_right);
+            let explained = along * along / (1.0 + weight.max(0.0));
+            chi_squared -= explained;
+            // If the process is larger than the noise, the mode shows the surface.
+            if weight >= 1.0 {
+                noisy -= along * along / weight;
+                outweighing += 1;
+            } else {
+                noisy -= explained;
+            }
+        }
+        for factor in UNKNOWNS..size {
+            information[(factor, factor)] += 1.0;
+        }
+        let root = information.cholesky()?;
+        Some(Self {
+            factors: root.solve(&right),
+            covariance: root.inverse(),
+            goodness: GoodnessOfFit::new(noisy.max(0.0), freedom.saturating_sub(outweighing)),
+            chi_squared: chi_squared.max(0.0),
+            freedom,
+        })
+    }
+
+    /// P-value of a contact's residuals. They are compared with the stated noise if that explains the other contacts, otherwise
+    /// with the residuals of the others.
+    fn p_value(&self, contact: &Weighted, is_noise_stated: bool) -> f64 {
+        let rows = contact.values.len();
+        let residual = &contact.values - &contact.slopes * &self.factors;
+        let left = DMatrix::identity(rows, rows)
+            - &contact.slopes * &self.covariance * contact.slopes.transpose();
+        let eigen = left.symmetric_eigen();
+        let (mut explained, mut freedom) = (0.0, 0);
+        for (value, direction) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
+            if *value > MIN_LEFT {
+                let along = direction.dot(&residual);
+                explained += along * along / value;
+                freedom += 1;
+            }
+        }
+        let others = |all: f64| (all - explained).max(0.0);
+        let of_others = |all: usize| all.saturating_sub(freedom);
+        let GoodnessOfFit {
+            chi_squared,
+            freedom: noisy,
+            ..
+        } = self.goodness;
+        let is_explained =
+            chi_squared_tail(others(chi_squared), of_others(noisy)) >= SIGNIFICANCE_LEVEL;
+        match is_noise_stated && is_explained {
+            true => chi_squared_tail(explained, freedom),
+            false => ratio_tail(
+                explained,
+                freedom,
+                others(self.chi_squared),
+                of_others(self.freedom),
+            ),
+        }
+    }
+}
+
+/// Products of Chebyshev polynomials at a contact, one in each column. The rows hold their values and their slopes along u
+/// and v.
+fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
+    let [a, b] = square.place([sample.u, sample.v]);
+    let [half_u, half_v] = square.half();
+    let both = |x: f64| -> Vec<[f64; 2]> {
+        let all: Vec<f64> = values(x, degree).collect();
+        let mut slopes = vec![0.0; degree + 1];
+        for order in 1..=degree {
+            // T_n' = 2 T_(n−1) + 2x T_(n−1)' − T_(n−2)', where T_1' = 1.
+            slopes[order] = match order {
+                1 => 1.0,
+                _ => 2.0 * all[order - 1] + 2.0 * x * slopes[order - 1] - slopes[order - 2],
+            };
+        }
+        all.into_iter()
+            .zip(slopes)
+            .map(|(value, slope)| [value, slope])
+            .collect()
+    };
+    let (along_a, along_b) = (both(a), both(b));
+    let mut rows = DMatrix::zeros(OBSERVATIONS, count(degree));
+    for (column, [i, j]) in products(degree).enumerate() {
+        let ([of_a, slope_a], [of_b, slope_b]) = (along_a[i], along_b[j]);
+        rows[(0, column)] = of_a * of_b;
+        rows[(1, column)] = slope_a * of_b / half_u;
+        rows[(2, column)] = of_a * slope_b / half_v;
+    }
+    rows
+}

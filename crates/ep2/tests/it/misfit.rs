@@ -1,0 +1,190 @@
+//! Goodness of fit and misfit of contacts of surfaces in closed form.
+
+use nalgebra::Vector3;
+use palpate_ep2::{Contact, Method, Misfit, MisfitTest, Noise, Patch, Penalised, Quadric, TwoPass};
+
+use crate::samples::{QUADRIC_LIKE, Surface, Sweep};
+
+/// Seven contacts of each of five fingers, which err by a fiftieth of their distance and by a degree.
+const SWEEP: Sweep = Sweep {
+    fingers: 5,
+    contacts_per_finger: 7,
+    position_std: 0.02,
+    normal_std_rad: 0.02,
+};
+
+fn stated(sweep: &Sweep) -> Noise {
+    Noise {
+        position_std: Some(sweep.position_std),
+        normal_std_rad: Some(sweep.normal_std_rad),
+    }
+}
+
+fn penalised(noise: Noise) -> Penalised {
+    Penalised {
+        noise,
+        ..Penalised::default()
+    }
+}
+
+fn misfit(method: &dyn Method, contacts: &[Contact]) -> MisfitTest {
+    let patch = Patch::new(contacts, &Vector3::z()).unwrap();
+    method.misfit(&patch).unwrap()
+}
+
+/// A saddle, which is a quadric.
+const SADDLE: &Surface = &QUADRIC_LIKE[3];
+
+/// Largest distance of the distribution of numbers from the uniform one (Kolmogorov), times the root of their number.
+fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    let count = numbers.len() as f64;
+    let off = numbers.iter().enumerate().map(|(index, number)| {
+        let below = index as f64 / count;
+        (number - below)
+            .abs()
+            .max((number - below - 1.0 / count).abs())
+    });
+    off.fold(0.0, f64::max) * count.sqrt()
+}
+
+/// Kolmogorov's distance that uniform numbers exceed once in a hundred.
+const ONE_IN_100: f64 = 1.628;
+
+#[test]
+fn p_values_are_uniform_on_a_quadric() {
+    let exact = Sweep {
+        position_std: 1e-9,
+        normal_std_rad: 1e-9,
+        ..SWEEP
+    };
+    let methods: [(&dyn Method, Sweep); 3] = [
+        (
+            &Quadric {
+                noise: stated(&SWEEP),
+            },
+            SWEEP,
+        ),
+        (
+            &Quadric {
+                noise: stated(&exact),
+            },
+            exact,
+        ),
+        (&penalised(stated(&SWEEP)), SWEEP),
+    ];
+    for (method, sweep) in methods {
+        let (mut p_values, mut found_misfits) = (Vec::new(), 0);
+        for trial in 0..200 {
+            let found = misfit(method, &sweep.contacts(SADDLE, trial));
+            let goodness = found.goodness.unwrap();
+            assert!(
+                goodness.freedom > 50 && goodness.freedom < 105,
+                "{goodness:?}"
+            );
+            p_values.push(goodness.p_value);
+            found_misfits += usize::from(!found.misfits.is_empty());
+        }
+        let off = kolmogorov(p_values);
+        assert!(off < ONE_IN_100, "{off}");
+        assert!(found_misfits < 10, "{found_misfits}");
+    }
+}
+
+/// Few contacts leave little noise beside the process, which is no sign of an outlier.
+#[test]
+fn few_sound_contacts_seldom_have_a_misfit() {
+    for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {
+        let sweep = Sweep {
+            fingers,
+            contacts_per_finger,
+            ..SWEEP
+        };
+        for has_normals in [false, true] {
+            let warned = (0..100).filter(|&trial| {
+                let mut contacts = sweep.contacts(&QUADRIC_LIKE[0], trial);
+                if !has_normals {
+                    contacts.iter_mut().for_each(|one| one.normal = None);
+                }
+                let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
+                let found = Penalised::default().misfit(&patch).unwrap();
+                !found.misfits.is_empty()
+            });
+            let warned = warned.count();
+            assert!(warned <= 5, "{warned} of {fingers} x {contacts_per_finger}");
+        }
+    }
+}
+
+#[test]
+fn an_outlier_of_eight_standard_deviations_is_named() {
+    // One that is far off is no roughness either.
+    let cases = [
+        (stated(&SWEEP), 8.0),
+        (Noise::default(), 10.0),
+        (Noise::default(), 150.0),
+    ];
+    for (noise, off) in cases {
+        let named = (0..20).filter(|&trial| {
+            let mut contacts = SWEEP.contacts(SADDLE, trial);
+            contacts[16].position.z += off * SWEEP.position_std;
+            let misfits = misfit(&penalised(noise), &contacts).misfits;
+            let is_named = |one: &Misfit| matches!(one, Misfit::Outlier { reading: 16, .. });
+            misfits.iter().any(is_named)
+        });
+        let count = named.count();
+        assert!(count >= 18, "{count} with {noise:?}");
+    }
+}
+
+#[test]
+fn noise_three_times_the_stated_one_is_a_poor_fit() {
+    let third = Noise {
+        position_std: Some(SWEEP.position_std / 3.0),
+        normal_std_rad: Some(SWEEP.normal_std_rad / 3.0),
+    };
+    for fingers in [3, 5] {
+        let sweep = Sweep { fingers, ..SWEEP };
+        for trial in 0..10 {
+            let found = misfit(&penalised(third), &sweep.contacts(SADDLE, trial));
+            let codes: Vec<_> = found.misfits.iter().map(Misfit::code).collect();
+            assert!(codes.contains(&"poor-fit"), "{codes:?}");
+        }
+    }
+}
+
+#[test]
+fn what_states_no_noise_has_no_goodness() {
+    let contacts = SWEEP.contacts(SADDLE, 0);
+    assert_eq!(misfit(&Penalised::default(), &contacts).goodness, None);
+    assert_eq!(misfit(&TwoPass::default(), &contacts).goodness, None);
+    // Exact contacts leave nothing to be tested.
+    let exact = Sweep {
+        position_std: 0.0,
+        normal_std_rad: 0.0,
+        ..SWEEP
+    };
+    let found = misfit(&Penalised::default(), &exact.contacts(SADDLE, 0));
+    assert_eq!(found, MisfitTest::default());
+}
+
+#[test]
+fn of_many_contacts_some_are_tested() {
+    let many = Sweep {
+        contacts_per_finger: 900,
+        ..SWEEP
+    };
+    let found = misfit(
+        &Quadric {
+            noise: stated(&many),
+        },
+        &many.contacts(SADDLE, 3),
+    );
+    let goodness = found.goodness.unwrap();
+    // Every third of 4,500, less the quadric.
+    assert_eq!(goodness.freedom, 3 * 1500 - 6);
+    assert!(
+        goodness.p_value > 1e-3 && found.misfits.is_empty(),
+        "{found:?}"
+    );
+}

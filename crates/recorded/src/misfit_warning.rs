@@ -1,0 +1,69 @@
+//! Words of warnings about contradictions between the readings and the model.
+
+use palpate_statistics::{Misfit, Number, StatedQuantity};
+
+use palpate_study::Warning;
+
+/// Words about one kind of readings.
+pub(super) struct ReadingWords<'w> {
+    /// Name of the reading with this number, counted from 0.
+    pub(super) reading: &'w dyn Fn(usize) -> String,
+    /// Readings that have the stated noise, for example shifts.
+    pub(super) noise_of: &'w str,
+    /// Unit of the stated quantities.
+    pub(super) unit: &'w str,
+}
+
+impl ReadingWords<'_> {
+    /// The warning of a misfit.
+    pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
+        let p_value = misfit.p_value();
+        let shown = Number::rounded(p_value);
+        let text = match misfit {
+            Misfit::PoorFit { .. } => format!(
+                "the residuals are larger than the noise explains (p-value {shown}): the stated noise is too small, or the model does not hold"
+            ),
+            Misfit::Outlier { reading, .. } => {
+                let reading = (self.reading)(*reading);
+                format!("{reading} contradicts the others (p-value {shown})")
+            }
+            Misfit::Stated {
+                quantity,
+                stated,
+                estimated,
+                ..
+            } => {
+                let quantity = match quantity {
+                    StatedQuantity::Noise => &format!("noise of {}", self.noise_of),
+                    StatedQuantity::Indentation => "indentation",
+                    StatedQuantity::Pitch => "pitch",
+                    StatedQuantity::Scale => "scale",
+                };
+                let [stated, estimated] = [*stated, *estimated].map(Number::rounded);
+                let unit = self.unit;
+                format!(
+                    "the {quantity} is stated as {stated} {unit}, but the readings show {estimated} {unit}"
+                )
+            }
+            Misfit::OtherBody { .. } => format!(
+                "the displacements depend on the distance from the contact otherwise than in this body (p-value {shown}): its kind, its thickness, the depth of the markers or the scale of the displacements is wrong"
+            ),
+            Misfit::NotRound { .. } => format!(
+                "the displacements depend on the direction from the contact (p-value {shown}): the object is not a ball, but an edge, a cylinder or a saddle"
+            ),
+        };
+        let mut warning = Warning::new(misfit.code(), text, [("p_value", p_value)]);
+        match *misfit {
+            Misfit::Outlier { reading, .. } => {
+                warning.numbers.insert("reading", reading as f64);
+            }
+            Misfit::Stated {
+                stated, estimated, ..
+            } => warning
+                .numbers
+                .extend([("stated", stated), ("estimated", estimated)]),
+            _ => {}
+        }
+        warning
+    }
+}
