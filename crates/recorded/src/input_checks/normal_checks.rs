@@ -1,6 +1,6 @@
 //! Likely mistakes of sign and column in the normals of contacts.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Point3, RowDVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_statistics::Number;
 
@@ -33,149 +33,55 @@ pub(crate) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> 
     length.into_iter().chain(Warning::of("signs", inward))
 }
 
-/// Fewest contacts for comparing the normals with a surface through the places.
-const FEWEST: usize = 8;
+/// Fewest contacts for which signs and columns of the normals are checked.
+const MIN_CONTACTS: usize = 8;
 
-/// Least factor by which changed components must reduce the sum of squared errors of the normals: errors three times
-/// smaller.
-const FIT_BETTER: f64 = 9.0;
+/// Least ratio by which changed components must reduce the errors of contacts and normals.
+const MIN_RATIO: f64 = 2.0;
 
-/// Least spread of the places across their main curve, relative to their noise, for the comparison of normals: a
-/// single curve does not fix the tilt of the surface about it.
-const SPREADS: f64 = 10.0;
+/// Largest error of a fit that explains the contacts and their normals.
+const MAX_ERROR: f64 = 0.1;
 
-/// Spread across that rounding in a file may cause, as a share of the spread along.
-const ROUNDED: f64 = 1e-6;
-
-/// Root-mean-square spread of the places across their best-fit parabola, in their best-fit plane; 0 if rounding may
-/// cause it.
-fn spread_across(places: &[Point3<f64>]) -> f64 {
-    let count = places.len() as f64;
-    let sum: Vector3<f64> = places.iter().map(|place| place.coords).sum();
-    let arms: Vec<Vector3<f64>> = places
-        .iter()
-        .map(|place| place.coords - sum / count)
-        .collect();
-    let size = arms.iter().fold(0.0, |most: f64, arm| most.max(arm.amax()));
-    if !(size > 0.0 && size.is_finite()) {
-        return 0.0;
-    }
-    let arms: Vec<Vector3<f64>> = arms.iter().map(|arm| arm / size).collect();
-    let spread: Matrix3<f64> = arms.iter().map(|arm| arm * arm.transpose()).sum();
-    let eigen = spread.symmetric_eigen();
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&one, &other| eigen.eigenvalues[other].total_cmp(&eigen.eigenvalues[one]));
-    let [along, across, _] = axes.map(|axis| eigen.eigenvectors.column(axis));
-    let parabola = DMatrix::from_fn(arms.len(), 3, |row, power| {
-        let along = along.dot(&arms[row]);
-        [1.0, along, along * along][power]
-    });
-    let across = DVector::from_fn(arms.len(), |row, _| across.dot(&arms[row]));
-    let fitted = parabola.clone().svd(true, true).solve(&across, 1e-12);
-    let left = fitted.map_or(0.0, |fitted| (across - parabola * fitted).norm());
-    match left > ROUNDED * eigen.eigenvalues[axes[0]].sqrt() {
-        true => size * left / count.sqrt(),
-        false => 0.0,
-    }
-}
-
-/// Least ratio of the normals' squared errors to those of the fitted slopes, for the comparison of normals: two lines
-/// do not fix the slope across them.
-const TELLS_NORMALS: f64 = 9.0;
-
-/// Least singular value for which places determine a quadric, as a share of the largest.
-const DETERMINED: f64 = 1e-9;
-
-/// Mean square error of the slopes of a quadric through the places of a patch, if their noise is `off`; infinite if
-/// they do not determine it.
-fn slope_errors(patch: &Patch, off: f64) -> f64 {
-    let samples = &patch.samples;
-    let heights = DMatrix::from_fn(samples.len(), 6, |row, column| {
-        let (u, v) = (samples[row].u, samples[row].v);
-        [1.0, u, v, u * u, u * v, v * v][column]
-    });
-    let svd = heights.svd(false, true);
-    let Some(directions) = svd.v_t else {
-        return f64::INFINITY;
-    };
-    let largest = svd.singular_values.max();
-    let square = |along: &RowDVector<f64>| -> f64 {
-        let parts = directions.row_iter().zip(&svd.singular_values);
-        parts
-            .map(|(direction, size)| match *size > DETERMINED * largest {
-                true => libm::pow(direction.dot(along) * off / size, 2.0),
-                false => f64::INFINITY,
-            })
-            .sum()
-    };
-    let errors = samples.iter().map(|sample| {
-        let (u, v) = (sample.u, sample.v);
-        let rows = [
-            [0.0, 1.0, 0.0, 2.0 * u, v, 0.0],
-            [0.0, 0.0, 1.0, 0.0, u, 2.0 * v],
-        ];
-        let rows = rows.map(|row| square(&RowDVector::from_row_slice(&row)));
-        rows.iter().sum::<f64>()
-    });
-    errors.sum::<f64>() / samples.len() as f64
-}
-
-/// Likely mistake of signs or columns in the normals, by comparison with a quadric through the places alone.
+/// Likely mistake of signs or columns in the normals: a quadric through the contacts fits them much better with other
+/// components.
 pub(crate) fn of_directions(contacts: &[Contact]) -> Option<String> {
-    let normals: Option<Vec<Vector3<f64>>> = contacts
-        .iter()
-        .map(|contact| contact.normal?.try_normalize(0.0))
-        .collect();
-    let normals = normals.filter(|normals| normals.len() >= FEWEST)?;
-    let bare: Vec<Contact> = contacts
-        .iter()
-        .map(|contact| Contact::new(contact.finger, contact.position, None))
-        .collect();
-    let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
-    // Any outward side will do, because both signs of the normals are compared.
-    let sides = [Vector3::z(), Vector3::x(), Vector3::y()];
-    let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
-    let fit = Quadric::default().fit(&patch).ok()?;
-    let off = fit.noise.map_or(0.0, |noise| noise.position_std);
-    if spread_across(&places) <= SPREADS * off {
+    let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
+    if !has_normals || contacts.len() < MIN_CONTACTS {
         return None;
     }
-    let errors = slope_errors(&patch, off / patch.frame.scale());
-    let shown: Vec<Vector3<f64>> = fit
-        .points_at(&places)
-        .ok()?
-        .iter()
-        .map(|point| point.normal)
-        .collect();
-    let off = |change: &Matrix3<f64>| -> f64 {
-        let pairs = normals.iter().zip(&shown);
-        let squares = |sign: f64| -> f64 {
-            let pairs = pairs.clone();
-            pairs
-                .map(|(normal, shown)| (change * normal * sign - shown).norm_squared())
-                .sum()
-        };
-        squares(1.0).min(squares(-1.0))
-    };
-    let mut best = (f64::INFINITY, "");
-    for (change, name) in changes() {
-        let off = off(&change);
-        if off < best.0 {
-            best = (off, name);
-        }
-    }
-    let (least, name) = best;
-    let own = off(&Matrix3::identity());
-    let is_told = own > TELLS_NORMALS * errors * normals.len() as f64;
-    (own > FIT_BETTER * least && is_told && own.is_finite()).then(|| {
-        let times = match least > 0.0 {
-            true => format!("{} times ", Number::rounded((own / least).sqrt())),
+    let own = fit_error(contacts, &Matrix3::identity());
+    let changed = changes().map(|(change, name)| (fit_error(contacts, &change), name));
+    let (least, name) = changed
+        .into_iter()
+        .min_by(|(one, _), (other, _)| one.total_cmp(other))?;
+    (own > MIN_RATIO * least && least < MAX_ERROR).then(|| {
+        let times = match (own / least).is_finite() {
+            true => format!("{} times ", Number::rounded(own / least)),
             false => String::new(),
         };
         format!(
             "the normals contradict the places of the contacts, which they would fit {times}better with {name}: are columns swapped, or is a sign wrong?"
         )
     })
+}
+
+/// Geometric mean of the errors of a contact's height and both slopes about a quadric, with changed normals; infinite without a
+/// quadric.
+fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
+    let changed = contacts.iter().map(|contact| Contact {
+        normal: contact.normal.map(|normal| change * normal),
+        ..*contact
+    });
+    let patch = Patch::new(&changed.collect::<Vec<_>>(), &Vector3::z());
+    let fit = patch.and_then(|patch| Quadric::default().fit(&patch));
+    let noise = fit
+        .ok()
+        .and_then(|fit| Some((fit.frame.scale(), fit.noise?)));
+    let error = noise.and_then(|(scale, noise)| {
+        let slope = noise.normal_std_rad?;
+        Some(libm::cbrt(noise.position_std / scale * slope * slope))
+    });
+    error.unwrap_or(f64::INFINITY)
 }
 
 /// Mistakes that swap two components or reverse the sign of one, up to a common sign.
@@ -198,6 +104,7 @@ fn changes() -> [(Matrix3<f64>, &'static str); 6] {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
     use palpate_sensing::{Channel, Stream};
 
     use super::*;
@@ -239,21 +146,5 @@ mod tests {
             of_directions(&two.collect::<Vec<_>>())
         };
         assert_eq!([0, 1, 2].map(told), [None, None, None]);
-    }
-
-    #[test]
-    fn places_of_any_size_spread_as_they_do() {
-        let grid = |size: f64| -> Vec<Point3<f64>> {
-            let place =
-                |number: u32| Point3::new(f64::from(number % 5), f64::from(number / 5), 0.0);
-            (0..15).map(|number| place(number) * size).collect()
-        };
-        let one = spread_across(&grid(1.0));
-        // Rows at 0, 1 and 2 have a variance of 2/3.
-        assert!((one - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{one}");
-        for size in [1e-200, 1e-3, 1e150] {
-            assert!((spread_across(&grid(size)) / size / one - 1.0).abs() < 1e-9);
-        }
-        assert_eq!(spread_across(&grid(0.0)), 0.0);
     }
 }
