@@ -4,10 +4,8 @@
 //! squares remove the part that a change of `B` explains, so the sum of squares follows a chi-squared distribution. Over pads,
 //! all probes share the rounding of the first contact, which is fitted too, as uniform over a pad.
 
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
-use palpate_statistics::{
-    GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, ratio_tail,
-};
+use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, POOR_FIT_LEVEL, StatedQuantity};
 
 use crate::{Estimate, LeastSquares, ProbeReading, ReadingNoise};
 
@@ -16,11 +14,12 @@ const MOBILITY_ENTRIES: usize = 3;
 const UNKNOWNS: usize = 5;
 /// Smallest estimated noise, relative to the longest shift, that is not a rounding error.
 const MIN_NOISE: f64 = 1e-3;
-/// Smallest share of a residual's variance that the fit leaves, for a test of this residual. The rest would be due to the
-/// model's nonlinearity.
-const MIN_LEFT: f64 = 0.02;
 /// Smallest share of an unknown or of noise in a direction that is not a rounding error.
 const SINGULAR: f64 = 1e-10;
+/// Significance level of a poor fit, and smallest ratio of the residuals to the stated noise that is reported. Curvature that
+/// varies along short rolls makes the p-value small, but not the residuals large.
+const LARGE_RESIDUALS_LEVEL: f64 = 0.02;
+const MIN_RESIDUAL_RATIO: f64 = 1.65;
 /// Significance level at which residuals are too small for the stated noise, and smallest ratio of both that is reported.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
 const MIN_NOISE_RATIO: f64 = 4.0;
@@ -90,11 +89,23 @@ impl LeastSquares {
             return Vec::new();
         };
         let goodness = is_stated.then(|| refit.goodness());
-        let poor_fit = goodness.and_then(|goodness| Misfit::poor_fit(goodness, true));
+        let poor_fit = goodness.and_then(poor_fit);
         let small = goodness.and_then(|goodness| small_residuals(&noise, residual, goodness));
         let all = [poor_fit, refit.outlier(is_stated), small];
         all.into_iter().flatten().collect()
     }
+}
+
+/// Reports residuals that are larger than the stated noise explains.
+fn poor_fit(goodness: GoodnessOfFit) -> Option<Misfit> {
+    let GoodnessOfFit {
+        chi_squared,
+        freedom,
+        p_value,
+    } = goodness;
+    let is_large = chi_squared > MIN_RESIDUAL_RATIO * MIN_RESIDUAL_RATIO * freedom as f64;
+    let is_poor = p_value < LARGE_RESIDUALS_LEVEL && is_large || p_value < POOR_FIT_LEVEL;
+    is_poor.then_some(Misfit::PoorFit { p_value })
 }
 
 /// Reports a stated noise of shifts that is far larger than the residuals. Pads are not tested: their errors may all be equal
@@ -220,25 +231,16 @@ impl<'r> Refit<'r> {
         Misfit::outlier(self.weighted().map(|(probe, residual, slopes)| {
             let residual = residual - slopes * self.change;
             let left = Matrix2::identity() - slopes * self.covariance * slopes.transpose();
-            let (mut explained, mut freedom) = (0.0, 0);
-            let eigen = left.symmetric_eigen();
-            for (value, direction) in eigen
-                .eigenvalues
-                .iter()
-                .zip(eigen.eigenvectors.column_iter())
-            {
-                if *value > MIN_LEFT {
-                    let along = direction.dot(&residual);
-                    explained += along * along / value;
-                    freedom += 1;
-                }
-            }
-            let others = (self.chi_squared - explained).max(0.0);
-            let of_others = self.freedom.saturating_sub(freedom);
-            let is_explained = chi_squared_tail(others, of_others) >= SIGNIFICANCE_LEVEL;
-            let p_value = match is_noise_stated && is_explained {
-                true => chi_squared_tail(explained, freedom),
-                false => ratio_tail(explained, freedom, others, of_others),
+            let left = DMatrix::from_column_slice(2, 2, left.as_slice());
+            let residual = DVector::from_column_slice(residual.as_slice());
+            let explained = Explained::by(&[1.0; 2], &left, &residual, LEFT);
+            let others = GoodnessOfFit::new(
+                (self.chi_squared - explained.fall).max(0.0),
+                self.freedom.saturating_sub(explained.freedom),
+            );
+            let p_value = match is_noise_stated && !others.is_doubted() {
+                true => explained.p_value(),
+                false => explained.p_value_beside(self.chi_squared, self.freedom),
             };
             (probe, p_value)
         }))

@@ -5,7 +5,7 @@
 //! a chi-squared distribution for any surface.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_statistics::{GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, ratio_tail};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit};
 
 use crate::chebyshev::{count, products, values};
 use crate::patch::Sample;
@@ -23,8 +23,6 @@ const MAX_CONTACTS: usize = 2000;
 const MIN_POSITION_STD: f64 = 1e-4;
 /// Smallest share of the estimated noise of normals that is not caused by position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
-/// Smallest share of a residual's variance that the fit leaves, for a test of this residual.
-const MIN_LEFT: f64 = 0.02;
 
 /// Goodness of fit and misfit of contacts; of more than 2,000 contacts, of an even selection.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -268,36 +266,14 @@ impl Refit {
         let residual = &contact.values - &contact.slopes * &self.factors;
         let left = DMatrix::identity(rows, rows)
             - &contact.slopes * &self.covariance * contact.slopes.transpose();
-        let eigen = left.symmetric_eigen();
-        let (mut explained, mut freedom) = (0.0, 0);
-        for (value, direction) in eigen
-            .eigenvalues
-            .iter()
-            .zip(eigen.eigenvectors.column_iter())
-        {
-            if *value > MIN_LEFT {
-                let along = direction.dot(&residual);
-                explained += along * along / value;
-                freedom += 1;
-            }
-        }
-        let others = |all: f64| (all - explained).max(0.0);
-        let of_others = |all: usize| all.saturating_sub(freedom);
-        let GoodnessOfFit {
-            chi_squared,
-            freedom: noisy,
-            ..
-        } = self.goodness;
-        let is_explained =
-            chi_squared_tail(others(chi_squared), of_others(noisy)) >= SIGNIFICANCE_LEVEL;
-        match is_noise_stated && is_explained {
-            true => chi_squared_tail(explained, freedom),
-            false => ratio_tail(
-                explained,
-                freedom,
-                others(self.chi_squared),
-                of_others(self.freedom),
-            ),
+        let explained = Explained::by(&vec![1.0; rows], &left, &residual, LEFT);
+        let others = GoodnessOfFit::new(
+            (self.goodness.chi_squared - explained.fall).max(0.0),
+            self.goodness.freedom.saturating_sub(explained.freedom),
+        );
+        match is_noise_stated && !others.is_doubted() {
+            true => explained.p_value(),
+            false => explained.p_value_beside(self.chi_squared, self.freedom),
         }
     }
 }

@@ -143,7 +143,7 @@ fn sound_readings_hardly_ever_have_a_misfit() {
     ] {
         for rolls in [around(), eight(0.1), askew(), askew()[..4].to_vec()] {
             let share = share(stated, &readings(1.0, &FORM, &rolls), &noise, |_| true);
-            assert!(share < 0.03, "{share} with {stated:?}");
+            assert!(share < 0.05, "{share} with {stated:?}");
         }
     }
     // A gain is that of another probe on another object.
@@ -159,7 +159,7 @@ fn noise_three_times_the_stated_one_is_a_poor_fit() {
         shift_std: 3.0 * OF_SHIFTS.shift_std,
         ..OF_SHIFTS
     };
-    for (rolls, least) in [(around(), 0.99), (askew()[..5].to_vec(), 0.9)] {
+    for (rolls, least) in [(around(), 0.99), (eight(0.1)[..4].to_vec(), 0.9)] {
         let exact = readings(1.0, &FORM, &rolls);
         let share = share(OF_SHIFTS, &exact, &thrice, |one| one.code() == "poor-fit");
         assert!(share >= least, "{share} of {} probes", rolls.len());
