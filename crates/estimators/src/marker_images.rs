@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use palpate_press::{
-    CalibrationPress, Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate,
+    CalibrationPress, ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate,
     Rest, Seen,
 };
 use palpate_tracking::{MarkerErrors, Track};
@@ -53,16 +53,31 @@ impl ImageEstimator {
         })
     }
 
-    /// Warnings that the images contradict the model of the estimate.
-    pub fn doubts(
+    /// Compares a stated indentation with the one that the images alone give.
+    ///
+    /// # Errors
+    /// The reason why the images alone give no indentation.
+    pub fn check_indentation(
+        &self,
+        pictures: &MarkerImages,
+        indentation: Option<Measured>,
+    ) -> Result<Option<Misfit>, PressError> {
+        self.with_rest(pictures, |rest| {
+            let seen = &pictures.pressed;
+            self.fit.check_indentation(rest, seen, indentation)
+        })
+    }
+
+    /// Ways in which the pictures contradict the model of the estimate.
+    pub fn misfits(
         &self,
         pictures: &MarkerImages,
         indentation: Option<Measured>,
         estimate: &PressEstimate,
-    ) -> Result<Vec<Doubt>, PressError> {
+    ) -> Result<Vec<Misfit>, PressError> {
         self.with_rest(pictures, |rest| {
             let seen = &pictures.pressed;
-            self.fit.doubts(rest, seen, indentation, estimate)
+            self.fit.misfits(rest, seen, indentation, estimate)
         })
     }
 

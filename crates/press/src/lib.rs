@@ -8,23 +8,21 @@
 mod body;
 mod bonded_layer;
 mod cholesky;
-mod doubt;
 mod error;
 mod estimate;
 mod forward_fit;
 mod half_space;
 mod image_fit;
 mod markers;
+mod misfit;
 mod no_contact;
 mod regime;
-mod score;
 pub mod shear;
 mod skin;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement, Field};
 pub use bonded_layer::{BondedLayer, LayerContact};
-pub use doubt::Doubt;
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
@@ -32,7 +30,7 @@ pub use image_fit::{
     CalibrationPress, DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
 pub use markers::{MarkerDisplacement, Markers};
-pub use palpate_statistics::GoodnessOfFit;
+pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use regime::{ContactRegime, LARGE_CONTACT, MAX_CONTACT, sneddon_indentation, within_object};
 pub use skin::{Place, Skin};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_press::Doubt;
+use palpate_press::Misfit;
 use palpate_statistics::Number;
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
@@ -165,9 +165,9 @@ impl CameraReading {
         }
     }
 
-    /// Warnings of doubts about a press; the doubts number markers by row.
-    pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<Warning> {
-        consistency::doubts(doubts, is_contradicted, &self.origin).collect()
+    /// Warning of a misfit of a press; an outlier is the number of its row.
+    pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
+        consistency::warning(misfit, &self.origin, self.unit.as_str())
     }
 
     /// Report of the object, with the tracking statuses, the outward displacement of the markers, and the warnings

@@ -6,7 +6,7 @@ mod image_options;
 
 pub use image_options::PictureOptions;
 
-use palpate_press::{Body, Doubt, MarkerDisplacement, Measured, PressError};
+use palpate_press::{Body, MarkerDisplacement, Measured, Misfit, PressError};
 use palpate_study::Table;
 use palpate_tracking::{Displaced, MarkerErrors, Track};
 
@@ -14,7 +14,7 @@ use self::camera_prior::CameraPrior;
 use self::error_scaling::ScaledFit;
 use super::camera_calibration::{NominalSensor, SeenAtRest, camera_of, usable};
 use super::camera_reading::{CameraReading, TrackedPress};
-use super::consistency::{self, FORMAT_VERSION, StatedMismatch};
+use super::consistency::{self, FORMAT_VERSION};
 use super::error::{RecordedError, explained};
 use super::frame_pair::{Frame, FramePair};
 use super::press_estimate::{GIVE_INDENTATION, force_and_pressure, too_large};
@@ -60,7 +60,7 @@ const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are correct
 /// they are no file.
 ///
 /// If markers scatter more than these errors explain, uncertainties are widened by the same factor, with a warning.
-/// Doubts, p-value and reduced χ² of a press use the errors that explain the scatter at rest.
+/// Misfits, p-value and reduced χ² of a press use the errors that explain the scatter at rest.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
@@ -119,18 +119,17 @@ pub fn estimate_images(
                 None => refused(error),
             },
         )?;
-    if widened.doubts.is_empty() {
+    if widened.misfits.is_empty() {
         widened.estimate.within_object().map_err(refused)?;
     }
     let moved = scene.moved(&widened).map_err(refused)?;
     let sensed = scene.sensed(tracked, &moved, file)?;
-    let contradiction =
-        indentation.and_then(|told| StatedMismatch::of(widened.alone(), told, scene.unit()));
-    let is_contradicted = contradiction.as_ref().is_some_and(StatedMismatch::is_told);
-    if let Some(contradiction) = &contradiction {
-        widened.doubts = contradiction.doubts(widened.doubts);
-    }
-    let blemished = meant.is_blemished() && !widened.doubts.is_empty();
+    let (contradiction, unchecked) = match widened.check_indentation(indentation) {
+        Ok(contradiction) => (contradiction, None),
+        Err(error) => (None, Some(consistency::unchecked_indentation(error))),
+    };
+    widened.misfits.extend(contradiction);
+    let blemished = meant.is_blemished() && !widened.misfits.is_empty();
     let warnings = (seen.missing.into_iter())
         .chain(Warning::of("other-camera", doubt))
         .chain(Warning::of("ignored-layer", options.other_body()))
@@ -139,10 +138,10 @@ pub fn estimate_images(
             blemished.then_some(BLEMISHED),
         ))
         .chain(widened.warnings(scene.frames))
-        .chain(contradiction.map(StatedMismatch::warning))
+        .chain(unchecked)
         .chain(measured.and_then(|(_, warning)| warning))
         .collect();
-    let object = scene.object(&widened, &moved, (warnings, is_contradicted), &sensed)?;
+    let object = scene.object(&widened, &moved, warnings, &sensed)?;
     Ok(ImageEstimate {
         press: sensed.pressed_by(object),
         sensed,
@@ -278,11 +277,11 @@ impl Scene<'_> {
         &self,
         widened: &ScaledFit,
         moved: &[Option<MarkerDisplacement>],
-        (mut warnings, is_contradicted): (Vec<Warning>, bool),
+        mut warnings: Vec<Warning>,
         sensed: &CameraReading,
     ) -> Result<PressReport, RecordedError> {
         let ScaledFit {
-            estimate, doubts, ..
+            estimate, misfits, ..
         } = widened;
         let rows = self.matched.rows.iter().copied();
         let rows: Vec<usize> = rows.filter(|&marker| moved[marker].is_some()).collect();
@@ -306,14 +305,17 @@ impl Scene<'_> {
             self.meant.sphere.radius,
             self.options.thickness().is_some(),
         ));
-        let in_row = |doubt: &Doubt| match *doubt {
-            Doubt::SlippedMarker { marker, p_value } => {
-                row(&marker).map(|marker| Doubt::SlippedMarker { marker, p_value })
-            }
-            doubt => Some(doubt),
+        let in_row = |misfit: &Misfit| match *misfit {
+            // The scatter of the markers has its own warning.
+            Misfit::PoorFit { .. } => None,
+            Misfit::Outlier { reading, p_value } => Some(Misfit::Outlier {
+                reading: row(&reading)?,
+                p_value,
+            }),
+            misfit => Some(misfit),
         };
-        let in_rows: Vec<Doubt> = doubts.iter().filter_map(in_row).collect();
-        warnings.extend(sensed.doubted(&in_rows, is_contradicted));
+        let misfits = misfits.iter().filter_map(in_row);
+        warnings.extend(misfits.map(|misfit| sensed.warning(&misfit)));
         let body = self.body();
         let stresses = body
             .and_then(|body| {
@@ -332,7 +334,6 @@ impl Scene<'_> {
                 unit: self.options.unit(),
                 stresses,
                 wrong_markers,
-                doubts: doubts.clone(),
                 warnings,
             },
         ))

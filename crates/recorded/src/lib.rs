@@ -28,7 +28,6 @@ mod glide_settings;
 mod header;
 mod image_estimate;
 mod input_checks;
-mod misfit;
 mod misfit_warning;
 mod overlay;
 mod press_estimate;

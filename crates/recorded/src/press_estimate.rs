@@ -1,10 +1,12 @@
 //! The curvature of an object from a recorded press.
 
-use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading, Skin};
+use palpate_press::{
+    Body, ForwardFit, Markers, Misfit, PressError, PressEstimate, Prior, Reading, Skin,
+};
 use palpate_statistics::{BadSetting, Number};
 
 use super::Value;
-use super::consistency::{self, FORMAT_VERSION, StatedMismatch};
+use super::consistency::{self, FORMAT_VERSION};
 use super::duplicate_rows::repeated;
 use super::error::{RecordedError, explained};
 use super::input_checks::{Sensor, along_skin, of_press};
@@ -126,30 +128,32 @@ pub fn estimate_press(
         .indentation
         .map(|value| consistency::indentation(value, std, unit.as_str()));
     let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
-    let estimate = fit.estimate(&Reading {
-        indentation,
-        ..reading
-    });
-    let contradiction = indentation.and_then(|told| {
-        let sound = Sound::of(&reading, estimate.as_ref().ok());
-        StatedMismatch::of(alone.estimate(&sound.reading()), told, unit.as_str())
-    });
-    let estimate =
-        estimate.map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
-    let is_contradicted = contradiction.as_ref().is_some_and(StatedMismatch::is_told);
-    let told = Reading {
+    let stated_reading = Reading {
         indentation,
         ..reading
     };
-    let mut doubts = fit.doubts(&told, &estimate).map_err(refused)?;
-    if let Some(contradiction) = &contradiction {
-        doubts = contradiction.doubts(doubts);
-    }
+    let estimate = fit.estimate(&stated_reading);
+    let checked = alone.check_indentation(&stated_reading, estimate.as_ref().ok());
+    let (contradiction, unchecked) = match checked {
+        Ok(contradiction) => (contradiction, None),
+        Err(error) => (None, Some(consistency::unchecked_indentation(error))),
+    };
+    let warning = |misfit: &Misfit| consistency::warning(misfit, &recorded.origin, unit.as_str());
+    let estimate = estimate.map_err(|error| {
+        refused_for(
+            recorded,
+            options,
+            &error,
+            contradiction.as_ref().map(warning),
+        )
+    })?;
+    let misfits = fit.misfits(&stated_reading, &estimate).map_err(refused)?;
+    let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
     // A contact that is too wide is an error, unless a warning already names the cause.
-    if doubts.is_empty() && estimate.only_marker.is_none() {
+    if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
-    let mistake = along_skin(&fit, &told, &estimate, !doubts.is_empty());
+    let mistake = along_skin(&fit, &stated_reading, &estimate, !misfits.is_empty());
     let wrong_markers: Vec<Row> = estimate
         .wrong_markers
         .iter()
@@ -169,7 +173,7 @@ pub fn estimate_press(
         Warning::of("unit-or-sign", suspicion(recorded, options, unit)),
         Warning::of("unstated-depth", at_surface(options)),
         Warning::of("swapped-columns", mistake),
-        contradiction.map(StatedMismatch::warning),
+        unchecked,
         stated.and_then(|(_, warning)| warning),
         left_out,
         Warning::of(
@@ -186,12 +190,8 @@ pub fn estimate_press(
     ]
     .into_iter()
     .flatten()
-    .chain(warnings(recorded, &estimate, options))
-    .chain(consistency::doubts(
-        &doubts,
-        is_contradicted,
-        &recorded.origin,
-    ))
+    .chain(misfits.iter().map(warning))
+    .chain(warnings(&estimate, options, misfits.is_empty()))
     .collect();
     let stresses = force_and_pressure(&fit.body, &estimate, options.young, unit);
     Ok(PressReport::of(
@@ -205,7 +205,6 @@ pub fn estimate_press(
             unit,
             stresses: stresses.map_err(refused)?,
             wrong_markers,
-            doubts,
             warnings,
         },
     ))
@@ -220,44 +219,6 @@ fn copies(recorded: &PressRecording) -> Option<String> {
         [x, y, normal, along_x, along_y]
     });
     repeated(&recorded.origin, "marker", markers, 0.0)
-}
-
-/// Readings without the outliers that no indentation explains.
-struct Sound {
-    markers: Markers,
-    normal: Vec<f64>,
-    tangential: Option<Vec<[f64; 2]>>,
-}
-
-impl Sound {
-    /// Removes the outliers of an estimate that are far from its contact. Outliers near the contact may be right if
-    /// the stated indentation is wrong.
-    fn of(reading: &Reading<'_>, estimate: Option<&PressEstimate>) -> Self {
-        let markers = reading.markers;
-        let mut kept: Vec<usize> = (0..reading.normal.len()).collect();
-        if let Some(estimate) = estimate {
-            let distances = markers.distances(estimate.contact);
-            let near = 2.0 * estimate.contact_radius.value;
-            kept.retain(|marker| {
-                !estimate.wrong_markers.contains(marker) || distances[*marker] <= near
-            });
-        }
-        let tangential = reading.tangential;
-        Self {
-            markers: markers.subset(&kept),
-            normal: kept.iter().map(|&marker| reading.normal[marker]).collect(),
-            tangential: tangential.map(|all| kept.iter().map(|&marker| all[marker]).collect()),
-        }
-    }
-
-    fn reading(&self) -> Reading<'_> {
-        Reading {
-            markers: &self.markers,
-            normal: &self.normal,
-            tangential: self.tangential.as_deref(),
-            indentation: None,
-        }
-    }
 }
 
 /// The fits of one press.
@@ -353,9 +314,6 @@ pub(super) const GIVE_INDENTATION: &str =
 /// A fit that explains less than this share of the variance gives a warning.
 const LITTLE: f64 = 0.5;
 
-/// Approximate number of unknowns of a fit: curvature, place and indentation.
-const UNKNOWNS: usize = 4;
-
 /// Warning if the contact is too wide for small strains.
 pub(super) fn too_large(
     estimate: &PressEstimate,
@@ -371,23 +329,13 @@ pub(super) fn too_large(
 }
 
 fn warnings(
-    recorded: &PressRecording,
     estimate: &PressEstimate,
     options: &PressOptions,
+    has_no_misfit: bool,
 ) -> impl Iterator<Item = Warning> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     let large = too_large(estimate, options.radius(), is_layer);
-    let each = if estimate.tangential_std.is_some() {
-        3
-    } else {
-        1
-    };
-    let freedom = (each * recorded.places.len()).saturating_sub(UNKNOWNS);
-    let is_stated = options.normal_std.is_some();
-    let residuals = is_stated
-        .then(|| consistency::noise(estimate, freedom))
-        .flatten();
-    let is_noise = is_stated && residuals.is_none();
+    let is_noise = options.normal_std.is_some() && has_no_misfit;
     let unexplained = (estimate.r_squared < LITTLE && !is_noise).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
         let text = format!("the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body");
@@ -396,7 +344,6 @@ fn warnings(
     let is_gaussian = matches!(options.estimator, PressEstimatorConfig::Gaussian { .. });
     large
         .into_iter()
-        .chain(residuals)
         .chain(unexplained)
         .chain(Warning::of("gaussian-body", is_gaussian.then_some(NO_BODY)))
 }
@@ -435,15 +382,13 @@ fn refused_for(
     recorded: &PressRecording,
     options: &PressOptions,
     error: &PressError,
-    contradiction: Option<&StatedMismatch>,
+    contradiction: Option<Warning>,
 ) -> RecordedError {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (suspicion, contradiction) = match error {
         PressError::BadSetting(_) => (None, None),
         _ => (suspicion(recorded, options, unit), contradiction),
     };
-    // If the readings alone give no indentation, the error already says why.
-    let contradiction = contradiction.filter(|contradiction| contradiction.is_told());
     let origin = &recorded.origin;
     let message = match error {
         PressError::BadSetting(BadSetting {
@@ -475,8 +420,8 @@ fn refused_for(
         }
         _ => error.to_string(),
     };
-    let contradiction = contradiction.map(|contradiction| contradiction.words.as_str());
-    let message = [suspicion.as_deref(), contradiction]
+    let contradiction = contradiction.map(|contradiction| contradiction.text);
+    let message = [suspicion, contradiction]
         .into_iter()
         .flatten()
         .fold(message, |message, more| format!("{message}; {more}"));

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use palpate_press::{ContactRegime, Doubt, Estimated, PressEstimate};
+use palpate_press::{ContactRegime, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
-use super::misfit::{Misfit, poor_fit, with_p_values};
 use palpate_study::Unit;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
@@ -119,7 +118,6 @@ pub(super) struct Described {
     /// Force and peak pressure, if Young's modulus is given.
     pub(super) stresses: [Option<Value>; 2],
     pub(super) wrong_markers: Vec<Row>,
-    pub(super) doubts: Vec<Doubt>,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -136,9 +134,6 @@ impl PressReport {
         };
         let [force, peak_pressure] = described.stresses;
         let p_value = estimate.goodness.map(|goodness| goodness.p_value);
-        let mut warnings = described.warnings;
-        warnings.extend(poor_fit(p_value, !described.doubts.is_empty()));
-        let doubts = described.doubts.iter().map(Misfit::warning);
         Self {
             format_version: described.format_version,
             method: described.method,
@@ -175,7 +170,7 @@ impl PressReport {
             },
             r_squared: estimate.r_squared,
             contact_seen: estimate.is_detected,
-            warnings: with_p_values(warnings, doubts),
+            warnings: described.warnings,
         }
     }
 }

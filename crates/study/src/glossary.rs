@@ -132,8 +132,8 @@ subjects! {
         "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the one in the readings.";
         "large-residuals": "Warning about presses: the residuals are larger than the stated noise explains.";
         "not-round": "Warning about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
-        "other-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
-        "slipped-marker": "Warning about presses: one marker contradicts the others, but too weakly to be left out as an outlier.";
+        "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
+        "outlier": "Warning: one reading contradicts the others. Markers of a press that contradict them strongly are left out instead.";
     }
     "Warnings about readings, calibrations and runs" {
         "not-through-rest": "A line with an intercept fits the calibration far better than a line through rest: the points may not be changes from rest.";

@@ -102,7 +102,7 @@ pub(super) fn score(case: &Case, trials: &[Estimate], pixel_bound: Option<f64>) 
             curvature.std,
             estimate.holds,
         );
-        let names = estimate.doubts.iter().map(|warning| warning.name());
+        let names = estimate.misfits.iter().map(|warning| warning.code());
         warned += f64::from(u8::from(warnings.add(names)));
         p_values.extend(estimate.p_value);
         let Interval { low, high } = curvature.interval;
@@ -289,7 +289,7 @@ mod tests {
             holds: [error.abs() < 0.006, error.abs() < 0.012, error.abs() < 0.02],
             std_bound: Some(0.01),
             p_value: Some(0.5),
-            doubts: Vec::new(),
+            misfits: Vec::new(),
         })
     }
 

@@ -2,7 +2,7 @@
 //! contradict the model of the fit.
 
 use anyhow::Result;
-use palpate_press::{Doubt, Interval, Measured, PressError};
+use palpate_press::{Interval, Measured, Misfit, PressError};
 use palpate_sensing::{Channel, Stream};
 use palpate_statistics::HALF_WIDTHS;
 
@@ -76,15 +76,17 @@ fn tally(case: &Case, trials: u64) -> Result<PressTally> {
             }
         };
         tally.seen += f64::from(u8::from(estimate.is_detected));
-        let warnings = case.fit.doubts(&reading, &estimate)?;
-        common.add_estimate(None, warnings.iter().map(|warning| warning.name()));
+        let mut warnings = case.fit.misfits(&reading, &estimate)?;
+        let stated = case.fit.check_indentation(&reading, Some(&estimate));
+        warnings.extend(stated.ok().flatten());
+        common.add_estimate(None, warnings.iter().map(|warning| warning.code()));
         let left_out = &estimate.wrong_markers;
         if !left_out.is_empty() {
             tally.left_out += 1.0;
             common.warned += f64::from(u8::from(warnings.is_empty()));
         }
         let slipped = case.readings.slipped;
-        let names_slip = |warning: &Doubt| matches!(warning, Doubt::SlippedMarker { marker, .. } if Some(*marker) == slipped);
+        let names_slip = |warning: &Misfit| matches!(warning, Misfit::Outlier { reading, .. } if Some(*reading) == slipped);
         let is_right = warnings.iter().all(names_slip)
             && left_out.iter().all(|&marker| Some(marker) == slipped);
         let is_warned = !(warnings.is_empty() && left_out.is_empty());

@@ -170,7 +170,7 @@ pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
         }),
         Step::Misfits => Evaluation::new(name, move || {
             let pressed = black_box(&press.pressed);
-            press.fit.doubts(&rest, pressed, None, &estimate)
+            press.fit.misfits(&rest, pressed, None, &estimate)
         }),
     })
 }

@@ -15,11 +15,11 @@ const PRESSES: &str = "
 --depth 2 --indentation 1.5 --indentation-std 0.02 | []
 --depth 2 --indentation 1.5 | without a standard deviation
 --depth 2 --indentation 1.5 --indentation-std 0 | without a standard deviation
---depth 2 --indentation 1 --indentation-std 0.02 | the readings alone say 1.43 +- 0.0555 mm: they differ by 7.4
---depth 2 --indentation 1.7 --indentation-std 0.02 | is not to be trusted
+--depth 2 --indentation 1 --indentation-std 0.02 | but the readings alone say 1.43 mm
+--depth 2 --indentation 1.7 --indentation-std 0.02 | the curvature is not reliable
 --depth 2 --indentation 15 | the readings alone say
 --depth 2 --indentation 2 --indentation-std 1e-6 | one of the contact itself (row 1, line 2)
---depth 2 --normal-std 0.01 | times the noise that is given
+--depth 2 --normal-std 0.01 | times the stated noise
 --depth 2 --normal-std 0.5 --tangential-std 0.2 | intervals are too wide
 --depth 2 --normal-std 5 --tangential-std 5 | no marker moved by more than
 ";
@@ -77,11 +77,11 @@ fn warnings_have_codes() {
     desk.write("r.csv", PRESS);
     for (options, code) in [
         ("--indentation 1.5", None),
-        ("--indentation 1", Some("other-indentation")),
-        ("--indentation 3", Some("other-indentation")),
+        ("--indentation 1", Some("stated-indentation")),
+        ("--indentation 3", Some("stated-indentation")),
         (
             "--normal-std 0.0385 --tangential-std 0.0155",
-            Some("large-residuals"),
+            Some("poor-fit"),
         ),
     ] {
         let command = format!("estimate press r.csv --sensor-radius 20 --depth 2 {options}");
@@ -91,7 +91,7 @@ fn warnings_have_codes() {
             .filter_map(|warning| warning["code"].as_str())
             .collect();
         assert_eq!(
-            codes.contains(&code.unwrap_or("other-indentation")),
+            codes.contains(&code.unwrap_or("stated-indentation")),
             code.is_some(),
             "{options}: {codes:?}"
         );

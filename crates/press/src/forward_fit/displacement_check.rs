@@ -1,27 +1,72 @@
-//! Score tests of a fit: do the displacements contradict its model?
+//! Tests of a fit: do the displacements contradict its model?
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
+use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
 
 use super::problem::{Problem, State, finite};
 use super::search::SINGULAR;
 use super::{ForwardFit, Reading};
 use crate::cholesky::inverse;
-use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, patterns};
-use crate::unknowns::{INDENTATION, Square, UNKNOWNS, Unknowns};
-use crate::{Doubt, PressError, PressEstimate};
+use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
+use crate::unknowns::{Square, Sums};
+use crate::{PressError, PressEstimate};
+
+/// Ratio of the residuals to the stated noise, or its inverse, from which on the stated noise is wrong.
+const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model. There are none for a
-    /// Gaussian, which is only an approximation, or if there are hardly more equations than unknowns. If the residuals are too
-    /// large for the stated noise, the other tests use the residuals instead.
+    /// Compares the stated indentation of a reading with the one that its displacements alone give. Outliers of `estimate` that
+    /// lie far from the contact are left out; others may be right if the stated indentation is wrong.
+    ///
+    /// # Errors
+    /// The reason why the displacements alone give no indentation.
+    pub fn check_indentation(
+        &self,
+        reading: &Reading<'_>,
+        estimate: Option<&PressEstimate>,
+    ) -> Result<Option<Misfit>, PressError> {
+        let Some(stated) = reading.indentation else {
+            return Ok(None);
+        };
+        self.validate(reading)?;
+        let mut kept: Vec<usize> = (0..reading.normal.len()).collect();
+        if let Some(estimate) = estimate {
+            let distances = reading.markers.distances(estimate.contact);
+            let near = 2.0 * estimate.contact_radius.value;
+            kept.retain(|marker| {
+                !estimate.wrong_markers.contains(marker) || distances[*marker] <= near
+            });
+        }
+        let normal: Vec<f64> = kept.iter().map(|&marker| reading.normal[marker]).collect();
+        let tangential: Option<Vec<[f64; 2]>> = reading
+            .tangential
+            .map(|all| kept.iter().map(|&marker| all[marker]).collect());
+        let alone = self.estimate(&Reading {
+            markers: &reading.markers.subset(&kept),
+            normal: &normal,
+            tangential: tangential.as_deref(),
+            indentation: None,
+        })?;
+        if alone.only_marker.is_some() {
+            return Err(PressError::Undetermined {
+                what: "only one marker moved",
+            });
+        }
+        stated_indentation(stated, &alone.indentation)
+    }
+
+    /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
+    /// tested by [`Self::check_indentation`]. Of a Gaussian, which is only an approximation, of a contact that is not detected, and
+    /// if there are hardly more equations than unknowns, only the size of the residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and
+    /// patterns use the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
-    pub fn doubts(
+    pub fn misfits(
         &self,
         reading: &Reading<'_>,
         estimate: &PressEstimate,
-    ) -> Result<Vec<Doubt>, PressError> {
+    ) -> Result<Vec<Misfit>, PressError> {
         self.validate(reading)?;
         let mut problem = Problem::new(self, reading);
         let skin = reading.markers.skin();
@@ -41,103 +86,96 @@ impl ForwardFit {
         }
         problem.normal_std = estimate.normal_std;
         problem.tangential_std = estimate.tangential_std.unwrap_or(problem.tangential_std);
-        let large = estimate.goodness.map_or(1.0, |goodness| goodness.p_value);
-        match Test::new(&problem, &state)? {
-            // The tests are valid only at the best fit, which an undetected contact is not.
-            Some(test) if estimate.is_detected => test.doubts(large),
-            _ => Ok(Doubt::of_size(estimate.goodness)),
-        }
-    }
-}
-
-/// A fit with the values that its tests need.
-struct Test<'p, 'a> {
-    problem: &'p Problem<'a>,
-    state: &'p State,
-    covariance: Square,
-    gradient: Unknowns,
-    noise: Noise,
-}
-
-impl<'p, 'a> Test<'p, 'a> {
-    /// The tests of a fit; `None` if it cannot be tested.
-    fn new(problem: &'p Problem<'a>, state: &'p State) -> Result<Option<Self>, PressError> {
-        let sums = problem.sums(state)?;
+        let sums = problem.sums(&state)?;
+        let poor_fit = estimate
+            .goodness
+            .and_then(|goodness| Misfit::poor_fit(goodness, true));
+        let noise = problem.stated_noise(&state)?;
+        let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);
-        let testable = noise.zip(inverse(&sums.hessian, SINGULAR));
-        Ok(testable.map(|(noise, covariance)| Self {
-            problem,
-            state,
-            covariance,
-            gradient: sums.gradient,
-            noise,
-        }))
-    }
-
-    fn doubts(&self, large: f64) -> Result<Vec<Doubt>, PressError> {
-        let (problem, state) = (self.problem, self.state);
-        let slipped = problem.slipped(state, &self.covariance, &self.noise)?;
-        let doubts = self.beside(slipped, large)?;
-        let is_less_likely = |doubt: &Doubt| doubt.p_value() < slipped.1;
-        if slipped.1 < Doubt::LEVEL
-            && !doubts.iter().any(is_less_likely)
-            && let Some((others, state, _)) = problem.without(slipped.0, state)
-            && let Some(test) = Test::new(&others, &state)?
+        // These tests are valid only at the best fit, which an undetected contact is not.
+        if let Some((noise, covariance)) = noise.zip(inverse(&sums.hessian, SINGULAR))
+            && estimate.is_detected
         {
-            // A pattern that the outlier explains is not evidence of another body.
-            return test.beside(slipped, large);
+            let (reading, p_value) = problem.slipped(&state, &covariance, &noise)?;
+            let mut fit = Some((problem, state, sums));
+            if p_value < SIGNIFICANCE_LEVEL {
+                misfits.push(Misfit::Outlier { reading, p_value });
+                // A pattern that the outlier explains is no evidence of another body.
+                fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
+            }
+            if let Some((problem, state, sums)) = fit
+                && let Some(covariance) = inverse(&sums.hessian, SINGULAR)
+            {
+                misfits.extend(problem.pattern_misfits(&state, &sums, &covariance, &noise)?);
+            }
         }
-        Ok(doubts)
+        Ok(misfits)
+    }
+}
+
+impl Problem<'_> {
+    /// A stated noise that is not that of the residuals.
+    fn stated_noise(&self, state: &State) -> Result<Option<Misfit>, PressError> {
+        let contact = self.contact(state)?;
+        let (mut normal, mut tangential) = (0.0, 0.0);
+        for marker in self.counting() {
+            let [inward, x, y] = self.residuals_at(&contact, state, marker);
+            normal += inward * inward;
+            tangential += x * x + y * y;
+        }
+        let freedom = self.freedom() as f64 / self.equations().max(1) as f64;
+        let markers = self.counting().count();
+        let test = |stated: Option<f64>, squares: f64, readings: usize| {
+            let stated = stated.filter(|&std| std > 0.0)?;
+            let freedom = (freedom * readings as f64) as usize;
+            let ratio = (squares / freedom.max(1) as f64).sqrt();
+            let larger = chi_squared_tail(squares, freedom);
+            let p_value = if ratio > 1.0 { larger } else { 1.0 - larger };
+            let is_wrong = ratio.max(ratio.recip()) > MIN_NOISE_RATIO;
+            (is_wrong && freedom > 0 && p_value < SIGNIFICANCE_LEVEL).then_some(Misfit::Stated {
+                quantity: StatedQuantity::Noise,
+                stated,
+                estimated: stated * ratio,
+                p_value,
+            })
+        };
+        let tangential = || {
+            let is_used = self.uses_tangential();
+            let stated = self.fit.tangential_std.filter(|_| is_used);
+            test(stated, tangential, 2 * markers)
+        };
+        Ok(test(self.fit.normal_std, normal, markers).or_else(tangential))
     }
 
-    /// Doubts from the markers that are used, and from a marker that may be an outlier.
-    fn beside(&self, slipped: (usize, f64), large: f64) -> Result<Vec<Doubt>, PressError> {
-        let products = self.products()?;
-        let score = Score::new(&products, &self.covariance, &self.gradient, self.noise);
-        let indentation = self.noise.indentation(
-            self.problem.reading.indentation,
-            self.problem.sought[INDENTATION],
-            self.state.indentation,
-            self.covariance[(INDENTATION, INDENTATION)],
-        );
-        Ok(score.doubts(indentation, slipped, large))
-    }
-
-    fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
-        let (problem, state) = (self.problem, self.state);
-        let contact = problem.contact(state)?;
-        let is_given = problem.reading.indentation.is_some() && !problem.sought[INDENTATION];
-        let mut products = Products {
+    /// Significant patterns in the residuals of a fit.
+    fn pattern_misfits(
+        &self,
+        state: &State,
+        sums: &Sums,
+        covariance: &Square,
+        noise: &Noise,
+    ) -> Result<impl Iterator<Item = Misfit> + use<>, PressError> {
+        let contact = self.contact(state)?;
+        let mut products = PatternSums {
             by_slopes: SMatrix::zeros(),
             by_patterns: SMatrix::zeros(),
-            by_residuals: Patterns::zeros(),
+            by_residuals: SVector::zeros(),
         };
-        let slopes = problem.slopes(state)?;
-        for (marker, slopes) in problem.counting().zip(slopes) {
-            let sight = problem.sight(state, marker);
-            let [normal, x, y] = patterns(&contact, &sight);
-            let mut patterns = [
-                normal / problem.normal_std,
-                Patterns::zeros(),
-                Patterns::zeros(),
-            ];
-            if problem.uses_tangential() {
-                patterns[1] = x / problem.tangential_std;
-                patterns[2] = y / problem.tangential_std;
-            }
-            let residuals = problem.residuals_at(&contact, state, marker);
-            for ((patterns, slopes), residual) in patterns.iter_mut().zip(&slopes).zip(residuals) {
-                if is_given {
-                    patterns[BY_INDENTATION] = slopes[INDENTATION];
-                }
-                products.by_slopes += problem.of_sought(slopes) * patterns.transpose();
-                products.by_patterns += *patterns * patterns.transpose();
-                products.by_residuals += *patterns * residual;
+        let stds = [self.normal_std, self.tangential_std, self.tangential_std];
+        for (marker, slopes) in self.counting().zip(self.slopes(state)?) {
+            let patterns: Patterns = patterns(&contact, &self.sight(state, marker));
+            let residuals = self.residuals_at(&contact, state, marker);
+            for component in 0..self.components() {
+                let pattern = patterns.row(component) / stds[component];
+                products.by_slopes += self.of_sought(&slopes[component]) * pattern;
+                products.by_patterns += pattern.transpose() * pattern;
+                products.by_residuals += pattern.transpose() * residuals[component];
             }
         }
         let sum =
             products.by_slopes.sum() + products.by_patterns.sum() + products.by_residuals.sum();
         finite(sum)?;
-        Ok(products)
+        Ok(products.misfits(sums, covariance, noise))
     }
 }

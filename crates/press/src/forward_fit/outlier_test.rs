@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use palpate_statistics::{Explained, LEFT, least_likely};
 
-use super::problem::{Problem, State};
+use super::problem::{Problem, State, WRONG};
 use super::{EXACTLY, minimise};
 use crate::PressError;
-use crate::score::{Noise, matters};
+use crate::misfit::Noise;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
 /// Estimated noise below this, relative to the largest displacement, may be rounding.
@@ -51,8 +51,9 @@ impl Problem<'_> {
         let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
             let slopes = slopes.map(|slopes| self.of_sought(&slopes));
             let by = slopes.map(|slopes| covariance * slopes);
-            let moves = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
-            if !matters(moves, variance) {
+            let moves: f64 = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
+            // An error that is too small for rejection cannot spoil the interval.
+            if WRONG * WRONG * moves < variance {
                 return None;
             }
             let left = DMatrix::from_fn(components, components, |one, other| {

@@ -279,7 +279,7 @@ impl<V: View> Problem<'_, V> {
     }
 
     /// Sum of the squared residuals of each used marker, without the part that common departures explain.
-    fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
+    pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())
             .map(|at| own.rows(NUMBERS * at, NUMBERS).norm_squared())

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use palpate_press::{Body, Contact, Doubt, ForwardFit, Markers, Measured, Reading, Skin};
+use palpate_press::{Body, Contact, ForwardFit, Markers, Measured, Reading, Skin};
 use palpate_sensing::{Channel, Stream};
 
 /// Radius of the skin, mm.
@@ -63,13 +63,10 @@ pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
-/// Share of trials with a doubt of this name, or with any.
-pub(crate) fn doubted_share(doubts: &[Vec<Doubt>], name: Option<&str>) -> f64 {
-    let has = |one: &&Vec<Doubt>| match name {
-        Some(name) => one.iter().any(|doubt| doubt.name() == name),
-        None => !one.is_empty(),
-    };
-    doubts.iter().filter(has).count() as f64 / doubts.len() as f64
+/// Share of trials with a misfit of this code, or with any.
+pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
+    let has = |one: &&Vec<&str>| code.map_or(!one.is_empty(), |code| one.contains(&code));
+    codes.iter().filter(has).count() as f64 / codes.len() as f64
 }
 
 /// Readings of the markers.

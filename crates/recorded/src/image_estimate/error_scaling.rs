@@ -1,7 +1,7 @@
 //! Fit of pictures with errors widened to the scatter of the markers, and its warnings.
 
 use palpate_press::{
-    Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Seen,
+    ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate, Seen,
 };
 use palpate_statistics::Number;
 
@@ -17,7 +17,7 @@ pub(super) struct ScaledFit {
     /// The estimate; its goodness of fit uses errors widened by the scatter at rest only.
     pub(super) estimate: PressEstimate,
     /// Contradictions between the pictures and the model, with the same errors.
-    pub(super) doubts: Vec<Doubt>,
+    pub(super) misfits: Vec<Misfit>,
     /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if these explain it.
     scatter: [f64; 2],
 }
@@ -52,10 +52,10 @@ impl ScaledFit {
         at_rest: f64,
     ) -> Result<Self, PressError> {
         let stated = method.estimate(&pictures, indentation)?;
-        let doubts = method.doubts(&pictures, indentation, &stated)?;
-        let is_large = |doubt: &Doubt| matches!(doubt, Doubt::LargeResiduals { .. });
+        let misfits = method.misfits(&pictures, indentation, &stated)?;
+        let is_large = |misfit: &Misfit| matches!(misfit, Misfit::PoorFit { .. });
         let (mut estimate, mut pressed) = (stated.clone(), 1.0);
-        if doubts.iter().any(is_large) {
+        if misfits.iter().any(is_large) {
             pressed = stated.reduced_chi_squared.sqrt();
             widen(&mut pictures.pressed, pressed);
             estimate = PressEstimate {
@@ -68,14 +68,17 @@ impl ScaledFit {
             method,
             pictures,
             estimate,
-            doubts,
+            misfits,
             scatter: [at_rest, at_rest * pressed],
         })
     }
 
-    /// The estimate from the same pictures without an indentation.
-    pub(super) fn alone(&self) -> Result<PressEstimate, PressError> {
-        self.method.estimate(&self.pictures, None)
+    /// Compares a stated indentation with the one that the same pictures alone give.
+    pub(super) fn check_indentation(
+        &self,
+        indentation: Option<Measured>,
+    ) -> Result<Option<Misfit>, PressError> {
+        self.method.check_indentation(&self.pictures, indentation)
     }
 
     /// Displacements of the markers beyond those of the press, from their pictures.
@@ -88,23 +91,27 @@ impl ScaledFit {
         let [at_rest, pressed] = self.scatter;
         let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
             (scatter > 1.0).then(|| {
-                let doubt = match scatter * scatter > CONTRADICTED {
-                    true => ", and the curvature is not to be trusted",
+                let reliability = match scatter * scatter > CONTRADICTED {
+                    true => ", and the curvature is not reliable",
                     false => "",
                 };
                 let scattered = scattered(frame, scatter);
-                let text = format!("{scattered}; uncertainties are as much wider{doubt}: {cause}");
+                let text =
+                    format!("{scattered}; uncertainties are as much wider{reliability}: {cause}");
                 Warning::new(code, text, [("ratio", scatter)])
             })
         };
         let [rest, press] = frames;
         let of_rest = warning("scatter-at-rest", at_rest, rest, OF_REST);
-        let of_press = warning(
-            "large-residuals",
+        let mut of_press = warning(
+            "poor-fit",
             if pressed > at_rest { pressed } else { 1.0 },
             press,
             "are the body and the indentation those of the sensor?",
         );
+        if let Some((warning, goodness)) = of_press.as_mut().zip(self.estimate.goodness) {
+            warning.numbers.insert("p_value", goodness.p_value);
+        }
         of_rest.into_iter().chain(of_press).collect()
     }
 }

@@ -118,13 +118,11 @@ fn a_fit_with_another_body_causes_a_warning() {
             number(&coded.next().expect(code)["numbers"]["p_value"])
         };
         assert!(p_value("other-body") < 0.05, "{report}");
-        assert_eq!(
-            number(&report["noise"]["p_value"]),
-            p_value("large-residuals")
-        );
+        assert_eq!(number(&report["noise"]["p_value"]), p_value("poor-fit"));
         let warnings = report["warnings"].to_string();
         assert!(
-            warnings.contains("pressed.png scatter") && warnings.contains("than in this body"),
+            warnings.contains("pressed.png scatter")
+                && warnings.contains("than in the fitted body"),
             "{warnings}"
         );
     }

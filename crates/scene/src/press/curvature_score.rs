@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 use palpate_chromatouch::MarkerMotion;
-use palpate_press::{Doubt, Estimated};
+use palpate_press::{Estimated, Misfit};
 
 use super::PressFailure;
 use super::reading::PressReading;
@@ -30,8 +30,8 @@ pub struct CurvatureScore {
     pub std_bound: Option<f64>,
     /// Goodness-of-fit p-value, if the fit has one.
     pub p_value: Option<f64>,
-    /// Warnings that the readings contradict the model.
-    pub doubts: Vec<Doubt>,
+    /// Ways in which the readings contradict the model.
+    pub misfits: Vec<Misfit>,
 }
 
 impl PressScene {
@@ -62,10 +62,17 @@ impl PressScene {
         let estimate = self.estimate(reading)?;
         let indentation = self.given_indentation(reading);
         let images = self.estimator.images(reading);
-        let doubts = match images {
-            Some((fit, images)) => fit.doubts(images, indentation, &estimate)?,
-            None => self.with_fit(reading, |fit, reading| fit.doubts(reading, &estimate))?,
+        let (stated, mut misfits) = match images {
+            Some((fit, images)) => (
+                fit.check_indentation(images, indentation),
+                fit.misfits(images, indentation, &estimate)?,
+            ),
+            None => self.with_fit(reading, |fit, reading| {
+                let stated = fit.check_indentation(reading, Some(&estimate));
+                Ok((stated, fit.misfits(reading, &estimate)?))
+            })?,
         };
+        misfits.extend(stated.ok().flatten());
         let estimated = estimate.object_curvature();
         let truth = self.geometry.object.curvature;
         let std_bound = images.and_then(|(fit, images)| {
@@ -79,7 +86,7 @@ impl PressScene {
             holds: hold(&estimated, truth),
             std_bound,
             p_value: estimate.goodness.map(|goodness| goodness.p_value),
-            doubts,
+            misfits,
         })
     }
 

@@ -341,8 +341,8 @@ fn impossible_estimates_have_named_errors() {
             ..good.clone()
         };
         assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
-        let doubts = PRESS.fit().doubts(&rest, &seen, None, &estimate);
-        assert_eq!(name(doubts), expected);
+        let misfits = PRESS.fit().misfits(&rest, &seen, None, &estimate);
+        assert_eq!(name(misfits), expected);
     }
     for (depth, expected) in [
         (f64::NAN, "out-of-range"),
@@ -352,8 +352,8 @@ fn impossible_estimates_have_named_errors() {
         let mut estimate = good.clone();
         estimate.indentation.value = depth;
         assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
-        let doubts = PRESS.fit().doubts(&rest, &seen, None, &estimate);
-        assert_eq!(name(doubts), expected);
+        let misfits = PRESS.fit().misfits(&rest, &seen, None, &estimate);
+        assert_eq!(name(misfits), expected);
     }
     assert_eq!(bound(f64::NAN, 0.0, 1.0), "bad-setting");
     assert_eq!(bound(0.06, f64::NAN, 1.0), "out-of-range");
@@ -364,6 +364,6 @@ fn impossible_estimates_have_named_errors() {
     assert_eq!(name(found), "undetermined");
     let beyond = PRESS.fit().beyond(&rest, &seen, &good).unwrap();
     assert!(beyond.iter().flatten().all(|more| more.normal.abs() < 1e-3));
-    let doubts = PRESS.fit().doubts(&rest, &seen, None, &good);
-    assert_eq!(doubts.unwrap(), []);
+    let misfits = PRESS.fit().misfits(&rest, &seen, None, &good);
+    assert_eq!(misfits.unwrap(), []);
 }

@@ -129,9 +129,9 @@ is what the interval leaves open: convex, concave, flat-within-noise or not-reso
 `wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
 only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
 leave; where one marker alone shows it, a warning names that marker. `warnings` have a `code`,
-a `text` and `numbers`. With a `p_value` among the numbers they are ways in which the readings contradict the model:
-poor-fit (where it is below 1e-6), large-residuals, other-body, not-round, other-indentation, slipped-marker (of which the
-interval then holds what the others tell too); 1 press in 200 has each of the others by chance, and 1 in 50 one of the middle three by all that they tell together.
+a `text` and `numbers`. Those with a `p_value` are ways in which the readings contradict the model: poor-fit,
+stated-noise, stated-indentation, outlier (the interval then also contains the estimate without this marker), other-body
+and not-round. If the model holds, 1 press in 200 has each of them by chance, and 1 in 80 stated-indentation.
 
 The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: the indentation, by

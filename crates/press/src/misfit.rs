@@ -1,0 +1,231 @@
+//! Tests of fits: for another body and for an object that is not round, by patterns in the residuals, and for a stated
+//! indentation.
+//!
+//! A pattern is tested by Rao's score test: the decrease of chi-squared, to first order, by one more unknown in the model.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
+use palpate_statistics::{Explained, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, normal_tail};
+
+use crate::markers::Sight;
+use crate::unknowns::{Square, Sums, UNKNOWNS};
+use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
+
+/// Number of patterns: first five that depend on the distance from the contact alone, then two that depend on the direction.
+pub(crate) const PATTERNS: usize = 7;
+const BY_DISTANCE: Range<usize> = 0..5;
+const BY_DIRECTION: Range<usize> = 5..7;
+
+/// A pattern is tested only if the fitted unknowns leave at least this share of it. A smaller rest is mostly an effect of the
+/// curved model with uncertain unknowns.
+const MIN_REMAINING_SHARE: f64 = 0.1;
+
+/// Difference between the stated and the estimated indentation, in standard deviations, from which on the stated one is wrong.
+/// By chance 1.2 % of differences are larger. An estimate that is too large is less exact, so a larger limit would miss more.
+const MAX_INDENTATION_DIFFERENCE: f64 = 2.5;
+
+/// Patterns of a marker's displacement, of any scale: inward, and along both axes at the marker.
+pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
+
+/// Patterns of a marker's displacement by a contact.
+///
+/// Another body changes the displacements u_z and u_r, their steepness, or adds an offset. The second derivatives of a round
+/// bump across two directions differ about as r ∂u_z/∂r cos 2θ; the displacements along the skin are the gradient of such a
+/// potential, r u_r cos 2θ. An elongated contact adds these, with the angle of its axis.
+pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
+    let field = contact.field(sight.distance);
+    let steep = sight.distance * field.normal_per_r;
+    let steep_radial = sight.distance * field.radial_per_r;
+    let offset = contact.radius * contact.radius;
+    let [x, y] = [sight.bearing.x, sight.bearing.y];
+    let (cosine, sine) = (x * x - y * y, 2.0 * x * y);
+    let inward = [
+        field.normal,
+        steep,
+        offset,
+        0.0,
+        0.0,
+        steep * cosine,
+        steep * sine,
+    ];
+    let (along, across) = (field.radial + steep_radial, 2.0 * field.radial);
+    let outward = [
+        0.0,
+        0.0,
+        0.0,
+        field.radial,
+        steep_radial,
+        along * cosine,
+        along * sine,
+    ];
+    let around = [0.0, 0.0, 0.0, 0.0, 0.0, -across * sine, across * cosine];
+    let turned = Vector2::new(-sight.outward.y, sight.outward.x);
+    Patterns::from_fn(|component, pattern| match component {
+        0 => inward[pattern],
+        axis => sight.outward[axis - 1] * outward[pattern] + turned[axis - 1] * around[pattern],
+    })
+}
+
+/// Noise to which residuals are compared.
+#[derive(Clone, Copy)]
+pub(crate) enum Noise {
+    /// Noise whose size is stated.
+    Stated,
+    /// Noise estimated from the residuals, with their chi-squared and degrees of freedom.
+    Found { chi_squared: f64, freedom: usize },
+}
+
+impl Noise {
+    /// The stated noise, or the noise of the residuals if they are significantly larger: with too small a stated noise every
+    /// pattern would be significant.
+    pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
+        match goodness.is_doubted() {
+            true => Self::Found {
+                chi_squared: goodness.chi_squared,
+                freedom: goodness.freedom,
+            },
+            false => Self::Stated,
+        }
+    }
+
+    /// P-value of the decrease of chi-squared that patterns explain.
+    pub(crate) fn chance(&self, explained: Explained) -> f64 {
+        match *self {
+            Self::Stated => explained.p_value(),
+            Self::Found {
+                chi_squared,
+                freedom,
+            } => explained.p_value_beside(chi_squared, freedom),
+        }
+    }
+}
+
+/// Weighted sums over readings of the products of their patterns with the slopes by the unknowns, with each other and with
+/// the residuals.
+pub(crate) struct PatternSums {
+    pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
+    pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
+    pub(crate) by_residuals: SVector<f64, PATTERNS>,
+}
+
+impl PatternSums {
+    /// The significant patterns in the residuals of a fit with these sums and this covariance of the unknowns.
+    pub(crate) fn misfits(
+        &self,
+        sums: &Sums,
+        covariance: &Square,
+        noise: &Noise,
+    ) -> impl Iterator<Item = Misfit> + use<> {
+        let p_value = |range| noise.chance(self.explained(range, sums, covariance));
+        let other_body = Misfit::OtherBody {
+            p_value: p_value(BY_DISTANCE),
+        };
+        let not_round = Misfit::NotRound {
+            p_value: p_value(BY_DIRECTION),
+        };
+        let misfits = [other_body, not_round].into_iter();
+        misfits.filter(|misfit| misfit.p_value() < SIGNIFICANCE_LEVEL)
+    }
+
+    /// What patterns explain of the residuals. The gradient of a fit is 0 unless the best fit is at a limit of an unknown; its
+    /// part of the residuals is removed (Neyman's C(α)).
+    fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
+        let Self {
+            by_slopes,
+            by_patterns,
+            by_residuals,
+        } = self;
+        let taken = by_slopes.transpose() * covariance;
+        let residuals = by_residuals + taken * sums.gradient;
+        let remaining = by_patterns - taken * by_slopes;
+        let (first, count) = (range.start, range.len());
+        let squares: Vec<f64> = range.map(|one| by_patterns[(one, one)]).collect();
+        let remaining = DMatrix::from_fn(count, count, |row, column| {
+            remaining[(first + row, first + column)]
+        });
+        let residuals = DVector::from_fn(count, |row, _| residuals[first + row]);
+        Explained::by(&squares, &remaining, &residuals, MIN_REMAINING_SHARE)
+    }
+}
+
+/// Compares a stated indentation with its estimate from the other readings.
+///
+/// # Errors
+/// [`PressError::Undetermined`] if they give no bound on it.
+pub(crate) fn stated_indentation(
+    stated: Measured,
+    alone: &Estimated,
+) -> Result<Option<Misfit>, PressError> {
+    if !alone.std.is_finite() {
+        return Err(PressError::Undetermined {
+            what: "the displacements alone give no bound on the indentation",
+        });
+    }
+    let apart = (stated.value - alone.value).abs() / libm::hypot(stated.std, alone.std);
+    let p_value = 2.0 * normal_tail(apart);
+    Ok(
+        (apart > MAX_INDENTATION_DIFFERENCE).then_some(Misfit::Stated {
+            quantity: StatedQuantity::Indentation,
+            stated: stated.value,
+            estimated: alone.value,
+            p_value,
+        }),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Irregular numbers of both signs.
+    fn scattered(number: usize) -> f64 {
+        libm::sin(1.7 * (number * number) as f64 + 0.3)
+    }
+
+    #[test]
+    fn residuals_beyond_a_limit_of_the_unknowns_are_no_pattern() {
+        const READINGS: usize = 20;
+        let slopes =
+            SMatrix::<f64, READINGS, UNKNOWNS>::from_fn(|row, column| scattered(6 * row + column));
+        let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
+            scattered(190 + 7 * row + column)
+        });
+        // At a limit the residuals have a part that the unknowns would explain.
+        let residuals = slopes * SVector::from([40.0, -70.0, 0.0, 0.0, 0.0, 0.0]);
+        let products = PatternSums {
+            by_slopes: slopes.tr_mul(&patterns),
+            by_patterns: patterns.tr_mul(&patterns),
+            by_residuals: patterns.tr_mul(&residuals),
+        };
+        let covariance = slopes.tr_mul(&slopes).try_inverse().unwrap();
+        let mut sums = Sums {
+            gradient: -slopes.tr_mul(&residuals),
+            ..Sums::default()
+        };
+        let count = |sums: &Sums| products.misfits(sums, &covariance, &Noise::Stated).count();
+        assert_eq!(count(&sums), 0);
+        sums.gradient.fill(0.0);
+        assert_eq!(count(&sums), 2);
+    }
+
+    #[test]
+    fn a_stated_indentation_is_compared_with_the_estimated_one() {
+        let misfit = |stated: f64, std: f64| {
+            let stated = Measured {
+                value: stated,
+                std: 0.03,
+            };
+            stated_indentation(stated, &Estimated::normal(1.0, std, 2.0))
+        };
+        assert_eq!(misfit(1.1, 0.04), Ok(None));
+        assert_eq!(
+            misfit(1.1, f64::INFINITY).unwrap_err().name(),
+            "undetermined"
+        );
+        let found = misfit(0.8, 0.04).unwrap().unwrap();
+        // Four standard deviations.
+        assert!((found.p_value() - 6.334e-5).abs() < 1e-8, "{found:?}");
+        assert_eq!(found.code(), "stated-indentation");
+    }
+}
