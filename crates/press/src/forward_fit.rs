@@ -5,16 +5,15 @@ mod displacement_check;
 mod outcome;
 mod outlier_test;
 mod problem;
-mod profile;
 mod search;
 mod start;
 mod undetected_contacts;
 
 use crate::cholesky::inverse;
-use crate::unknowns::{Sums, UNKNOWNS, Unknowns};
+use crate::state::State;
+use crate::stds::Stds;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
-use outcome::Stds;
-use problem::{Problem, State};
+use problem::Problem;
 use search::{SINGULAR, Search};
 
 /// The readings of one press: displacements of the markers.
@@ -153,18 +152,18 @@ impl ForwardFit {
             problem.tangential_std = stated(self.tangential_std)?;
         }
         let place = problem.place_at(markers.skin().place(at).direction.as_ref());
-        let state = State {
-            log_curvature: libm::log(contact.relative_curvature),
+        let state = State::new(
+            contact.relative_curvature,
             place,
-            indentation: contact.indentation,
-            baseline: 0.0,
-            gain: 1.0,
-        };
+            contact.indentation,
+            [0.0, 1.0],
+        );
         problem.keep_window(&state);
         let covariance = inverse(&problem.sums(&state).ok()?.hessian, SINGULAR)?;
-        let stds = Stds::new(&problem, &state, &covariance).ok()?;
+        let press = (markers.skin(), &self.body);
+        let stds = Stds::new(press, &state, &covariance, &problem.sought).ok()?;
         Some(Bounds {
-            relative_curvature: stds.relative_curvature,
+            relative_curvature: contact.relative_curvature * stds.log_curvature,
             indentation: stds.indentation,
             contact_radius: stds.contact_radius,
         })
@@ -255,69 +254,4 @@ pub fn calibrated_c(
         }),
     })?;
     Ok(markers.skin().radius() * found.most_likely_curvature)
-}
-
-/// Least predicted decrease of chi-squared for a further step of an exact fit.
-const EXACTLY: f64 = 1e-8;
-const MAX_STEPS: usize = 200;
-/// Smallest relevant step, relative to the unknowns.
-const MIN_STEP: f64 = 1e-13;
-const MAX_DAMPING: f64 = 1e12;
-
-/// Finds the least chi-squared near a start by Levenberg and Marquardt's method. It stops if the predicted decrease of the next step is less than `enough`; then it
-/// takes this step and returns its predicted sums. One unknown may be held constant.
-///
-/// # Errors
-/// The error of the start, if no press has these values.
-fn minimise(
-    problem: &Problem<'_>,
-    start: State,
-    enough: f64,
-    held: Option<usize>,
-) -> Result<(State, Sums), PressError> {
-    let mut state = start;
-    let mut sums = problem.sums(&state)?;
-    let mut damping = 1e-3;
-    for _ in 0..MAX_STEPS {
-        let free = held.map_or(sums, |held| sums.holding(held));
-        let Some(step) = free.damped_step(damping) else {
-            damping *= 10.0;
-            if damping > MAX_DAMPING {
-                break;
-            }
-            continue;
-        };
-        let promised = sums.after(&step);
-        let promise = sums.chi_squared - promised.chi_squared;
-        let tried = problem.moved(&state, &step);
-        if promise <= enough || is_small(&step, &state) {
-            if problem.contact(&tried).is_ok() {
-                (state, sums) = (tried, promised);
-            }
-            break;
-        }
-        match problem.sums(&tried) {
-            Ok(better) if better.chi_squared <= sums.chi_squared => {
-                let gain = sums.chi_squared - better.chi_squared;
-                state = tried;
-                sums = better;
-                if gain > 0.5 * promise {
-                    damping *= 0.1;
-                }
-            }
-            _ => {
-                damping = damping.max(1e-6) * 10.0;
-                if damping > MAX_DAMPING {
-                    break;
-                }
-            }
-        }
-    }
-    Ok((state, sums))
-}
-
-fn is_small(step: &Unknowns, state: &State) -> bool {
-    let length = state.indentation;
-    let scale = [1.0, length, length, length, length, 1.0];
-    (0..UNKNOWNS).all(|index| step[index].abs() <= MIN_STEP * scale[index])
 }

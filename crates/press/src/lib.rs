@@ -13,12 +13,16 @@ mod estimate;
 mod forward_fit;
 mod half_space;
 mod image_fit;
+mod least_squares;
 mod markers;
 mod misfit;
 mod no_contact;
+mod profile;
 mod regime;
 pub mod shear;
 mod skin;
+mod state;
+mod stds;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement, Field};

@@ -11,6 +11,8 @@ pub(crate) const CURVATURE: usize = 0;
 pub(crate) const ALONG: usize = 1;
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
+/// The first of the two unknowns that differ.
+pub(crate) const OTHERS: usize = 4;
 
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -97,20 +99,4 @@ impl Sums {
             }
         }
     }
-}
-
-/// The covariance of the unknowns that are fitted; 0 for the others.
-pub(crate) fn of_fitted(covariance: &Square, sought: &[bool; UNKNOWNS]) -> Square {
-    Square::from_fn(|row, column| match sought[row] && sought[column] {
-        true => covariance[(row, column)],
-        false => 0.0,
-    })
-}
-
-/// Variance of C D' a, with the contact's radius a, the relative curvature C and the indentation δ = C D(a): from
-/// C D' da = dδ − δ d ln C.
-pub(crate) fn scaled_radius_variance(covariance: &Square, indentation: f64) -> f64 {
-    covariance[(INDENTATION, INDENTATION)]
-        - 2.0 * indentation * covariance[(INDENTATION, CURVATURE)]
-        + indentation * indentation * covariance[(CURVATURE, CURVATURE)]
 }

@@ -3,11 +3,12 @@
 use palpate_statistics::HALF_WIDTHS;
 
 use super::Prior;
-use super::problem::{Problem, State, WRONG};
+use super::problem::{Problem, WRONG};
 use super::start::median;
 use crate::PressError;
 use crate::markers::see;
 use crate::no_contact::no_contact;
+use crate::state::State;
 
 /// Rate of false detections without contact, if contacts are only searched at the markers. On a thin layer a fit also finds
 /// contacts between the markers, which adds about 0.005.

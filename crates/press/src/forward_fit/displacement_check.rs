@@ -3,11 +3,12 @@
 use nalgebra::{SMatrix, SVector};
 use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
 
-use super::problem::{Problem, State, finite};
+use super::problem::{Problem, finite};
 use super::search::SINGULAR;
 use super::{ForwardFit, Reading};
 use crate::cholesky::inverse;
 use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
+use crate::state::State;
 use crate::unknowns::{Square, Sums};
 use crate::{PressError, PressEstimate};
 
@@ -71,13 +72,14 @@ impl ForwardFit {
         let mut problem = Problem::new(self, reading);
         let skin = reading.markers.skin();
         let place = problem.place_at(skin.place(estimate.contact).direction.as_ref());
-        let state = State {
-            log_curvature: libm::log(estimate.most_likely_curvature),
+        let baseline = estimate.baseline.map_or(0.0, |baseline| baseline.value);
+        let gain = estimate.gain.map_or(1.0, |gain| gain.value);
+        let state = State::new(
+            estimate.most_likely_curvature,
             place,
-            indentation: estimate.indentation.value,
-            baseline: estimate.baseline.map_or(0.0, |baseline| baseline.value),
-            gain: estimate.gain.map_or(1.0, |gain| gain.value),
-        };
+            estimate.indentation.value,
+            [baseline, gain],
+        );
         problem.keep_window(&state);
         for &marker in &estimate.wrong_markers {
             if let Some(kept) = problem.kept.get_mut(marker) {

@@ -1,12 +1,10 @@
 //! The reported estimate of a press, from the best fit, with a correction of its bias.
 
-use nalgebra::Vector3;
-
-use super::problem::{BASELINE, GAIN, Problem, State};
-use crate::unknowns::{
-    ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums, UNKNOWNS, Unknowns, of_fitted,
-    scaled_radius_variance,
-};
+use super::problem::{BASELINE, GAIN, Problem};
+use crate::least_squares::LeastSquares;
+use crate::state::State;
+use crate::stds::Stds;
+use crate::unknowns::{CURVATURE, OTHERS, Square, Sums, UNKNOWNS, Unknowns};
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate, Verdict};
 
 /// The estimate at the least chi-squared; `limit` is half the width of a 95 % interval in standard deviations.
@@ -19,9 +17,14 @@ pub(super) fn outcome(
     limit: f64,
 ) -> Result<PressEstimate, PressError> {
     let contact = problem.contact(state)?;
-    let stds = Stds::new(problem, state, covariance)?;
     let around = |value: f64, std: f64| Estimated::normal(value, std, limit);
     let skin = problem.reading.markers.skin();
+    let stds = Stds::new(
+        (skin, &problem.fit.body),
+        state,
+        covariance,
+        &problem.sought,
+    )?;
     let unbiased = without_bias(
         contact.relative_curvature,
         relative_bias(problem, state, covariance),
@@ -29,10 +32,13 @@ pub(super) fn outcome(
     );
     let relative_curvature = Estimated {
         value: unbiased,
-        std: stds.relative_curvature * (unbiased / contact.relative_curvature),
+        std: contact.relative_curvature
+            * stds.log_curvature
+            * (unbiased / contact.relative_curvature),
         interval,
     };
-    let nuisance = |index: usize, value: f64| {
+    let nuisance = |index: usize| {
+        let value = state.others[index - OTHERS];
         problem.sought[index].then(|| around(value, covariance[(index, index)].sqrt()))
     };
     let window = problem.fit.window.unwrap_or(f64::INFINITY);
@@ -48,8 +54,8 @@ pub(super) fn outcome(
         contact_radius: around(contact.radius, stds.contact_radius).positive(),
         contact: skin.chart(state.place.direction.as_ref()),
         contact_std: stds.contact,
-        baseline: nuisance(BASELINE, state.baseline),
-        gain: nuisance(GAIN, state.gain),
+        baseline: nuisance(BASELINE),
+        gain: nuisance(GAIN),
         wrong_markers: (0..problem.kept.len())
             .filter(|&marker| !problem.kept[marker] && distance(marker) <= window)
             .collect(),
@@ -86,48 +92,6 @@ impl Problem<'_> {
             (left + (read - moved).powi(2), all + (read - mean).powi(2))
         });
         Ok(if all > 0.0 { 1.0 - left / all } else { 0.0 })
-    }
-}
-
-/// Standard deviations of the reported values.
-pub(super) struct Stds {
-    pub(super) relative_curvature: f64,
-    pub(super) indentation: f64,
-    pub(super) contact_radius: f64,
-    pub(super) contact: [f64; 2],
-}
-
-impl Stds {
-    pub(super) fn new(
-        problem: &Problem<'_>,
-        state: &State,
-        covariance: &Square,
-    ) -> Result<Self, PressError> {
-        let covariance = of_fitted(covariance, &problem.sought);
-        let variance = |one: usize, other: usize| covariance[(one, other)];
-        let contact = problem.contact(state)?;
-        let [_, slope] = problem.fit.body.indentation_of(contact.radius)?;
-        let share = 1.0 / (contact.relative_curvature * slope);
-        let of_radius = scaled_radius_variance(&covariance, state.indentation);
-        // On a circle, the axes of the state's place are along and across the circle.
-        let axes = problem
-            .reading
-            .markers
-            .skin()
-            .place_at(state.place.direction.as_ref());
-        let along = |axis: &Vector3<f64>| {
-            let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));
-            let squared = x * x * variance(ALONG, ALONG)
-                + 2.0 * x * y * variance(ALONG, ACROSS)
-                + y * y * variance(ACROSS, ACROSS);
-            squared.max(0.0).sqrt()
-        };
-        Ok(Self {
-            relative_curvature: contact.relative_curvature * variance(CURVATURE, CURVATURE).sqrt(),
-            indentation: variance(INDENTATION, INDENTATION).sqrt(),
-            contact_radius: share * of_radius.max(0.0).sqrt(),
-            contact: [along(&axes.x_axis), along(&axes.y_axis)],
-        })
     }
 }
 
@@ -172,8 +136,8 @@ fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unk
     for index in (0..UNKNOWNS).filter(|&index| problem.sought[index]) {
         let step = factor.l_dirty().column(index) * STEP;
         let step = Unknowns::from_fn(|row, _| if row < index { 0.0 } else { step[row] });
-        let ahead = problem.residuals_of_all(&problem.moved(state, &step))?;
-        let behind = problem.residuals_of_all(&problem.moved(state, &-step))?;
+        let ahead = problem.residuals_of_all(&problem.stepped(state, &step))?;
+        let behind = problem.residuals_of_all(&problem.stepped(state, &-step))?;
         for (marker, bend) in bends.iter_mut().enumerate() {
             for part in 0..3 {
                 // The sign is negative, because residuals are readings minus model.

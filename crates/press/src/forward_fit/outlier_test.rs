@@ -3,10 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use palpate_statistics::{Explained, LEFT, least_likely};
 
-use super::problem::{Problem, State, WRONG};
-use super::{EXACTLY, minimise};
+use super::problem::{Problem, WRONG};
 use crate::PressError;
+use crate::least_squares::EXACTLY;
 use crate::misfit::Noise;
+use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
 /// Estimated noise below this, relative to the largest displacement, may be rounding.
@@ -83,7 +84,7 @@ impl Problem<'_> {
         let mut others = self.clone();
         others.kept[marker] = false;
         others.determined().ok()?;
-        let (state, sums) = minimise(&others, *state, EXACTLY, None).ok()?;
+        let (state, sums) = others.minimum(*state, EXACTLY, None).ok()?;
         Some((others, state, sums))
     }
 

@@ -3,26 +3,18 @@
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use super::{ForwardFit, Measured, Prior, Reading};
+use crate::least_squares::LeastSquares;
 use crate::markers::{PressSlopes, Sight};
-use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Sums, UNKNOWNS, Unknowns};
+use crate::state::State;
+use crate::unknowns::{INDENTATION, OTHERS, Sums, UNKNOWNS, Unknowns};
 use crate::{Contact, MarkerDisplacement, Place, PressError};
 
 /// Unknowns of this fit beside those of every press: an offset of all normal displacements and a factor on them.
-pub(super) const BASELINE: usize = 4;
-pub(super) const GAIN: usize = 5;
+pub(super) const BASELINE: usize = OTHERS;
+pub(super) const GAIN: usize = OTHERS + 1;
 
 /// A residual beyond this many standard deviations is an outlier: noise alone exceeds it once in two million.
 pub(super) const WRONG: f64 = 5.0;
-
-/// Values of the unknowns.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct State {
-    pub(super) log_curvature: f64,
-    pub(super) place: Place,
-    pub(super) indentation: f64,
-    pub(super) baseline: f64,
-    pub(super) gain: f64,
-}
 
 /// The least-squares problem: the readings, their weights, and the fitted unknowns.
 #[derive(Clone, Debug)]
@@ -50,16 +42,9 @@ struct Predicted {
     tangential_slopes: [Unknowns; 2],
 }
 
-impl State {
-    pub(super) fn curvature(&self) -> f64 {
-        libm::exp(self.log_curvature)
-    }
-}
-
 impl<'a> Problem<'a> {
     pub(super) fn contact(&self, state: &State) -> Result<Contact<'a>, PressError> {
-        let skin = self.reading.markers.skin();
-        skin.press(&self.fit.body, state.curvature(), state.indentation)
+        state.contact(self.reading.markers.skin(), &self.fit.body)
     }
 
     /// The tangential readings, if they are used.
@@ -295,7 +280,8 @@ impl<'a> Problem<'a> {
         let curvature = contact.relative_curvature;
         let normal = curvature * field.normal;
         let mut normal_slopes = Unknowns::zeros();
-        let by_press = slopes.normal(&field, &sight, state.gain);
+        let [baseline, gain] = state.others;
+        let by_press = slopes.normal(&field, &sight, gain);
         normal_slopes.as_mut_slice()[..BASELINE].copy_from_slice(&by_press);
         normal_slopes[BASELINE] = 1.0;
         normal_slopes[GAIN] = normal;
@@ -308,7 +294,7 @@ impl<'a> Problem<'a> {
         }
         Predicted {
             moved: (
-                state.gain * normal + state.baseline,
+                gain * normal + baseline,
                 sight.outward * (curvature * field.radial),
             ),
             normal_slopes,
@@ -319,6 +305,7 @@ impl<'a> Problem<'a> {
     /// Chi-squared of the deviations from the priors, with its derivatives.
     fn priors(&self, state: &State) -> Sums {
         let mut sums = Sums::default();
+        let [baseline, gain] = state.others;
         if let Some(Measured { value, std }) = self.reading.indentation
             && self.sought[INDENTATION]
         {
@@ -327,12 +314,12 @@ impl<'a> Problem<'a> {
         if let Prior::Within(std) = self.fit.baseline
             && self.sought[BASELINE]
         {
-            sums.add_prior(BASELINE, state.baseline, std);
+            sums.add_prior(BASELINE, baseline, std);
         }
         if let Prior::Within(std) = self.fit.gain
             && self.sought[GAIN]
         {
-            sums.add_prior(GAIN, state.gain - 1.0, std);
+            sums.add_prior(GAIN, gain - 1.0, std);
         }
         sums
     }
@@ -349,29 +336,58 @@ impl<'a> Problem<'a> {
             y_axis: pole,
         }
     }
+}
 
-    /// The state after a step.
-    pub(super) fn moved(&self, state: &State, step: &Unknowns) -> State {
-        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
-            state.place
-        } else {
-            let skin = self.reading.markers.skin();
-            self.place_at(&skin.beyond(&state.place, step[ALONG], step[ACROSS]))
-        };
-        State {
-            log_curvature: state.log_curvature + step[CURVATURE],
-            place,
-            indentation: state.indentation + step[INDENTATION],
-            baseline: state.baseline + step[BASELINE],
-            gain: state.gain + step[GAIN],
-        }
+impl LeastSquares for Problem<'_> {
+    type Fit = (State, Sums);
+    const ENOUGH_OF_PROFILE: f64 = 1e-4;
+
+    fn state_of((state, _): &Self::Fit) -> &State {
+        state
+    }
+
+    fn sums_of((_, sums): &Self::Fit) -> &Sums {
+        sums
+    }
+
+    fn stepped(&self, state: &State, step: &Unknowns) -> State {
+        let skin = self.reading.markers.skin();
+        state.stepped(skin, step, |direction| self.place_at(direction))
+    }
+
+    fn fit_at(&self, state: State) -> Result<Self::Fit, PressError> {
+        Ok((state, self.sums(&state)?))
+    }
+
+    fn advance(
+        &self,
+        (from, sums): &Self::Fit,
+        step: &Unknowns,
+        _: f64,
+    ) -> Result<Option<Self::Fit>, PressError> {
+        let fit = self.fit_at(self.stepped(from, step)).ok();
+        Ok(fit.filter(|(_, better)| better.chi_squared <= sums.chi_squared))
+    }
+
+    fn last_step(&self, (from, sums): &Self::Fit, step: &Unknowns) -> Option<Self::Fit> {
+        let state = self.stepped(from, step);
+        let is_possible = self.contact(&state).is_ok();
+        is_possible.then(|| (state, sums.after(step)))
+    }
+
+    fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
+        let is_less =
+            |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
+        // The minimum is a prediction, so check it by the true chi-squared.
+        is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }
 
 /// Displacement of a marker by a contact: the normal one, including gain and baseline, and the tangential one.
 fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
     let moved = contact.displacement(sight.distance);
-    let normal = state.gain * moved.normal + state.baseline;
+    let [baseline, gain] = state.others;
+    let normal = gain * moved.normal + baseline;
     (normal, sight.outward * moved.radial)
 }
 

@@ -5,12 +5,14 @@ use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::contact_detection::{detect, on_markers};
 use super::outcome::outcome;
-use super::problem::{BASELINE, GAIN, Problem, RobustSum, State, WRONG};
-use super::profile::{Profile, profile};
+use super::problem::{BASELINE, GAIN, Problem, RobustSum, WRONG};
 use super::start::{RADII, Shapes, median, starts};
 use super::undetected_contacts::UndetectedContacts;
 use super::{EXACTLY, ForwardFit, Prior, Reading, minimise};
 use crate::cholesky::inverse;
+use crate::least_squares::{EXACTLY, LeastSquares, minimise};
+use crate::profile::profile;
+use crate::state::State;
 use crate::unknowns::{ACROSS, INDENTATION, Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
@@ -101,6 +103,16 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// The least chi-squared near a state, with one unknown held constant if it is given.
+    pub(super) fn minimum(
+        &self,
+        state: State,
+        enough: f64,
+        held: Option<usize>,
+    ) -> Result<(State, Sums), PressError> {
+        minimise(self, self.fit_at(state)?, enough, held)
+    }
+
     /// Sum of the squared residuals of all markers, each limited to the least value of an outlier; infinite if there is no such
     /// contact.
     fn unexplained(&self, state: &State) -> f64 {
@@ -196,25 +208,22 @@ impl<'a> Search<'a> {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
             let limit = self.limit();
-            match profile(&self.problem, &state, &sums, limit * limit) {
-                Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
-                    Profile::Interval(interval) => {
-                        on_markers(&self.problem, &state)?;
-                        let found =
-                            outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
-                        if only_marker.is_none() {
-                            let held =
-                                self.or_without_slipped(&state, &sums, &covariance, interval)?;
-                            return Ok(found.holding(held));
-                        }
-                        return Ok(PressEstimate {
-                            only_marker,
-                            ..found
-                        });
+            let interval = profile(&self.problem, &(state, sums), limit * limit);
+            match interval.and_then(|interval| self.with_rivals(&state, &sums, interval)) {
+                Ok(interval) => {
+                    on_markers(&self.problem, &state)?;
+                    let found =
+                        outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
+                    if only_marker.is_none() {
+                        let held = self.or_without_slipped(&state, &sums, &covariance, interval)?;
+                        return Ok(found.holding(held));
                     }
-                    Profile::Better(better) => state = better,
-                },
-                Profile::Better(better) => state = better,
+                    return Ok(PressEstimate {
+                        only_marker,
+                        ..found
+                    });
+                }
+                Err(better) => state = better,
             }
             sums = self.settle(&mut state)?;
         }
@@ -263,7 +272,13 @@ impl<'a> Search<'a> {
     }
 
     /// The interval extended by the intervals of other fits that explain the readings about as well.
-    fn with_rivals(&self, best: &State, sums: &Sums, interval: Interval) -> Profile {
+    /// The error is a state with a smaller chi-squared.
+    fn with_rivals(
+        &self,
+        best: &State,
+        sums: &Sums,
+        interval: Interval,
+    ) -> Result<Interval, State> {
         let limit = self.limit() * self.limit();
         let mut hull = interval;
         for rival in self
@@ -271,7 +286,7 @@ impl<'a> Search<'a> {
             .iter()
             .filter(|rival| !self.is_same(best, rival))
         {
-            let Ok((state, least)) = minimise(&self.problem, *rival, EXACTLY, None) else {
+            let Ok((state, least)) = self.problem.minimum(*rival, EXACTLY, None) else {
                 continue;
             };
             let rise = least.chi_squared - sums.chi_squared;
@@ -279,16 +294,14 @@ impl<'a> Search<'a> {
                 continue;
             }
             if rise < -ROUGHLY {
-                return Profile::Better(state);
+                return Err(state);
             }
-            let around = |_| profile(&self.problem, &state, &least, limit - rise.max(0.0));
-            hull = match inverse(&least.hessian, SINGULAR).map(around) {
-                Some(Profile::Interval(interval)) => hull.hull(interval),
-                // If the interval of another fit is unbounded, so is the result.
-                Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
-            };
+            let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
+            // If the interval of another fit is unbounded, so is the result.
+            let other = inverse(&least.hessian, SINGULAR).and_then(around);
+            hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
-        Profile::Interval(hull)
+        Ok(hull)
     }
 
     /// The interval extended by the interval without one marker, if this marker contradicts the others.
@@ -314,9 +327,9 @@ impl<'a> Search<'a> {
             let Some((others, state, sums)) = told else {
                 break;
             };
-            match profile(&others, &state, &sums, limit) {
-                Profile::Interval(without) => return Ok(interval.hull(without)),
-                Profile::Better(better) => told = others.without(marker, &better),
+            match profile(&others, &(state, sums), limit) {
+                Ok(without) => return Ok(interval.hull(without)),
+                Err(better) => told = others.without(marker, &better),
             }
         }
         // The other markers do not bound the curvature.
@@ -390,7 +403,7 @@ impl<'a> Search<'a> {
         let shapes = Shapes::new(&others.problem, &RADII).states(&others.problem, state.place);
         for (_, start) in shapes.into_iter().flatten() {
             let mut without = others.clone();
-            let Ok((mut there, _)) = minimise(&without.problem, start, ROUGHLY, None) else {
+            let Ok((mut there, _)) = without.problem.minimum(start, ROUGHLY, None) else {
                 continue;
             };
             let Ok(sums) = without.settle(&mut there) else {
@@ -422,7 +435,7 @@ impl<'a> Search<'a> {
         let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
-            match minimise(&problem, start, ROUGHLY, None) {
+            match problem.minimum(start, ROUGHLY, None) {
                 Ok((state, sums)) => fits.push((sums.chi_squared + problem.left_out(), state)),
                 Err(error) => failure = error,
             }
@@ -452,7 +465,7 @@ impl<'a> Search<'a> {
             if let Some(sums) = sums.filter(|_| is_same) {
                 return Ok(sums);
             }
-            let least = minimise(&self.problem, *state, EXACTLY, None)?;
+            let least = self.problem.minimum(*state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
         // A marker at the limit may alternate between used and rejected without end.

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::Prior;
-use super::problem::{Problem, State};
+use super::problem::Problem;
 use crate::markers::Sight;
+use crate::state::State;
 use crate::{Displacement, Place};
 
 /// Number of markers, those that moved most, at which a contact is tried; it is also tried between the first two, three, …
@@ -154,13 +155,8 @@ fn of_shape(
         (Some(known), _) => (known / unit, 1.0),
         (None, _) => (amplitude()?, 1.0),
     };
-    let state = State {
-        log_curvature: libm::log(curvature),
-        place,
-        indentation: known.unwrap_or(curvature * unit),
-        baseline,
-        gain,
-    };
+    let indentation = known.unwrap_or(curvature * unit);
+    let state = State::new(curvature, place, indentation, [baseline, gain]);
     let scaled = |marker: usize| {
         let Displacement { normal, radial } = moved[marker];
         (

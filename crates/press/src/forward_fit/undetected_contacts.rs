@@ -3,10 +3,10 @@
 use std::cmp::Ordering;
 
 use super::contact_detection::on_markers;
-use super::minimise;
-use super::problem::{Problem, State};
+use super::problem::Problem;
 use super::start::{Shapes, median};
 use crate::Interval;
+use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
 /// Radii of contacts, in radii of the sensor: the largest, the ratio of neighbouring ones, and their number.
@@ -71,7 +71,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         }
         let hidden = HIDDEN * median(&spacings);
         let near = |state: State, held: Option<usize>| {
-            let near = minimise(problem, state, ENOUGH, held).ok();
+            let near = problem.minimum(state, ENOUGH, held).ok();
             let near = near.filter(|(state, _)| on_markers(problem, state).is_ok());
             let sums = || Some((state, problem.sums(&state).ok()?));
             let (state, sums) = near.or_else(sums)?;
@@ -149,7 +149,7 @@ impl UndetectedContacts<'_, '_> {
         };
         let moved = problem.displacements(&contact, state);
         let square = |marker: usize| {
-            let normal = (moved[marker].normal - state.baseline) / problem.normal_std;
+            let normal = (moved[marker].normal - state.others[0]) / problem.normal_std;
             let along = moved[marker]
                 .tangential
                 .map(|along| along / problem.tangential_std);

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::disc_displacements::State;
 use super::image_search::WRONG;
 use super::view::{NUMBERS, Seen, View, difference};
 use super::{ImageFit, Rest};
+use crate::state::State;
 use crate::{MarkerDisplacement, PressError};
 
 /// A press with known object, place and indentation, and the readings of its markers.
@@ -247,6 +247,7 @@ impl<V: View> ImageFit<V> {
             *relative_curvature,
             self.markers.skin().place(*at),
             *indentation,
+            [0.0; 2],
         );
         let moved = self.moved(&state)?;
         Ok(CalibrationFrame {

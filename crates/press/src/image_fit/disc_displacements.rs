@@ -3,12 +3,12 @@
 use nalgebra::{SMatrix, Vector2};
 
 use super::ImageFit;
-use super::image_problem::SHIFT;
 use super::view::View;
 use crate::markers::PressSlopes;
 use crate::shear::stuck_shift;
+use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, UNKNOWNS, Unknowns};
-use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
+use crate::{Body, MarkerDisplacement, Place, PressError};
 
 /// Step of the differences for slopes of shifted discs, relative to the scale of each unknown.
 const STEP: f64 = 1e-5;
@@ -26,58 +26,7 @@ pub(super) struct Moving {
     pub(super) slopes: Vec<[DiscSlopes; 2]>,
 }
 
-/// Values of the unknowns.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct State {
-    pub(super) log_curvature: f64,
-    pub(super) place: Place,
-    pub(super) indentation: f64,
-    /// Sideways shift of the object, length, along the axes at the contact.
-    pub(super) shift: [f64; 2],
-}
-
-impl State {
-    /// A press of this relative curvature at a place, without a sideways shift.
-    pub(super) fn new(relative_curvature: f64, place: Place, indentation: f64) -> Self {
-        Self {
-            log_curvature: libm::log(relative_curvature),
-            place,
-            indentation,
-            shift: [0.0; 2],
-        }
-    }
-
-    pub(super) fn curvature(&self) -> f64 {
-        libm::exp(self.log_curvature)
-    }
-
-    /// The state after a step.
-    pub(super) fn stepped(&self, skin: &Skin, step: &Unknowns) -> Self {
-        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
-            self.place
-        } else {
-            skin.place_at(&skin.beyond(&self.place, step[ALONG], step[ACROSS]))
-        };
-        Self {
-            log_curvature: self.log_curvature + step[CURVATURE],
-            place,
-            indentation: self.indentation + step[INDENTATION],
-            shift: [0, 1].map(|axis| self.shift[axis] + step[SHIFT + axis]),
-        }
-    }
-}
-
 impl<V: View> ImageFit<V> {
-    /// The contact with a body.
-    pub(super) fn contact<'b>(
-        &self,
-        body: &'b Body,
-        state: &State,
-    ) -> Result<Contact<'b>, PressError> {
-        let skin = self.markers.skin();
-        skin.press(body, state.curvature(), state.indentation)
-    }
-
     /// Displacements of the magenta and the yellow disc of each marker.
     pub(super) fn moved(&self, state: &State) -> Result<Discs, PressError> {
         self.moved_by(&self.bodies, state)
@@ -105,7 +54,7 @@ impl<V: View> ImageFit<V> {
         };
         let [magenta, yellow] = &self.bodies;
         let of_body = |body| -> Result<_, PressError> {
-            let contact = self.contact(body, state)?;
+            let contact = state.contact(self.markers.skin(), body)?;
             let [_, slope] = body.indentation_of(contact.radius)?;
             let slopes = PressSlopes::new(&contact, slope);
             Ok((contact, slopes))
@@ -145,7 +94,8 @@ impl<V: View> ImageFit<V> {
             };
             let mut step = Unknowns::zeros();
             step[unknown] = STEP * size;
-            let beside = self.moved(&state.stepped(skin, &step))?;
+            let place_at = |direction: &_| skin.place_at(direction);
+            let beside = self.moved(&state.stepped(skin, &step, place_at))?;
             for ((slopes, beside), at) in slopes.iter_mut().zip(&beside).zip(&moved) {
                 for ((slopes, beside), at) in slopes.iter_mut().zip(beside).zip(at) {
                     let [x, y] = [0, 1].map(|axis| beside.tangential[axis] - at.tangential[axis]);
@@ -182,8 +132,9 @@ impl<V: View> ImageFit<V> {
 
     fn moved_by(&self, bodies: &[Body; 2], state: &State) -> Result<Discs, PressError> {
         let [magenta, yellow] = bodies;
-        let contacts = [self.contact(magenta, state)?, self.contact(yellow, state)?];
-        let shift = Vector2::from(state.shift);
+        let skin = self.markers.skin();
+        let contacts = [state.contact(skin, magenta)?, state.contact(skin, yellow)?];
+        let shift = Vector2::from(state.others);
         let (size, azimuth) = (shift.norm(), libm::atan2(shift.y, shift.x));
         let moved = |place: &Place| -> Result<_, PressError> {
             let sight = self.markers.sight(&state.place, place);

@@ -1,18 +1,18 @@
-//! A state of a fit of images with its residuals and slopes, and the search for the minimum by Levenberg and Marquardt's
-//! method.
+//! A state of a fit of images with its residuals and slopes.
 
-use super::disc_displacements::State;
 use super::image_problem::{Problem, Residuals, Slopes};
 use super::view::View;
 use crate::PressError;
 use crate::cholesky::solve;
-use crate::unknowns::Sums;
+use crate::least_squares::LeastSquares;
+use crate::state::State;
+use crate::unknowns::{Sums, Unknowns};
 
 /// Least predicted decrease of chi-squared far from a minimum: four standard deviations.
 const STUCK: f64 = 16.0;
 
-const MAX_STEPS: usize = 60;
-const MAX_DAMPING: f64 = 1e9;
+/// Distance of the logarithm of the curvature up to which slopes are kept.
+const NEAR: f64 = 0.3;
 
 /// A state with its residuals and slopes.
 #[derive(Clone)]
@@ -23,15 +23,19 @@ pub(super) struct FitState {
     /// Norm of the slope of each used marker's whitened picture by an inward displacement of both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
+    /// Whether the search keeps the slopes as long as their predictions are good.
+    pub(super) keeps_slopes: bool,
 }
 
 impl FitState {
-    pub(super) fn at<V: View>(problem: &Problem<'_, V>, state: State) -> Result<Self, PressError> {
-        problem.reached(problem.tried(state)?)
+    /// The fit whose slopes the search keeps as long as their predictions are good.
+    pub(super) fn keeping_slopes(mut self) -> Self {
+        self.keeps_slopes = true;
+        self
     }
 
     /// A nearby state with the same slopes.
-    pub(super) fn near<V: View>(
+    fn near<V: View>(
         self,
         problem: &Problem<'_, V>,
         state: State,
@@ -41,6 +45,7 @@ impl FitState {
             sums: problem.sums(&state, &residuals, &self.slopes)?,
             state,
             residuals,
+            keeps_slopes: true,
             ..self
         })
     }
@@ -70,64 +75,67 @@ impl FitState {
     }
 }
 
-/// Finds the least chi-squared near a start. It stops if the predicted decrease of the next step is less than `enough`. One
-/// unknown may be held constant. With `frozen`, the slopes of the start are used as long as their predictions are good; else
-/// they are computed at each step.
-///
-/// # Errors
-/// The error of the start, if no press has these values.
-pub(super) fn minimise<V: View>(
-    problem: &Problem<'_, V>,
-    start: FitState,
-    enough: f64,
-    held: Option<usize>,
-    frozen: bool,
-) -> Result<FitState, PressError> {
-    let mut best = start;
-    let mut frozen = frozen;
-    let mut damping = if frozen { 0.0 } else { 1e-3 };
-    for _ in 0..MAX_STEPS {
-        let free = held.map_or(best.sums, |held| best.sums.holding(held));
-        let Some(step) = free.damped_step(damping) else {
-            damping = damping.max(1e-6) * 10.0;
-            if damping > MAX_DAMPING {
-                break;
-            }
-            continue;
+impl<V: View> LeastSquares for Problem<'_, V> {
+    type Fit = FitState;
+    const ENOUGH_OF_PROFILE: f64 = 1e-3;
+
+    fn state_of(fit: &FitState) -> &State {
+        &fit.state
+    }
+
+    fn sums_of(fit: &FitState) -> &Sums {
+        &fit.sums
+    }
+
+    fn damping(fit: &FitState) -> f64 {
+        if fit.keeps_slopes { 0.0 } else { 1e-3 }
+    }
+
+    fn stepped(&self, state: &State, step: &Unknowns) -> State {
+        let skin = self.fit.markers.skin();
+        state.stepped(skin, step, |direction| skin.place_at(direction))
+    }
+
+    fn fit_at(&self, state: State) -> Result<FitState, PressError> {
+        self.reached(self.tried(state)?)
+    }
+
+    fn advance(
+        &self,
+        from: &FitState,
+        step: &Unknowns,
+        promise: f64,
+    ) -> Result<Option<FitState>, PressError> {
+        let state = self.stepped(&from.state, step);
+        let tried = self.tried(state).ok();
+        let Some(tried) = tried.filter(|tried| tried.cost <= from.sums.chi_squared) else {
+            return Ok(None);
         };
-        let promise = -2.0 * free.gradient.dot(&step) - step.dot(&(free.hessian * step));
-        if promise <= enough {
-            break;
-        }
-        let state = problem.stepped(&best.state, &step);
-        match problem.tried(state) {
-            Ok(tried) if tried.cost <= best.sums.chi_squared => {
-                let gain = best.sums.chi_squared - tried.cost;
-                // Recompute slopes with bad predictions, and keep those with good ones.
-                frozen = match frozen {
-                    true => gain > 0.3 * promise,
-                    false => (gain - promise).abs() < 0.2 * promise,
-                };
-                best = if frozen {
-                    best.near(problem, state, tried.residuals)?
-                } else {
-                    problem.reached(tried)?
-                };
-                if gain > 0.5 * promise {
-                    damping *= 0.1;
-                }
-            }
-            _ if frozen => {
-                frozen = false;
-                best = FitState::at(problem, best.state)?;
-            }
-            _ => {
-                damping = damping.max(1e-6) * 10.0;
-                if damping > MAX_DAMPING {
-                    break;
-                }
-            }
+        let gain = from.sums.chi_squared - tried.cost;
+        // Recompute slopes with bad predictions, and keep those with good ones.
+        let is_predicted = match from.keeps_slopes {
+            true => gain > 0.3 * promise,
+            false => (gain - promise).abs() < 0.2 * promise,
+        };
+        let fit = match is_predicted {
+            true => from.clone().near(self, state, tried.residuals),
+            false => self.reached(tried),
+        };
+        fit.map(Some)
+    }
+
+    fn refreshed(&self, fit: &FitState) -> Result<Option<FitState>, PressError> {
+        fit.keeps_slopes.then(|| self.fit_at(fit.state)).transpose()
+    }
+
+    fn fit_near(&self, fit: &FitState, state: State, step: f64) -> Result<FitState, PressError> {
+        match step.abs() < NEAR {
+            true => fit.clone().near(self, state, self.residuals(&state)?),
+            false => self.fit_at(state),
         }
     }
-    Ok(best)
+
+    fn is_better(&self, fit: &FitState, best: &FitState) -> bool {
+        fit.sums.chi_squared - best.sums.chi_squared < -0.05
+    }
 }

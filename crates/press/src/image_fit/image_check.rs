@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, SMatrix};
 use palpate_statistics::{Misfit, chi_squared_tail};
 
-use super::disc_displacements::State;
 use super::fit_state::FitState;
 use super::image_problem::Problem;
 use super::image_search::{SINGULAR, settle};
@@ -11,6 +10,7 @@ use super::view::{NUMBERS, Seen, View};
 use super::{ImageFit, Rest};
 use crate::cholesky::inverse;
 use crate::misfit::{Noise, PATTERNS, PatternSums, patterns, stated_indentation};
+use crate::state::State;
 use crate::{Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
@@ -57,6 +57,7 @@ impl<V: View + Clone> ImageFit<V> {
             estimate.most_likely_curvature,
             self.markers.skin().place(estimate.contact),
             estimate.indentation.value,
+            [0.0; 2],
         );
         let best = settle(&mut problem, state)?;
         let noise = Noise::stated_or_found(goodness);
@@ -100,7 +101,7 @@ impl<V: View> Problem<'_, V> {
         let slopes = self.by_displacements(&self.displaced(state)?)?;
         let mut all = DMatrix::zeros(self.equations(), PATTERNS);
         for (disc, body) in fit.bodies.iter().enumerate() {
-            let contact = fit.contact(body, state)?;
+            let contact = state.contact(fit.markers.skin(), body)?;
             let markers = self.counting.iter().zip(&self.whiten);
             for (at, (&marker, whiten)) in markers.enumerate() {
                 let sight = fit

@@ -10,15 +10,16 @@ use nalgebra::{
 };
 
 use super::ImageFit;
-use super::disc_displacements::{DiscSlopes, Moving, State};
+use super::disc_displacements::{DiscSlopes, Moving};
 use super::fit_state::FitState;
 use super::rest::{Rest, products};
 use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
-use crate::unknowns::{INDENTATION, Square, Sums, UNKNOWNS, Unknowns};
+use crate::state::State;
+use crate::unknowns::{INDENTATION, OTHERS, Square, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// First of the unknowns of this fit beside those of every press: both components of a sideways shift of the object.
-pub(super) const SHIFT: usize = 4;
+pub(super) const SHIFT: usize = OTHERS;
 
 /// Whitened residuals of the used markers.
 pub(super) type Residuals = DVector<f64>;
@@ -298,6 +299,7 @@ impl<'a, V: View> Problem<'a, V> {
             residuals,
             slopes,
             normal_slopes,
+            keeps_slopes: false,
         })
     }
 
@@ -407,14 +409,9 @@ impl<'a, V: View> Problem<'a, V> {
         }
         for axis in 0..2 {
             if self.sought[SHIFT + axis] {
-                sums.add_prior(SHIFT + axis, state.shift[axis], self.fit.shift_std);
+                sums.add_prior(SHIFT + axis, state.others[axis], self.fit.shift_std);
             }
         }
         sums
-    }
-
-    /// The state after a step.
-    pub(super) fn stepped(&self, state: &State, step: &Unknowns) -> State {
-        state.stepped(self.fit.markers.skin(), step)
     }
 }

@@ -3,17 +3,17 @@
 use nalgebra::Vector3;
 use palpate_statistics::NORMAL_95;
 
-use super::curvature_posterior::profile;
-use super::disc_displacements::State;
-use super::fit_state::{FitState, minimise};
+use super::fit_state::FitState;
 use super::image_problem::{Problem, Residuals};
 use super::view::{NUMBERS, SIZE, Seen, View, difference};
 use super::{ImageFit, Rest};
 use crate::cholesky::inverse;
+use crate::least_squares::{LeastSquares, minimise};
 use crate::no_contact::no_contact;
-use crate::unknowns::{
-    ACROSS, ALONG, CURVATURE, INDENTATION, Square, of_fitted, scaled_radius_variance,
-};
+use crate::profile::profile;
+use crate::state::State;
+use crate::stds::Stds;
+use crate::unknowns::{CURVATURE, Square};
 use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
 
 /// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
@@ -90,7 +90,7 @@ impl<V: View + Clone> ImageFit<V> {
             return Err(PressError::OutOfRange);
         }
         let mut problem = Problem::new(self, rest, seen, indentation)?;
-        let state = State::new(curvature, self.markers.skin().place(at), depth);
+        let state = State::new(curvature, self.markers.skin().place(at), depth, [0.0; 2]);
         let sums = problem.weigh(&state)?.sums;
         let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
             what: "some combination of curvature, place and indentation is free",
@@ -109,7 +109,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     best = update_sensor(&mut problem, best)?;
     let weighed = best.clone();
     for _ in 0..4 {
-        best = minimise(&problem, best, EXACTLY, None, true)?;
+        best = minimise(&problem, best.keeping_slopes(), EXACTLY, None)?;
         let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
             what: "some combination of curvature, place and indentation is free",
         })?;
@@ -128,10 +128,11 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 freedom: goodness.freedom,
             });
         }
-        match profile(&problem, &best, std, NORMAL_95) {
+        match profile(&problem, &best, NORMAL_95 * NORMAL_95) {
             Ok(interval) => {
-                let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
-                problem.fit.markers.see(&best.state.place, reached.radius)?;
+                let fit = problem.fit;
+                let reached = best.state.contact(fit.markers.skin(), &fit.bodies[0])?;
+                fit.markers.see(&best.state.place, reached.radius)?;
                 if best.is_stuck() {
                     break;
                 }
@@ -144,7 +145,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                     wrong,
                 );
             }
-            Err(better) => best = FitState::at(&problem, better)?,
+            Err(better) => best = problem.fit_at(better)?,
         }
     }
     Err(PressError::Undetermined {
@@ -159,7 +160,7 @@ pub(super) fn settle<V: View + Clone>(
 ) -> Result<FitState, PressError> {
     let near = problem.weigh(&near)?;
     let near = update_sensor(problem, near)?;
-    minimise(problem, near, EXACTLY, None, true)
+    minimise(problem, near.keeping_slopes(), EXACTLY, None)
 }
 
 /// The fit with the sensor fitted to both frames.
@@ -169,7 +170,7 @@ fn update_sensor<V: View + Clone>(
 ) -> Result<FitState, PressError> {
     let mut best = near;
     for _ in 0..SENSOR_UPDATES {
-        best = minimise(problem, best, 0.1 * SETTLED, None, true)?;
+        best = minimise(problem, best.keeping_slopes(), 0.1 * SETTLED, None)?;
         let before = problem.clone();
         let is_possible = problem.update_sensor(&best)?;
         match problem.weigh(&best.state) {
@@ -193,8 +194,9 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let mut best: Option<FitState> = None;
     let mut failure = problem.no_contact(0.0);
     for start in starts.into_iter().take(3) {
-        let fitted = FitState::at(problem, start)
-            .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None, false));
+        let fitted = problem
+            .fit_at(start)
+            .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None));
         match fitted {
             Ok(fitted) => {
                 let is_good = fitted.sums.chi_squared < 2.0 * problem.equations() as f64;
@@ -213,7 +215,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     }
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
-    let mut best = minimise(problem, near, ROUGHLY, None, true)?;
+    let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
     // If the fit is bad, outliers may be the reason.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
@@ -233,7 +235,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
             break;
         }
         let weighed = problem.weigh(&best.state)?;
-        best = minimise(problem, weighed, ROUGHLY, None, true)?;
+        best = minimise(problem, weighed.keeping_slopes(), ROUGHLY, None)?;
         is_weighed = true;
     }
     if is_weighed {
@@ -295,42 +297,29 @@ fn outcome<V: View + Clone>(
     unmoved: f64,
     wrong_markers: Vec<usize>,
 ) -> Result<PressEstimate, PressError> {
-    let State {
-        place, indentation, ..
-    } = best.state;
     let body = &problem.fit.bodies[0];
-    let contact = problem.fit.contact(body, &best.state)?;
-    let covariance = of_fitted(covariance, &problem.sought);
-    let variance = |one: usize, other: usize| covariance[(one, other)];
-    let around = |value: f64, std: f64| Estimated::normal(value, std, NORMAL_95).positive();
-    let [_, slope] = body.indentation_of(contact.radius)?;
-    let of_radius = scaled_radius_variance(&covariance, indentation);
     let skin = problem.fit.markers.skin();
+    let contact = best.state.contact(skin, body)?;
+    let stds = Stds::new((skin, body), &best.state, covariance, &problem.sought)?;
+    let around = |value: f64, std: f64| Estimated::normal(value, std, NORMAL_95).positive();
     let curvature = contact.relative_curvature;
-    let log_variance = variance(CURVATURE, CURVATURE);
     let goodness = problem.goodness(best);
     // The interval is scaled with the mean.
-    let factor = libm::exp(problem.mean_beside(weighed, &covariance));
+    let factor = libm::exp(problem.mean_beside(weighed, covariance));
     let interval = interval.map(|end| end * factor);
     let unbiased = curvature * factor;
     Ok(PressEstimate {
         sensor_curvature: skin.curvature(),
         relative_curvature: Estimated {
             value: unbiased,
-            std: unbiased * log_variance.sqrt(),
+            std: unbiased * stds.log_curvature,
             interval,
         },
         most_likely_curvature: curvature,
-        indentation: around(indentation, variance(INDENTATION, INDENTATION).sqrt()),
-        contact_radius: around(
-            contact.radius,
-            of_radius.max(0.0).sqrt() / (curvature * slope),
-        ),
-        contact: skin.chart(place.direction.as_ref()),
-        contact_std: [
-            variance(ALONG, ALONG).sqrt(),
-            variance(ACROSS, ACROSS).sqrt(),
-        ],
+        indentation: around(best.state.indentation, stds.indentation),
+        contact_radius: around(contact.radius, stds.contact_radius),
+        contact: skin.chart(best.state.place.direction.as_ref()),
+        contact_std: stds.contact,
         baseline: None,
         gain: None,
         wrong_markers,
@@ -379,7 +368,7 @@ impl<V: View> Problem<'_, V> {
             let [unit, _] = self.fit.bodies[0]
                 .indentation_of(share * skin.radius())
                 .ok()?;
-            let state = State::new(deepest / unit, skin.place_at(direction), deepest);
+            let state = State::new(deepest / unit, skin.place_at(direction), deepest, [0.0; 2]);
             let residuals = self.residuals(&state).ok()?;
             Some((self.cost(&state, &residuals).ok()?, share, state))
         };

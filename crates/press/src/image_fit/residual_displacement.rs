@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::disc_displacements::State;
 use super::image_problem::Problem;
 use super::view::{NUMBERS, Seen, View};
 use super::{ImageFit, Rest};
 use crate::cholesky::solve;
+use crate::state::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {
@@ -30,6 +30,7 @@ impl<V: View> ImageFit<V> {
             press.most_likely_curvature,
             self.markers.skin().place(press.contact),
             press.indentation.value,
+            [0.0; 2],
         );
         problem.weigh(&state)?;
         let residuals = problem.own(&problem.residuals(&state)?)?;

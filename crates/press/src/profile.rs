@@ -1,42 +1,28 @@
 //! Intervals of the relative curvature by profile likelihood.
 
-use super::minimise;
-use super::problem::{Problem, State};
 use crate::Interval;
-use crate::unknowns::{CURVATURE, INDENTATION, Sums};
+use crate::least_squares::{LeastSquares, minimise};
+use crate::state::State;
+use crate::unknowns::{CURVATURE, INDENTATION};
 
 /// Relative tolerance of the square root of chi-squared's increase at the end of an interval; the end is then interpolated.
 const TOLERANCE: f64 = 0.03;
-/// Least predicted decrease of chi-squared for a further step.
-const ENOUGH: f64 = 1e-4;
 const MAX_TRIES: usize = 40;
 /// Largest ratio of a curvature to its estimate, or of the estimate to a curvature, in the search.
 const MAX_RATIO: f64 = 1e6;
 
-/// The interval, or a state with a smaller chi-squared than the supposed best one.
-pub(super) enum Profile {
-    Interval(Interval),
-    Better(State),
-}
-
-/// The interval in which chi-squared, minimised over all other unknowns, is less than `limit` above its minimum.
-pub(super) fn profile(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64) -> Profile {
-    let mut ends = [None; 2];
-    for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
-        match walk(problem, best, sums, limit.sqrt(), sign) {
-            Walk::End(log_curvature) => *end = Some(libm::exp(log_curvature)),
-            Walk::Endless => {}
-            Walk::Better(state) => return Profile::Better(state),
-        }
-    }
-    let [low, high] = ends;
-    Profile::Interval(Interval { low, high })
-}
-
-enum Walk {
-    End(f64),
-    Endless,
-    Better(State),
+/// The interval in which chi-squared, minimised over all other unknowns, is less than `limit` above its minimum. The error is a
+/// state with a smaller chi-squared than the supposed best one.
+pub(crate) fn profile<P: LeastSquares>(
+    problem: &P,
+    best: &P::Fit,
+    limit: f64,
+) -> Result<Interval, State> {
+    let end = |sign| Ok(walk(problem, best, limit.sqrt(), sign)?.map(libm::exp));
+    Ok(Interval {
+        low: end(-1.0)?,
+        high: end(1.0)?,
+    })
 }
 
 /// A step of the logarithm of the curvature, the square root of chi-squared's increase there, and the derivative of the step by
@@ -61,26 +47,33 @@ impl Found {
     }
 }
 
-fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64) -> Walk {
-    // The state at the last step, the derivative of the unknowns there, and the step.
-    let mut from = (*best, sums.ridge(), 0.0);
+/// The logarithm of the curvature at the end of the interval; `None` if there is no end.
+fn walk<P: LeastSquares>(
+    problem: &P,
+    best: &P::Fit,
+    limit: f64,
+    sign: f64,
+) -> Result<Option<f64>, State> {
+    let (start, sums) = (P::state_of(best), P::sums_of(best));
+    // The fit at the last step, the derivative of the unknowns there, and the step.
+    let mut from = (best.clone(), sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
     let mut at = |step: f64| -> Option<Result<Found, State>> {
         let way = from.1 * (sign * (step - from.2));
-        let mut start = problem.moved(&from.0, &way);
+        let last = P::state_of(&from.0);
+        let mut state = problem.stepped(last, &way);
         // The indentation is extrapolated as a power of the curvature.
-        start.indentation = from.0.indentation * libm::exp(way[INDENTATION] / from.0.indentation);
-        let (state, least) = minimise(problem, start, ENOUGH, Some(CURVATURE)).ok()?;
-        from = (state, least.ridge(), step);
-        let rise = |sums: &Sums, least: f64| least - sums.chi_squared;
-        let is_less = |rise: f64| rise < -1e-6 * (1.0 + sums.chi_squared);
-        let found = rise(sums, least.chi_squared);
-        // The minimum is a prediction, so check it by the true chi-squared.
-        if is_less(found) && is_less(rise(sums, problem.sums(&state).ok()?.chi_squared)) {
-            return Some(Err(state));
-        }
-        let root = found.max(0.0).sqrt();
+        state.indentation = last.indentation * libm::exp(way[INDENTATION] / last.indentation);
+        let near = problem.fit_near(&from.0, state, way[CURVATURE]).ok()?;
+        let fit = minimise(problem, near, P::ENOUGH_OF_PROFILE, Some(CURVATURE)).ok()?;
+        let least = P::sums_of(&fit);
+        let root = (least.chi_squared - sums.chi_squared).max(0.0).sqrt();
         let per_root = root / (sign * least.gradient[CURVATURE]);
+        let ridge = least.ridge();
+        if problem.is_better(&fit, best) {
+            return Some(Err(*P::state_of(&fit)));
+        }
+        from = (fit, ridge, step);
         Some(Ok(Found {
             step,
             root,
@@ -99,13 +92,13 @@ fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64)
     for _ in 0..MAX_TRIES {
         let mut last = inside;
         match at(step) {
-            Some(Err(state)) => return Walk::Better(state),
+            Some(Err(state)) => return Err(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
                 // The slopes are useless if the profile is almost flat.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };
-                return Walk::End(best.log_curvature + sign * end);
+                return Ok(Some(start.log_curvature + sign * end));
             }
             Some(Ok(found)) if found.root < limit => inside = found,
             Some(Ok(found)) => outside = Some((step, Some(found))),
@@ -124,7 +117,7 @@ fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64)
                 or_linear(at(share)).clamp(at(0.05), at(0.95))
             }
             Some((far, None)) => 0.5 * (inside.step + far),
-            None if inside.step >= furthest => return Walk::Endless,
+            None if inside.step >= furthest => return Ok(None),
             None => {
                 let linear = inside.step * limit / inside.root.max(0.1 * limit);
                 let near = 1.05 * inside.step;
@@ -136,15 +129,15 @@ fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64)
         if let Some((far, found)) = outside {
             let gap = far - inside.step;
             if found.is_none() && (gap < 0.02 * far || far < 1e-6) {
-                return Walk::Endless;
+                return Ok(None);
             }
             if gap < 1e-12 * far {
-                return Walk::End(best.log_curvature + sign * inside.step);
+                return Ok(Some(start.log_curvature + sign * inside.step));
             }
         }
     }
-    match outside {
-        Some((far, Some(_))) => Walk::End(best.log_curvature + sign * far),
-        Some((_, None)) | None => Walk::Endless,
-    }
+    Ok(match outside {
+        Some((far, Some(_))) => Some(start.log_curvature + sign * far),
+        Some((_, None)) | None => None,
+    })
 }

@@ -1,0 +1,63 @@
+//! State of a fit: values of its unknowns.
+
+use nalgebra::Vector3;
+
+use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, OTHERS, Unknowns};
+use crate::{Body, Contact, Place, PressError, Skin};
+
+/// Values of the unknowns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub(crate) log_curvature: f64,
+    pub(crate) place: Place,
+    pub(crate) indentation: f64,
+    /// The two unknowns in which the fits differ: an offset and a gain of normal displacements, or both components of a
+    /// sideways shift of the object.
+    pub(crate) others: [f64; 2],
+}
+
+impl State {
+    /// A press of this relative curvature.
+    pub(crate) fn new(
+        relative_curvature: f64,
+        place: Place,
+        indentation: f64,
+        others: [f64; 2],
+    ) -> Self {
+        Self {
+            log_curvature: libm::log(relative_curvature),
+            place,
+            indentation,
+            others,
+        }
+    }
+
+    /// The contact with a body.
+    pub(crate) fn contact<'b>(
+        &self,
+        skin: &Skin,
+        body: &'b Body,
+    ) -> Result<Contact<'b>, PressError> {
+        skin.press(body, libm::exp(self.log_curvature), self.indentation)
+    }
+
+    /// The state after a step. `place_at` is the place in a direction.
+    pub(crate) fn stepped(
+        &self,
+        skin: &Skin,
+        step: &Unknowns,
+        place_at: impl Fn(&Vector3<f64>) -> Place,
+    ) -> Self {
+        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
+            self.place
+        } else {
+            place_at(&skin.beyond(&self.place, step[ALONG], step[ACROSS]))
+        };
+        Self {
+            log_curvature: self.log_curvature + step[CURVATURE],
+            place,
+            indentation: self.indentation + step[INDENTATION],
+            others: [0, 1].map(|other| self.others[other] + step[OTHERS + other]),
+        }
+    }
+}
