@@ -47,7 +47,7 @@ pub(crate) trait LeastSquares {
         None
     }
 
-    /// The fit at a state to which the logarithm of the curvature differs by `step` from another fit.
+    /// The fit at a state whose logarithm of the curvature differs by `step` from that of another fit.
     fn fit_near(
         &self,
         _fit: &Self::Fit,

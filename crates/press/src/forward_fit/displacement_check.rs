@@ -57,9 +57,9 @@ impl ForwardFit {
     }
 
     /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
-    /// tested by [`Self::check_indentation`]. Of a Gaussian, which is only an approximation, of a contact that is not detected, and
-    /// if there are hardly more equations than unknowns, only the size of the residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and
-    /// patterns use the residuals instead.
+    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for a Gaussian, which is only an
+    /// approximation, for a contact that is not detected, and if there are hardly more equations than unknowns. If the residuals
+    /// are too large for the stated noise, the tests for outliers and patterns use the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.

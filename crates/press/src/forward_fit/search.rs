@@ -271,8 +271,8 @@ impl<'a> Search<'a> {
         })))
     }
 
-    /// The interval extended by the intervals of other fits that explain the readings about as well.
-    /// The error is a state with a smaller chi-squared.
+    /// The interval extended by the intervals of other fits that explain the readings about as well. The error is a state with a
+    /// smaller chi-squared.
     fn with_rivals(
         &self,
         best: &State,
