@@ -15,9 +15,6 @@ pub const FORMAT_VERSION: u32 = 2;
 /// Standard deviation that is assumed for a stated indentation, as a share of it.
 pub const INDENTATION_SHARE: f64 = 0.02;
 
-/// Ratio of the residuals to the stated noise, or its inverse, above which the intervals are wrong.
-pub(super) const LARGE_RESIDUALS: f64 = 1.5;
-
 /// The stated indentation with its standard deviation, and a warning if the latter is assumed.
 pub(super) fn indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
     if std > 0.0 {

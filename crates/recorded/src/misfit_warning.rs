@@ -55,13 +55,13 @@ impl ReadingWords<'_> {
         let mut warning = Warning::new(misfit.code(), text, [("p_value", p_value)]);
         match *misfit {
             Misfit::Outlier { reading, .. } => {
-                warning.numbers.insert("reading", reading as f64);
+                warning.numbers.insert("reading".into(), reading as f64);
             }
             Misfit::Stated {
                 stated, estimated, ..
             } => warning
                 .numbers
-                .extend([("stated", stated), ("estimated", estimated)]),
+                .extend([("stated".into(), stated), ("estimated".into(), estimated)]),
             _ => {}
         }
         warning

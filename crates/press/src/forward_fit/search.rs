@@ -8,7 +8,7 @@ use super::outcome::outcome;
 use super::problem::{BASELINE, GAIN, Problem, RobustSum, WRONG};
 use super::start::{RADII, Shapes, median, starts};
 use super::undetected_contacts::UndetectedContacts;
-use super::{EXACTLY, ForwardFit, Prior, Reading, minimise};
+use super::{ForwardFit, Prior, Reading};
 use crate::cholesky::inverse;
 use crate::least_squares::{EXACTLY, LeastSquares, minimise};
 use crate::profile::profile;

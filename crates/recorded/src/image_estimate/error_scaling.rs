@@ -110,7 +110,7 @@ impl ScaledFit {
             "are the body and the indentation those of the sensor?",
         );
         if let Some((warning, goodness)) = of_press.as_mut().zip(self.estimate.goodness) {
-            warning.numbers.insert("p_value", goodness.p_value);
+            warning.numbers.insert("p_value".into(), goodness.p_value);
         }
         of_rest.into_iter().chain(of_press).collect()
     }
