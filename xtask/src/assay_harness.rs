@@ -1,4 +1,4 @@
-//! Harnesses of palpate-assay that compare answers and intervals with references, each into a table of `results/`.
+//! Harnesses of palpate-assay that compare answers and intervals with references.
 
 use anyhow::Result;
 use clap::Args;
@@ -14,38 +14,33 @@ pub(crate) struct Options {
     options: Vec<String>,
 }
 
-/// Runs the harness with this name; its table has the same name. After a harness of intervals, the table of coverages for
-/// `palpate check` is written again.
-pub(crate) fn run(shell: &Shell, name: &str, options: &Options) -> Result<()> {
-    harness(shell, name, &options.options)?;
-    if !name.ends_with("intervals") {
-        return Ok(());
-    }
-    let assay = programs::build(shell, "palpate-assay")?;
-    let table = "crates/palpate/src/coverage/families.csv";
-    Ok(cmd!(
-        shell,
-        "{assay} coverage-table --results results --out {table}"
-    )
-    .quiet()
-    .run()?)
+/// Folder of the tables of intervals.
+const FAMILIES: &str = "crates/palpate/src/coverage";
+
+/// Writes `results/answers.csv`.
+pub(crate) fn answers(shell: &Shell, options: &Options) -> Result<()> {
+    harness(shell, ["answers", "--out", "results/answers.csv"], options)
+}
+
+/// Writes the measured columns of the tables of intervals.
+pub(crate) fn intervals(shell: &Shell, options: &Options) -> Result<()> {
+    harness(shell, ["intervals", "--tables", FAMILIES], options)
 }
 
 /// Step of CI: computes a part of the answers, in a few seconds.
 pub(crate) fn check_answers(shell: &Shell) -> Result<()> {
     let table = programs::target_dir(shell).join("answers.csv");
+    let options = "--seeds 5 --pairs 100000 --only cylinder".split(' ');
+    let options = Options {
+        options: options.map(str::to_owned).collect(),
+    };
     let table = table.display().to_string();
-    let part = [
-        "--seeds", "5", "--pairs", "100000", "--only", "cylinder", "--out", &table,
-    ];
-    harness(shell, "answers", &part.map(str::to_owned))
+    harness(shell, ["answers", "--out", &table], &options)
 }
 
-fn harness(shell: &Shell, name: &str, options: &[String]) -> Result<()> {
+fn harness(shell: &Shell, harness: [&str; 3], options: &Options) -> Result<()> {
     let assay = programs::build(shell, "palpate-assay")?;
-    let run = cmd!(
-        shell,
-        "{assay} {name} --out results/{name}.csv {options...}"
-    );
+    let options = &options.options;
+    let run = cmd!(shell, "{assay} {harness...} {options...}");
     Ok(run.quiet().run()?)
 }

@@ -44,17 +44,8 @@ enum Task {
     Tradeoff(tradeoff::Options),
     /// Compare answers on fixed scenes with references, into results/answers.csv.
     Answers(assay_harness::Options),
-    /// Compare the intervals of EP2 with the truth on random surfaces, into results/intervals.csv.
+    /// Compare the intervals and warnings of random scenes with the truth, into the tables that `palpate check` reads.
     Intervals(assay_harness::Options),
-    /// Compare the intervals of camera presses with the truth on random scenes, into results/camera-intervals.csv.
-    CameraIntervals(assay_harness::Options),
-    /// Compare the intervals and warnings of presses without a camera with the truth on random scenes, into
-    /// results/press-intervals.csv.
-    PressIntervals(assay_harness::Options),
-    /// Compare the intervals and warnings of rolls with the truth on random scenes, into results/roll-intervals.csv.
-    RollIntervals(assay_harness::Options),
-    /// Compare the warnings of glides with the truth on random surfaces, into results/glide-intervals.csv.
-    GlideIntervals(assay_harness::Options),
     /// Compare instruction counts and accuracy with the committed baseline.
     BenchCheck(bench_check::Options),
     /// Compare palpate with other programs on the same tasks, into results/peers.csv.
@@ -88,12 +79,8 @@ fn run(cli: Cli) -> Result<()> {
         Task::Reproduce(options) => reproduce::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
-        Task::Answers(options) => assay_harness::run(&shell, "answers", &options),
-        Task::Intervals(options) => assay_harness::run(&shell, "intervals", &options),
-        Task::CameraIntervals(options) => assay_harness::run(&shell, "camera-intervals", &options),
-        Task::PressIntervals(options) => assay_harness::run(&shell, "press-intervals", &options),
-        Task::RollIntervals(options) => assay_harness::run(&shell, "roll-intervals", &options),
-        Task::GlideIntervals(options) => assay_harness::run(&shell, "glide-intervals", &options),
+        Task::Answers(options) => assay_harness::answers(&shell, &options),
+        Task::Intervals(options) => assay_harness::intervals(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Python(options) => python::run(&shell, &options),

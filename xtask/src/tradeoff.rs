@@ -60,17 +60,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Measures on the last core, if taskset is available. A debug build with counters counts the work of the stages; the release
-/// build without counters measures their cost.
+/// Measures on the last core, if taskset is available.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
-    let work_counts = tempfile::NamedTempFile::new()?;
-    let work_counts = work_counts.path();
-    cmd!(
-        shell,
-        "cargo run --quiet -p palpate-assay -- work-counts --out {work_counts}"
-    )
-    .quiet()
-    .run()?;
     let machine = programs::machine(shell);
     let quick = quick.then_some("--quick");
     let cores = std::thread::available_parallelism()?.get();
@@ -82,11 +73,11 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     match pinned {
         Ok(()) => cmd!(
             shell,
-            "taskset --cpu-list {last} {assay} tradeoff --out {out} --work-counts {work_counts} --machine {machine} {quick...}"
+            "taskset --cpu-list {last} {assay} tradeoff --out {out} --machine {machine} {quick...}"
         ),
         Err(_) => cmd!(
             shell,
-            "{assay} tradeoff --out {out} --work-counts {work_counts} --machine {machine} {quick...}"
+            "{assay} tradeoff --out {out} --machine {machine} {quick...}"
         ),
     }
     .quiet()

@@ -8,9 +8,9 @@ use palpate::{
     Order, Question, Region, RunOptions, Runner, SceneTrial, Scenes, Side, design, distinguish,
     parse,
 };
-use serde::Serialize;
 
 use crate::answer_scenes::{DESIGNS, Design, OBJECTS, Objects};
+use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
@@ -35,7 +35,7 @@ pub struct Options<'a> {
 }
 
 /// Number of answers to a scene, and number of the correct ones.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Score {
     /// `design` or `distinguish`.
     pub command: &'static str,
@@ -45,6 +45,18 @@ pub struct Score {
     pub cases: u64,
     /// Number of correct answers.
     pub right: u64,
+}
+
+impl Score {
+    /// Columns of the table.
+    pub fn columns(&self) -> [Column; 4] {
+        [
+            ("command", self.command.to_owned()),
+            ("scene", self.scene.to_owned()),
+            ("cases", self.cases.to_string()),
+            ("right", self.right.to_string()),
+        ]
+    }
 }
 
 /// Scores of all scenes. `report` gets each as soon as it is computed.

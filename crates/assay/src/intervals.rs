@@ -1,100 +1,178 @@
-//! Coverage of 50, 80 and 95 % intervals on random scenes, and of the warnings of estimates whose model is wrong.
+//! Coverage of 50, 80 and 95 % intervals on random scenes, and the warnings of their estimates.
 //!
-//! Each harness draws scenes of several families, makes noisy readings of them, and counts how often the intervals of the
-//! estimates contain the true value. Its table has a row for each family, scene or quantity.
+//! The tables of `palpate` have the families of scenes. For each family this harness draws scenes, makes noisy readings of
+//! them, and counts how often the intervals of the estimates contain the true value and how often an estimate has a warning.
 
-mod best_test;
-pub mod camera;
-mod camera_case;
-mod camera_score;
 mod coverage;
-mod coverage_table;
-mod false_alarms;
-pub mod glide;
-mod glide_contacts;
-mod glide_flaws;
-pub mod patch;
-pub mod press;
-mod press_case;
-mod press_readings;
-pub mod roll;
-mod roll_case;
-mod surface;
+mod random_scene;
 
-pub use coverage_table::{CoverageRow, coverage_table};
-
-use anyhow::Result;
-use palpate_sensing::{Channel, Stream};
+use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
+
+use coverage::{SceneCoverage, Score};
+use random_scene::RandomScene;
+
+/// Largest share of estimates with a warning if the readings agree with the model and the intervals are correct.
+const MAX_FALSE_ALARMS: f64 = 0.05;
+/// Coverage of 95 % intervals from which on they count as correct.
+const CORRECT_COVERAGE: f64 = 0.92;
+/// Smallest share of estimates with a warning if the readings have a flaw.
+const MIN_DETECTED: f64 = 0.9;
+/// Flaw of readings without contact: the estimate must fail.
+const NO_CONTACT: &str = "no contact";
 
 /// Size of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.
     pub seed: u64,
-    /// Number of scenes of each case. For EP2 these are surfaces, every fifth of them a ball.
-    pub scenes: u64,
-    /// Number of trials of each scene.
-    pub trials: u64,
-    /// Only cases whose names contain each of these words.
+    /// Number of scenes of each family, instead of that in the table.
+    pub scenes: Option<u64>,
+    /// Number of trials of each scene, instead of that in the table.
+    pub trials: Option<u64>,
+    /// Only families whose names and flaws contain each of these words. Other rows stay.
     pub only: &'a str,
 }
 
-/// Scores the cases whose names contain all words of `options.only`, and passes each score to `report` when it is ready.
-fn case_scores<C, S, R: IntoIterator<Item = S>>(
-    cases: impl IntoIterator<Item = C>,
-    name: impl Fn(&C) -> String,
+/// The table with the measured columns, and a line for each family that does not meet the limits of warnings. `report` gets
+/// a line for each measured family.
+///
+/// # Errors
+/// If no family is selected or a scene cannot be set up.
+pub fn measure(
+    table: &str,
     options: Options<'_>,
-    report: impl Fn(&S) -> Result<()>,
-    score: impl Fn(&C) -> Result<R>,
-) -> Result<Vec<S>> {
-    let mut scores = Vec::new();
-    for case in cases {
-        let name = name(&case);
-        if !options
+    report: impl Fn(&str),
+) -> Result<(String, Vec<String>)> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let header = reader.headers()?.clone();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(&header)?;
+    let (mut misses, mut measured) = (Vec::new(), 0);
+    for row in reader.records() {
+        let mut row: Vec<String> = row?.iter().map(str::to_owned).collect();
+        let [family, flaw] = ["family", "flaw"].map(|name| cell(&header, &row, name).to_owned());
+        let name = format!("{family}; {flaw}");
+        if options
             .only
             .split_whitespace()
             .all(|word| name.contains(word))
         {
-            continue;
+            let score = score(&header, &row, options).with_context(|| name.clone())?;
+            let mut words = vec![name.clone()];
+            for (column, value) in score.columns() {
+                let place = header.iter().position(|name| name == column);
+                words.push(format!("{column} {value}"));
+                row[place.with_context(|| format!("no column {column}"))?] = value;
+            }
+            report(&words.join(", "));
+            misses.extend(miss(&flaw, &score).map(|miss| format!("{name}: {miss}")));
+            measured += 1;
         }
-        for score in score(&case)? {
-            report(&score)?;
-            scores.push(score);
-        }
+        writer.write_record(&row)?;
     }
-    Ok(scores)
+    if measured == 0 {
+        bail!("no family has a name with each word of `{}`", options.only);
+    }
+    Ok((String::from_utf8(writer.into_inner()?)?, misses))
 }
 
-/// Results of all scenes of a family, computed in parallel, by the number of the scene.
-fn scenes<T: Send>(
-    options: Options<'_>,
-    scene: impl Fn(u64) -> Result<T> + Send + Sync,
-) -> Result<Vec<T>> {
-    (0..options.scenes).into_par_iter().map(scene).collect()
+/// Cell of a row.
+fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a str {
+    let place = header.iter().position(|column| column == name);
+    place
+        .and_then(|place| row.get(place))
+        .map_or("", String::as_str)
 }
 
-/// Random numbers between limits.
-struct Draws(Stream);
+/// Score of the family in a row.
+fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Result<Score> {
+    let cells: Vec<(&str, &str)> = header.iter().zip(row.iter().map(String::as_str)).collect();
+    let count =
+        |name: &str, given: Option<u64>| given.map_or_else(|| cell(header, row, name).parse(), Ok);
+    let (scenes, trials) = (
+        count("scenes", options.scenes)?,
+        count("trials", options.trials)?,
+    );
+    let scenes = (0..scenes).into_par_iter().map(|number| {
+        let scene = RandomScene::new(&cells, options.seed, number)?;
+        let mut coverage = SceneCoverage::default();
+        (0..trials).for_each(|trial| coverage.add(&scene, trial));
+        Ok(coverage)
+    });
+    Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
+}
 
-impl Draws {
-    /// Draws of the scene with this number.
-    fn new(seed: u64, index: u64, channel: Channel) -> Self {
-        Self(Stream::new(seed, index, channel))
+/// The limit that a family does not meet.
+fn miss(flaw: &str, score: &Score) -> Option<String> {
+    match flaw {
+        "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)
+            .then(|| format!("false alarms in {}", score.warned)),
+        NO_CONTACT => (score.failed < 1.0 - MAX_FALSE_ALARMS)
+            .then(|| format!("contact detected in {}", 1.0 - score.failed)),
+        _ => (score.warned < MIN_DETECTED).then(|| format!("detected only in {}", score.warned)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate::config::parse;
+    use palpate::{Coverage, FAMILY_TABLES, coverage, family_scene};
+
+    use super::*;
+
+    /// Rows of a table as pairs of column and cell.
+    fn rows(table: &str) -> Vec<Vec<(String, String)>> {
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let pairs = |row: csv::StringRecord| {
+            let cells = header.iter().zip(&row);
+            cells
+                .map(|(name, cell)| (name.to_owned(), cell.to_owned()))
+                .collect()
+        };
+        reader.records().map(|row| pairs(row.unwrap())).collect()
     }
 
-    fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
-        low + 0.5 * (high - low) * (1.0 + self.0.symmetric_uniform())
+    #[test]
+    fn scenes_are_assigned_to_their_family() {
+        for (_, table) in FAMILY_TABLES {
+            for row in rows(table) {
+                let cells = || {
+                    row.iter()
+                        .map(|(name, cell)| (name.as_str(), cell.as_str()))
+                };
+                let cell = |name: &str| cells().find(|one| one.0 == name).unwrap().1;
+                if !cell("flaw").is_empty() {
+                    continue;
+                }
+                let inside = |_: &str, [low, high]: [f64; 2]| match low {
+                    0.0 => low,
+                    _ => 0.5 * (low + high),
+                };
+                let text = family_scene(cells(), inside).unwrap();
+                let study = parse("a-scene.toml", &text).unwrap();
+                let config = study.cell(0).unwrap().config;
+                match coverage(&config.scene, config.length_unit) {
+                    Coverage::Measured(family) => assert_eq!(family.name, cell("family")),
+                    other => panic!("{text}: {other:?}"),
+                }
+            }
+        }
     }
 
-    /// A number whose logarithm is uniform.
-    fn log_between(&mut self, limits: [f64; 2]) -> f64 {
-        libm::exp(self.between(limits.map(libm::log)))
-    }
-
-    /// Unit vector in a random direction.
-    fn direction(&mut self) -> [f64; 2] {
-        let (sine, cosine) = libm::sincos(self.between([0.0, std::f64::consts::TAU]));
-        [cosine, sine]
+    #[test]
+    fn limits_concern_warnings_and_contacts() {
+        let score = |warned, failed| Score {
+            warned,
+            failed,
+            coverage: [0.92; 3],
+            ..Score::default()
+        };
+        assert!(miss("", &score(0.05, 0.5)).is_none() && miss("", &score(0.06, 0.0)).is_some());
+        let outlier = |warned| miss("an outlier", &score(warned, 0.0)).is_some();
+        assert!(outlier(0.89) && !outlier(0.9));
+        let contact = |failed| miss(NO_CONTACT, &score(0.0, failed)).is_some();
+        assert!(contact(0.94) && !contact(0.95));
     }
 }

@@ -6,12 +6,11 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
-use palpate_assay::csv_table::{row_in_words, text};
+use palpate::FAMILY_TABLES;
 use palpate_assay::{
-    accuracy, answer_check, auto_check, intervals, peer_tasks, tradeoff, workloads,
+    accuracy, answer_check, auto_check, csv_table, intervals, peer_tasks, tradeoff, workloads,
 };
 use palpate_report::{Files, tradeoff_figures};
-use serde::Serialize;
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
@@ -48,25 +47,9 @@ enum Harness {
         #[arg(long, default_value = "")]
         only: String,
     },
-    /// Compares the intervals of EP2 with the true values on random surfaces, every fifth of them a ball.
-    Intervals(Scenes),
-    /// Compares the intervals of presses with a camera with the true values on random scenes. Each trial redraws the sensor.
-    CameraIntervals(Scenes),
-    /// Compares the intervals and warnings of presses without a camera with the true values on random scenes.
-    PressIntervals(Scenes),
-    /// Writes the table of measured coverages that `palpate check` reads, from the tables of the harnesses.
-    CoverageTable {
-        /// Folder of the harnesses' tables.
-        #[arg(long)]
-        results: PathBuf,
-        /// The table to write.
-        #[arg(long)]
-        out: PathBuf,
-    },
-    /// Compares the intervals and warnings of rolls with the true values on random scenes.
-    RollIntervals(Scenes),
-    /// Checks the warnings of glides on random surfaces.
-    GlideIntervals(Scenes),
+    /// Compares the intervals and warnings of random scenes with the true values, and writes the measured columns of the tables
+    /// that `palpate check` reads. Fails if sound readings cause too many warnings, or flawed ones too few.
+    Intervals(Intervals),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Prints the instructions of the workloads, as CSV.
@@ -87,21 +70,11 @@ enum Harness {
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Counts the work of each stage of a scene for `tradeoff`: draws, derivatives, frames.
-    #[cfg(feature = "count")]
-    WorkCounts {
-        /// The table to write.
-        #[arg(long)]
-        out: PathBuf,
-    },
     /// Measures every ladder of models: error against cost.
     Tradeoff {
         /// The folder to write to.
         #[arg(long)]
         out: PathBuf,
-        /// Table from `work-counts`.
-        #[arg(long)]
-        work_counts: PathBuf,
         /// Description of the machine, written to the tables.
         #[arg(long)]
         machine: String,
@@ -119,51 +92,49 @@ enum Harness {
     },
 }
 
-/// Random scenes of a harness of intervals.
 #[derive(clap::Args)]
-struct Scenes {
-    /// The table to write.
+struct Intervals {
+    /// Tables of families: roll, glide, press, image; all by default.
+    names: Vec<String>,
+    /// Folder of the tables.
     #[arg(long)]
-    out: Option<PathBuf>,
+    tables: PathBuf,
     /// Seed of the scenes and the noise.
     #[arg(long, default_value = "1919")]
     seed: u64,
-    /// Number of scenes of each case.
-    #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
-    scenes: u64,
-    /// Number of trials of each scene. With a camera, a third of them if presses calibrate the sensor, and a tenth if the
-    /// model is wrong [default: 12 of EP2 and glides, else 300]
+    /// Number of scenes of each family, instead of that in the table.
+    #[arg(long, value_parser = at_least_one())]
+    scenes: Option<u64>,
+    /// Number of trials of each scene, instead of that in the table.
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
-    /// Only cases whose names contain each of these words.
+    /// Only families whose names and flaws contain each of these words. Other rows stay.
     #[arg(long, default_value = "")]
     only: String,
 }
 
-impl Scenes {
-    /// Scores the selected cases, prints each score and writes the table. Fails if no case is selected.
-    fn score<S: Serialize>(
-        &self,
-        trials: u64,
-        scores: impl FnOnce(intervals::Options<'_>, fn(&S) -> Result<()>) -> Result<Vec<S>>,
-    ) -> Result<Vec<S>> {
+impl Intervals {
+    fn measure(&self) -> Result<()> {
         let options = intervals::Options {
             seed: self.seed,
             scenes: self.scenes,
-            trials: self.trials.unwrap_or(trials),
+            trials: self.trials,
             only: &self.only,
         };
-        let scores = scores(options, |score| {
-            println!("{}", row_in_words(score)?);
-            Ok(())
-        })?;
-        if scores.is_empty() {
-            bail!("no case has a name with each word of `{}`", self.only);
+        let is_selected =
+            |name: &str| self.names.is_empty() || self.names.iter().any(|one| one == name);
+        let mut misses = Vec::new();
+        for (name, _) in FAMILY_TABLES.iter().filter(|(name, _)| is_selected(name)) {
+            let path = self.tables.join(format!("{name}.csv"));
+            let table = std::fs::read_to_string(&path)?;
+            let (text, of_table) = intervals::measure(&table, options, |line| println!("{line}"))?;
+            std::fs::write(path, text)?;
+            misses.extend(of_table);
         }
-        if let Some(out) = &self.out {
-            std::fs::write(out, text(&scores)?)?;
+        match misses.is_empty() {
+            true => Ok(()),
+            false => bail!("beyond the limits of warnings:\n{}", misses.join("\n")),
         }
-        Ok(scores)
     }
 }
 
@@ -212,29 +183,11 @@ fn main() -> Result<()> {
                 );
             })?;
             if let Some(out) = out {
-                std::fs::write(out, text(&scores)?)?;
+                csv_table::write(&out, scores.iter().map(answer_check::Score::columns))?;
             }
             answer_check::check(&scores)
         }
-        Harness::Intervals(scenes) => {
-            let scores = scenes.score(12, intervals::patch::scores)?;
-            println!("{}", intervals::patch::summary(&scores));
-            Ok(())
-        }
-        Harness::CameraIntervals(scenes) => {
-            let scores = scenes.score(300, intervals::camera::scores)?;
-            for summary in intervals::camera::summaries(&scores) {
-                println!("{}", row_in_words(&summary)?);
-            }
-            Ok(())
-        }
-        Harness::PressIntervals(scenes) => scenes.score(300, intervals::press::scores).map(drop),
-        Harness::CoverageTable { results, out } => {
-            let table = intervals::coverage_table(&results)?;
-            Ok(std::fs::write(out, text(&table)?)?)
-        }
-        Harness::RollIntervals(scenes) => scenes.score(300, intervals::roll::scores).map(drop),
-        Harness::GlideIntervals(scenes) => scenes.score(12, intervals::glide::scores).map(drop),
+        Harness::Intervals(intervals) => intervals.measure(),
         Harness::Accuracy => print_figures("error", accuracy::figures()?),
         Harness::Instructions { counted } => match counted {
             Some(name) => workloads::count(&name),
@@ -253,18 +206,14 @@ fn main() -> Result<()> {
             }
             Ok(())
         }
-        #[cfg(feature = "count")]
-        Harness::WorkCounts { out } => tradeoff::write_work_counts(&out),
         Harness::Tradeoff {
             out,
-            work_counts,
             machine,
             quick,
             counted,
         } => tradeoff::run(
             tradeoff::Options {
                 out: &out,
-                work_counts: &work_counts,
                 machine: &machine,
                 quick,
                 counted,

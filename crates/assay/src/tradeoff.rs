@@ -4,17 +4,15 @@
 //! |---|---|
 //! | rolling | closed forms of a ball and a paraboloid; integrators with other equations, in charts, on the ellipsoid |
 //! | gliding | the offset surface of a ball, a saddle, an ellipsoid |
-//! | pads, probes, fits, maps | the object's curvature, in closed form |
+//! | pads, probes, fits | the object's curvature, in closed form |
 //! | press models | quadrature over wavenumbers: [`crate::paraboloid_reference`] |
 //! | press sensors, press estimators | the true effective radius |
-//! | Monte Carlo | the standard error, from the scatter of the trials |
 
 mod ep1_trials;
 mod ep2_trials;
 mod gliding_models;
 mod ladder;
 mod ladder_tables;
-mod monte_carlo;
 mod pareto_front;
 mod press_models;
 mod press_trials;
@@ -36,8 +34,6 @@ use ladder_tables::{MeasuredRung, MeasuredScene};
 pub struct Options<'a> {
     /// The folder to write to.
     pub out: &'a Path,
-    /// Table of [`write_work_counts`].
-    pub work_counts: &'a Path,
     /// Description of the machine.
     pub machine: &'a str,
     /// Whether to time each rung for a short time only.
@@ -54,11 +50,9 @@ fn ladders() -> Result<Vec<Ladder>> {
         ep1_trials::pads(),
         ep1_trials::probes(),
         ep2_trials::fits(),
-        ep2_trials::maps(),
         press_models::ladder(),
         press_trials::sensors(),
         press_trials::estimators(),
-        monte_carlo::ladder(),
     ])
 }
 
@@ -110,17 +104,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     ladder_tables::write(&all, options.machine, options.out)?;
     report("stages");
     let stage_counts = counts.as_ref().map(|counts| &counts[rung_count..]);
-    let work_counts = stages::read_work_counts(options.work_counts)?;
-    stages::write(&stages, stage_counts, &work_counts, patience, options.out)
-}
-
-/// Writes the work of one trial of each stage. Another build of this program, without counters, measures the costs.
-///
-/// # Errors
-/// If a stage is not a valid scene, or the table cannot be written.
-#[cfg(feature = "count")]
-pub fn write_work_counts(out: &Path) -> Result<()> {
-    stages::write_work_counts(out)
+    stages::write(&stages, stage_counts, patience, options.out)
 }
 
 /// Number of evaluations per run of each rung.

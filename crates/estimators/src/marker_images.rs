@@ -3,8 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use palpate_press::{
-    CalibrationPress, ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate,
-    Rest, Seen,
+    ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate, Rest, Seen,
 };
 use palpate_tracking::{MarkerErrors, Track};
 
@@ -15,8 +14,6 @@ use crate::image_model::{ImageModel, marker_image};
 pub struct MarkerImages {
     /// The markers at rest; `None` if all trials share one reading at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
-    /// Calibration presses of this trial's sensor; empty if it is not calibrated.
-    pub calibrating: Vec<CalibrationPress>,
     /// The markers in the press.
     pub pressed: Vec<Option<Seen>>,
 }
@@ -92,22 +89,6 @@ impl ImageEstimator {
         })
     }
 
-    /// Cramér–Rao bound on the standard deviation of the relative curvature, for a press with this relative
-    /// curvature, chart coordinates and indentation.
-    pub fn std_bound(
-        &self,
-        pictures: &MarkerImages,
-        indentation: Option<Measured>,
-        (curvature, at, depth): (f64, [f64; 2], f64),
-    ) -> Option<f64> {
-        self.with_rest(pictures, |rest| {
-            let seen = &pictures.pressed;
-            self.fit
-                .std_bound(rest, seen, indentation, (curvature, at, depth))
-        })
-        .ok()
-    }
-
     fn with_rest<T>(
         &self,
         pictures: &MarkerImages,
@@ -116,7 +97,7 @@ impl ImageEstimator {
         let own;
         let rest = match &pictures.own_rest {
             Some(rest) => {
-                own = self.fit.calibrated(rest, &pictures.calibrating)?;
+                own = self.fit.at_rest(rest)?;
                 &own
             }
             None => self.rest()?,

@@ -1,25 +1,38 @@
-//! Measured coverage: how often 95 % intervals contained the true value in random scenes, and which of these families of
+//! Measured coverage: how often 95 % intervals contained the true value in random scenes, and which family of random
 //! scenes a scene belongs to.
+//!
+//! `cargo xtask intervals` measures the families. A row of its tables is a family: the fields of its scenes, many of them as
+//! ranges, and the measured shares.
 
-mod glide_families;
-mod press_families;
-mod roll_families;
+mod comparable_scene;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 use palpate_statistics::Number;
 use palpate_study::Rows;
-use palpate_study::config::{LengthUnit, SceneConfig};
+use palpate_study::config::{ConfigError, LengthUnit, SceneConfig, parse, with_fields};
+use serde_json::{Value as Json, json};
 
-/// Families with their measured coverage. `cargo xtask tested` writes this table.
-const TABLE: &str = include_str!("coverage/families.csv");
+use comparable_scene::{Fields, comparable_fields, unit_length};
+
+/// Field of the tables: the curvature of a ball or, if negative, of a dish.
+const CURVATURE: &str = "scene.object.curvature";
+
+/// Names and texts of the tables of families.
+pub const FAMILY_TABLES: [(&str, &str); 4] = [
+    ("roll", include_str!("coverage/roll.csv")),
+    ("glide", include_str!("coverage/glide.csv")),
+    ("press", include_str!("coverage/press.csv")),
+    ("image", include_str!("coverage/image.csv")),
+];
 
 /// Random scenes of one kind, and how often their intervals contained the true value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Kind of scene: `roll`, `glide`, `press`.
-    pub scene: String,
-    /// Name, as in the table of its harness.
+    pub scene: &'static str,
+    /// Name, as in the table.
     pub name: String,
     /// Number of scenes.
     pub scenes: usize,
@@ -27,16 +40,10 @@ pub struct Family {
     pub coverage95: f64,
     /// The lowest share of a scene.
     pub lowest: f64,
-}
-
-impl Family {
-    /// Range of shares in which the intervals count as 95 % intervals.
-    pub const HOLDS: [f64; 2] = [0.92, 0.98];
-
-    /// Whether the share is near 95 %.
-    pub fn holds(&self) -> bool {
-        (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
-    }
+    /// Fields of one of the scenes.
+    fields: Fields,
+    /// Ranges of the scenes' numbers, by field.
+    ranges: BTreeMap<String, [f64; 2]>,
 }
 
 /// Measured coverage of scenes like one.
@@ -78,125 +85,182 @@ pub enum Coverage {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
-    let family = match scene {
-        SceneConfig::Press(press) if press.estimator.name() == "image" => {
-            press_families::image_family(press, unit)
-        }
-        SceneConfig::Press(press) => press_families::family(press, unit),
-        SceneConfig::Glide(glide) => glide_families::family(glide, unit),
-        SceneConfig::Roll(roll) => roll_families::family(roll, unit),
-        SceneConfig::Fingertip(_) => Err("nothing is estimated".to_owned()),
+    let fields = comparable_fields(scene, 1.0);
+    let of_kind = families().iter().filter(|one| one.scene == scene.kind());
+    let nearest = of_kind
+        .map(|family| (family, family.differences(&fields)))
+        .min_by_key(|(_, differences)| differences.each_ref().map(Vec::len));
+    let Some((family, [others, outside])) = nearest else {
+        return Coverage::NotMeasured("no random scenes of this kind".to_owned());
     };
-    let (name, outside) = match family {
-        Ok(family) => family,
-        Err(why) => return Coverage::NotMeasured(why),
+    let words = |fields: &[&String]| {
+        let words = fields
+            .iter()
+            .map(|field| family.in_words(scene, unit, field));
+        words.collect::<Vec<_>>().join("; ")
     };
-    let has_name = |family: &&Family| family.scene == scene.kind() && family.name == name;
-    match families().iter().find(has_name) {
-        Some(family) if outside.is_empty() => Coverage::Measured(family),
-        Some(family) => Coverage::Outside(family, outside.join("; ")),
-        None => Coverage::NotMeasured(format!("no random scenes of `{name}`")),
+    match (others.is_empty(), outside.is_empty()) {
+        (true, true) => Coverage::Measured(family),
+        (true, false) => Coverage::Outside(family, words(&outside)),
+        _ => Coverage::NotMeasured(format!("random scenes have no {}", words(&others))),
     }
 }
 
-/// Families of random scenes.
+/// Config of a scene of a family. `cells` are the columns and cells of its row; those of other columns than fields of a scene
+/// are ignored. A cell is a value, a range `low..high`, of which `draw` chooses a number, or `factor * field`, a multiple of
+/// the number of an earlier column.
+///
+/// # Errors
+/// [`ConfigError`] of [`with_fields`].
+pub fn family_scene<'a>(
+    cells: impl Iterator<Item = (&'a str, &'a str)>,
+    mut draw: impl FnMut(&str, [f64; 2]) -> f64,
+) -> Result<String, ConfigError> {
+    let mut fields: Vec<(String, Json)> = vec![("name".to_owned(), json!("family"))];
+    for (field, cell) in cells {
+        if !field.starts_with("scene.") || cell.is_empty() {
+            continue;
+        }
+        let value = match (range(cell), multiple(cell)) {
+            (Some(range), _) => json!(draw(field, range)),
+            (None, Some((factor, other))) => {
+                let other = fields.iter().find(|(field, _)| field == other);
+                json!(factor * other.and_then(|one| one.1.as_f64()).unwrap_or(0.0))
+            }
+            _ => serde_json::from_str(cell).unwrap_or_else(|_| json!(cell)),
+        };
+        fields.push(match (field, value.as_f64()) {
+            (CURVATURE, Some(curvature)) => {
+                let radius = curvature.abs().recip();
+                let object = match curvature {
+                    0.0 => json!({ "kind": "plane" }),
+                    _ if curvature < 0.0 => json!({ "kind": "dish", "radius": radius }),
+                    _ => json!({ "kind": "sphere", "radius": radius }),
+                };
+                ("scene.object".to_owned(), object)
+            }
+            // Counts are integers.
+            (_, Some(number)) if number.fract() == 0.0 => (field.to_owned(), json!(number as i64)),
+            _ => (field.to_owned(), value),
+        });
+    }
+    with_fields("family", "", &fields)
+}
+
+/// Range in a cell: `low..high`.
+fn range(cell: &str) -> Option<[f64; 2]> {
+    let (low, high) = cell.split_once("..")?;
+    Some([low.parse().ok()?, high.parse().ok()?])
+}
+
+/// Multiple of another field's number in a cell: `factor * field`.
+fn multiple(cell: &str) -> Option<(f64, &str)> {
+    let (factor, field) = cell.split_once(" * ")?;
+    Some((factor.parse().ok()?, field))
+}
+
+impl Family {
+    /// Range of shares in which the intervals count as 95 % intervals.
+    pub const HOLDS: [f64; 2] = [0.92, 0.98];
+
+    /// Whether the share is near 95 %.
+    pub fn holds(&self) -> bool {
+        (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
+    }
+
+    /// Family of a row; `None` if it is not measured, or if its readings contradict the estimator's model.
+    fn of_row(cells: &[(&str, &str)]) -> Option<Self> {
+        let cell = |name| {
+            cells
+                .iter()
+                .find(|(column, _)| *column == name)
+                .map(|one| one.1)
+        };
+        if !cell("flaw")?.is_empty() {
+            return None;
+        }
+        let mut ranges = BTreeMap::new();
+        let config = family_scene(cells.iter().copied(), |field, range| {
+            ranges.insert(field.to_owned(), range);
+            range[0]
+        });
+        let study = parse("family", &config.ok()?).ok()?;
+        let scene = study.cell(0).ok()?.config.scene;
+        Some(Self {
+            scene: scene.kind(),
+            name: cell("family")?.to_owned(),
+            scenes: cell("scenes")?.parse().ok()?,
+            coverage95: cell("coverage95")?.parse().ok()?,
+            lowest: cell("lowest")?.parse().ok()?,
+            fields: comparable_fields(&scene, 1.0),
+            ranges,
+        })
+    }
+
+    /// Fields that differ from those of a scene: those without a range, and those whose numbers are outside their ranges.
+    fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
+        let keys = self.fields.keys().chain(self.ranges.keys());
+        let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();
+        let differs = all
+            .into_iter()
+            .filter(|field| match self.ranges.get(*field) {
+                Some([low, high]) => !(low..=high).contains(&&number(scene, field)),
+                None => scene.get(*field) != self.fields.get(*field),
+            });
+        let (outside, others) = differs.partition(|field| self.ranges.contains_key(*field));
+        [others, outside]
+    }
+
+    /// A field of a scene, and what the random scenes have instead, in the scene's unit of length.
+    fn in_words(&self, scene: &SceneConfig, unit: LengthUnit, field: &str) -> String {
+        let [fields, doubled] = [1.0, 2.0].map(|factor| comparable_fields(scene, factor));
+        let (length, name) = (unit_length(scene), unit.as_str());
+        let (scale, unit) = match number(&doubled, field) / number(&fields, field) {
+            2.0 => (length, format!(" {name}")),
+            0.5 => (length.recip(), format!(" per {name}")),
+            _ => (1.0, String::new()),
+        };
+        let in_unit = |number: f64| match scale * number {
+            large if large >= 100.0 => Number(large.round()).to_string(),
+            number => Number::rounded(number).to_string(),
+        };
+        let text = |value: Option<&Json>| match value.map(|value| (value, value.as_f64())) {
+            None => "none".to_owned(),
+            Some((_, Some(number))) => format!("{}{unit}", in_unit(number)),
+            Some((value, None)) => value.to_string(),
+        };
+        let here = text(fields.get(field));
+        let there = match self.ranges.get(field) {
+            Some(_) if here == "none" => "some".to_owned(),
+            Some([low, high]) if low < high => {
+                format!("{} to {}{unit}", in_unit(*low), in_unit(*high))
+            }
+            _ => text(self.fields.get(field)),
+        };
+        format!("{field} of {here} (they have {there})")
+    }
+}
+
+/// A number of a scene; a field that it does not have counts as 0.
+fn number(scene: &Fields, field: &str) -> f64 {
+    scene.get(field).and_then(Json::as_f64).unwrap_or(0.0)
+}
+
+/// Families of random scenes whose readings have no flaw.
 fn families() -> &'static [Family] {
     static FAMILIES: OnceLock<Vec<Family>> = OnceLock::new();
     FAMILIES.get_or_init(|| {
-        let mut rows = Rows::new(TABLE.as_bytes());
         let mut families = Vec::new();
-        while let Ok(Some((_, row))) = rows.next_row() {
-            families.extend(family(row));
+        for (_, table) in FAMILY_TABLES {
+            let mut rows = Rows::new(table.as_bytes());
+            let header = rows.header().unwrap_or_default();
+            while let Ok(Some((_, row))) = rows.next_row() {
+                let cells = header.iter().map(String::as_str).zip(row);
+                families.extend(Family::of_row(&cells.collect::<Vec<_>>()));
+            }
         }
         families
     })
-}
-
-/// Family of a row of the table.
-fn family(row: &csv::StringRecord) -> Option<Family> {
-    Some(Family {
-        scene: row.get(0)?.to_owned(),
-        name: row.get(1)?.to_owned(),
-        scenes: row.get(2)?.parse().ok()?,
-        coverage95: row.get(3)?.parse().ok()?,
-        lowest: row.get(4)?.parse().ok()?,
-    })
-}
-
-/// Name of the family of a scene, and the numbers of the scene that are outside the family's ranges, in words; or the
-/// reason why it belongs to no family.
-type FamilyMatch = Result<(String, Vec<String>), String>;
-
-/// Comparison of the numbers of a scene with the ranges of random scenes.
-struct Limits {
-    unit: &'static str,
-    /// Numbers outside their ranges, in words.
-    outside: Vec<String>,
-}
-
-impl Limits {
-    /// Comparison for a scene whose lengths are in this unit.
-    fn new(unit: LengthUnit) -> Self {
-        Self {
-            unit: unit.as_str(),
-            outside: Vec::new(),
-        }
-    }
-
-    /// Compares a number with a range.
-    fn within(&mut self, what: &str, number: f64, [low, high]: [f64; 2], unit: &str) {
-        // Rounding of a computed limit must not exclude a number that equals it.
-        let slack = 1e-9 * low.abs().max(high.abs());
-        if !(low - slack..=high + slack).contains(&number) {
-            let number = Number::rounded(number);
-            let [least, most] = [low, high].map(limit_text);
-            let drawn = match low == high {
-                true => least,
-                false => format!("{least} to {most}"),
-            };
-            self.outside.push(format!(
-                "{what} of {number}{unit} (they have {drawn}{unit})"
-            ));
-        }
-    }
-
-    /// Compares a length with a range.
-    fn length_within(&mut self, what: &str, length: f64, between: [f64; 2]) {
-        let unit = format!(" {}", self.unit);
-        self.within(what, length, between, &unit);
-    }
-
-    /// Compares a curvature with a range.
-    fn curvature_within(&mut self, curvature: f64, between: [f64; 2]) {
-        let unit = format!(" per {}", self.unit);
-        self.within("curvature", curvature, between, &unit);
-    }
-
-    /// The family with this name, and the numbers outside its ranges.
-    fn family(self, name: String) -> FamilyMatch {
-        Ok((name, self.outside))
-    }
-}
-
-/// Text of a limit, rounded to few digits.
-fn limit_text(limit: f64) -> String {
-    match limit >= 100.0 {
-        true => Number(limit.round()).to_string(),
-        false => Number::rounded(limit).to_string(),
-    }
-}
-
-/// Error if a condition of a family does not hold.
-fn unless(is_so: bool, else_words: &str) -> Result<(), String> {
-    match is_so {
-        true => Ok(()),
-        false => Err(else_words.to_owned()),
-    }
-}
-
-/// Two shares of a radius as lengths.
-fn scaled(shares: [f64; 2], radius: f64) -> [f64; 2] {
-    shares.map(|share| share * radius)
 }
 
 #[cfg(test)]
@@ -204,15 +268,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_row_is_a_family() {
-        assert_eq!(families().len() + 1, TABLE.lines().count());
+    fn each_row_without_a_flaw_is_a_family() {
+        let rows = |table: &str| table.lines().filter(|row| row.contains("\",,")).count();
+        let sound: usize = FAMILY_TABLES.iter().map(|(_, table)| rows(table)).sum();
+        assert_eq!(families().len(), sound);
         for family in families() {
-            let shares = [family.coverage95, family.lowest];
-            assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
             assert!(
-                family.lowest <= family.coverage95 && family.scenes > 0,
+                (0.0..=family.coverage95).contains(&family.lowest),
                 "{family:?}"
             );
+            assert!(family.coverage95 <= 1.0 && family.scenes > 0, "{family:?}");
         }
     }
 }

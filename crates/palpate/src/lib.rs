@@ -57,7 +57,7 @@ mod warnings;
 
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Values, columns, stem, unit_of};
-pub use coverage::{Coverage, Family, coverage};
+pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
 pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
 pub use palpate_answers::{

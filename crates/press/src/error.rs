@@ -105,7 +105,7 @@ pub enum PressError {
         needed: usize,
     },
     /// All markers moved alike, or not beyond their noise. Without contact, fewer than 5 % of the presses are mistaken for a
-    /// contact (`results/press-intervals.csv`: 0.5 % on half-spaces, 4.5 % on layers).
+    /// contact (`cargo xtask intervals press`).
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
          than none does (chi-squared; {needed:.1} are needed)",

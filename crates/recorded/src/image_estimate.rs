@@ -189,7 +189,6 @@ impl Matched {
         let seen = pressed_images(&tracks, &errors).into_iter().enumerate();
         MarkerImages {
             own_rest: None,
-            calibrating: Vec::new(),
             pressed: seen
                 .map(|(marker, seen)| Some(meant.clear(marker, seen?)))
                 .collect(),

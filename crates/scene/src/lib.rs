@@ -24,7 +24,7 @@ pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use pattern::{CutPattern, marker_places};
-pub use press::{CurvatureScore, PressFailure, PressScene};
+pub use press::{PressFailure, PressFlaw, PressScene};
 pub use roll::{Arch, RollScene};
 pub use scene::{Need, Scene, Scenes, Trials, map_table_of, quantities_of};
 pub use scene_trial::SceneTrial;

@@ -3,8 +3,8 @@
 
 mod camera_calibration;
 mod camera_model;
-mod curvature_score;
 mod description;
+mod flawed_trial;
 mod plan;
 mod press_tables;
 mod reading;
@@ -19,7 +19,7 @@ use strum::IntoStaticStr;
 use thiserror::Error;
 
 pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames, RestMarkers};
-pub use curvature_score::CurvatureScore;
+pub use flawed_trial::PressFlaw;
 pub use trial::PressScene;
 
 /// Reason why a press or one of its trials has no estimate.

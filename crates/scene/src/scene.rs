@@ -263,6 +263,19 @@ pub trait Trials {
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str>;
 
+    /// Runs a trial as [`Trials::trial`] does, and returns the names of the warnings of its estimate: the readings
+    /// contradict the estimator's model.
+    ///
+    /// # Errors
+    /// As [`Trials::trial`].
+    fn trial_with_warnings(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        self.trial(trial, observe).map(|()| Vec::new())
+    }
+
     /// The true value of the quantity with this index, if it is the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 

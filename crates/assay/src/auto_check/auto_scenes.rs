@@ -2,6 +2,8 @@
 
 use palpate_sensing::{Channel, Stream};
 
+use crate::random_draws::Draws;
+
 const SEED: u64 = 6;
 
 /// A kind of scene.
@@ -26,24 +28,6 @@ impl Kind {
             Self::Glide => "glide",
             Self::Press => "press",
         }
-    }
-}
-
-/// Random numbers of a scene.
-struct Draws(Stream);
-
-impl Draws {
-    fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * (0.5 + 0.5 * self.0.symmetric_uniform())
-    }
-
-    /// A number whose logarithm is uniform.
-    fn log_between(&mut self, from: f64, to: f64) -> f64 {
-        libm::pow(10_f64, self.between(libm::log10(from), libm::log10(to)))
-    }
-
-    fn index(&mut self, count: usize) -> usize {
-        (self.between(0.0, count as f64) as usize).min(count - 1)
     }
 }
 

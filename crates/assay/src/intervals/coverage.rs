@@ -1,269 +1,164 @@
-//! Coverage of intervals: sums over the trials of a scene, and the scores of families of presses, rolls and glides.
+//! Counts over the trials of a scene, and the score of a family.
+
+use std::collections::BTreeMap;
 
 use palpate_statistics::HALF_WIDTHS;
-use serde::Serialize;
 
-use super::false_alarms::{NameCounts, SceneWarnings, WarningShares};
+use super::random_scene::RandomScene;
 
-/// Smallest coverage of 95 % intervals at which the intervals of a scene count as correct.
-pub(super) const MIN_COVERAGE: f64 = 0.85;
+/// Error of presses that no press of the assumed body explains. It counts as a warning.
+const REJECTED: &str = "other-body";
 
-/// Sums over the places and trials of one scene.
+/// Numbers of trials by the names of their warnings or errors.
+type NameCounts = BTreeMap<&'static str, f64>;
+
+/// Counts over the trials of a scene.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sums {
-    /// Number of curvatures to estimate.
-    pub(super) attempts: f64,
-    /// Number of estimates with a standard deviation.
-    pub(super) estimates: f64,
-    /// Numbers of intervals of 50, 80 and 95 % that contain the true value.
-    pub(super) hits: [f64; 3],
-    pub(super) error: f64,
-    pub(super) square_error: f64,
-    pub(super) square_std: f64,
-    pub(super) std: f64,
+pub(super) struct SceneCoverage {
+    trials: f64,
+    estimates: f64,
+    /// Trials with a warning.
+    warned: f64,
+    warnings: NameCounts,
+    failures: NameCounts,
+    /// Of each counted quantity: number of estimates, and of intervals of 50, 80 and 95 % that contain the true value.
+    quantities: Vec<(f64, [f64; 3])>,
 }
 
-/// Whether intervals of these half-widths, in standard deviations, contain the true value.
-pub(super) fn contain_truth(error: f64, std: f64, half_widths: [f64; 3]) -> [bool; 3] {
-    half_widths.map(|width| error.abs() <= width * std)
-}
+impl SceneCoverage {
+    /// Runs a trial of a scene and counts it.
+    pub(super) fn add(&mut self, scene: &RandomScene, trial: u64) {
+        let mut hits: Vec<(usize, [bool; 3])> = Vec::new();
+        let warnings = scene.trial(trial, &mut |quantity, outcome| {
+            let error = (outcome.estimate - outcome.truth).abs();
+            let by_std = outcome
+                .std
+                .map(|std| HALF_WIDTHS.map(|width| error <= width * std));
+            let holds = outcome.interval_holds.or(by_std).unwrap_or_default();
+            let place = scene.quantities.iter().position(|one| *one == quantity);
+            hits.extend(place.map(|place| (place, holds)));
+        });
+        self.quantities
+            .resize(scene.quantities.len(), (0.0, [0.0; 3]));
+        self.count(warnings, &hits);
+    }
 
-impl Sums {
-    pub(super) fn new(attempts: f64) -> Self {
-        Self {
-            attempts,
-            ..Self::default()
+    /// Counts a trial with these warnings or this error, and the intervals of quantities that contain the true value.
+    fn count(
+        &mut self,
+        warnings: Result<Vec<&'static str>, &'static str>,
+        hits: &[(usize, [bool; 3])],
+    ) {
+        self.trials += 1.0;
+        match warnings {
+            Ok(warnings) => {
+                self.estimates += 1.0;
+                self.warned += f64::from(u8::from(!warnings.is_empty()));
+                for name in warnings {
+                    *self.warnings.entry(name).or_default() += 1.0;
+                }
+                for (place, holds) in hits {
+                    let (count, sums) = &mut self.quantities[*place];
+                    *count += 1.0;
+                    for (sum, holds) in sums.iter_mut().zip(holds) {
+                        *sum += f64::from(u8::from(*holds));
+                    }
+                }
+            }
+            Err(name) => {
+                self.warned += f64::from(u8::from(name == REJECTED));
+                *self.failures.entry(name).or_default() += 1.0;
+            }
         }
     }
 
-    /// Adds an estimate with normal errors.
-    pub(super) fn add(&mut self, error: f64, std: f64) {
-        self.add_hits(error, std, contain_truth(error, std, HALF_WIDTHS));
-    }
-
-    pub(super) fn add_hits(&mut self, error: f64, std: f64, hits: [bool; 3]) {
-        self.estimates += 1.0;
-        for (sum, hit) in self.hits.iter_mut().zip(hits) {
-            *sum += f64::from(u8::from(hit));
+    /// Coverage of the intervals of a quantity. A trial without an estimate counts as a miss.
+    fn shares(&self, quantity: usize) -> [f64; 3] {
+        match self.quantities.get(quantity) {
+            Some((count, sums)) if *count > 0.0 => {
+                sums.map(|sum| sum / count * self.estimates / self.trials)
+            }
+            _ => [0.0; 3],
         }
-        self.error += error;
-        self.square_error += error * error;
-        self.square_std += std * std;
-        self.std += std;
-    }
-
-    /// Coverage of intervals of 50 (0), 80 (1) or 95 % (2). A trial without an estimate counts as a miss.
-    pub(super) fn coverage(&self, width: usize) -> f64 {
-        self.hits[width] / self.attempts
-    }
-
-    pub(super) fn std_per_rms(&self) -> f64 {
-        (self.square_std / self.square_error).sqrt()
-    }
-
-    /// Root mean square of the errors.
-    pub(super) fn rms(&self) -> f64 {
-        (self.square_error / self.estimates).sqrt()
-    }
-
-    /// Mean error over the errors' standard deviation.
-    pub(super) fn mean_per_scatter(&self) -> f64 {
-        let mean = self.error / self.estimates;
-        let variance = (self.square_error - self.estimates * mean * mean) / (self.estimates - 1.0);
-        mean / variance.sqrt()
     }
 }
 
-/// Coverage over several scenes.
-pub(super) struct Coverage {
+/// Coverage and warnings of a family, over all its scenes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Score {
+    pub(super) scenes: usize,
+    pub(super) trials: f64,
     /// Share of trials without an estimate.
     pub(super) failed: f64,
-    /// Coverage of intervals of 50, 80 and 95 %.
-    pub(super) shares: [f64; 3],
-    /// Share of scenes with a 95 % coverage of at least 85 %.
-    pub(super) scenes_above_85: f64,
-    /// 95 % coverage of the scene with the lowest one.
+    pub(super) failures: String,
+    /// Coverage of 50, 80 and 95 % intervals of the quantity with the lowest coverage.
+    pub(super) coverage: [f64; 3],
+    /// Lowest coverage of 95 % intervals in a scene.
     pub(super) lowest: f64,
-}
-
-impl Coverage {
-    pub(super) fn new(scenes: &[&Sums]) -> Self {
-        let mean = |part: &dyn Fn(&Sums) -> f64| {
-            scenes.iter().map(|scene| part(scene)).sum::<f64>() / scenes.len() as f64
-        };
-        Self {
-            failed: mean(&|scene| 1.0 - scene.estimates / scene.attempts),
-            shares: [0, 1, 2].map(|width| mean(&|scene| scene.coverage(width))),
-            scenes_above_85: mean(&|scene| f64::from(u8::from(scene.coverage(2) >= MIN_COVERAGE))),
-            lowest: scenes
-                .iter()
-                .map(|scene| scene.coverage(2))
-                .fold(1.0, f64::min),
-        }
-    }
-}
-
-/// Counts over the trials of one scene.
-#[derive(Debug, Default)]
-pub(super) struct Tally {
-    pub(super) sums: Sums,
-    pub(super) failures: NameCounts,
-    pub(super) warnings: NameCounts,
-    pub(super) estimates: f64,
-    /// Number of estimates with a p-value, and of those with one below 0.05.
-    pub(super) p_values: [f64; 2],
-    /// Share of trials in which the best test detects the flaw of the readings; NaN without a flaw.
-    pub(super) detectable: f64,
-    /// Number of estimates with a warning, and of those whose warnings all name the true flaw.
+    /// Share of estimates with a warning.
     pub(super) warned: f64,
-    pub(super) rightly_warned: f64,
-    /// Number of trials in which the estimator rejected its model. They count as estimates with a warning.
-    pub(super) rejected: f64,
-}
-
-impl Tally {
-    /// Counts an estimate with the p-value of its fit, if it has one, and the names of its warnings.
-    pub(super) fn add_estimate(
-        &mut self,
-        p_value: Option<f64>,
-        warnings: impl Iterator<Item = &'static str>,
-    ) {
-        self.estimates += 1.0;
-        if let Some(p_value) = p_value {
-            self.p_values[0] += 1.0;
-            self.p_values[1] += f64::from(u8::from(p_value < 0.05));
-        }
-        self.warned += f64::from(u8::from(self.warnings.add(warnings)));
-    }
-
-    /// Coverage of 95 % intervals among the estimates, and the share of them with a warning. If the intervals are correct
-    /// all the same, a warning that names the true flaw does not count.
-    pub(super) fn scene(&self) -> SceneWarnings {
-        let coverage = self.sums.hits[2] / (self.sums.estimates + self.rejected);
-        let right = match coverage >= MIN_COVERAGE {
-            true => self.rightly_warned,
-            false => 0.0,
-        };
-        SceneWarnings {
-            coverage,
-            warned: (self.warned - right + self.rejected) / (self.estimates + self.rejected),
-        }
-    }
-}
-
-/// Row of the tables of presses, rolls and glides: coverage and warnings of a family, over all its scenes. A harness leaves
-/// out the columns that are `None`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Score {
-    /// The family.
-    pub family: String,
-    /// Number of scenes.
-    pub scenes: usize,
-    /// Share of trials whose readings alone show a contact; false alarms if nothing touches.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub seen: Option<f64>,
-    /// Share of trials in which the best test with 5 % false alarms detects the contact without a known place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub detectable: Option<f64>,
-    /// Share of trials without an interval. Each counts as a miss.
-    pub failed: f64,
-    /// Names of their errors.
-    pub failures: String,
-    /// Share of 50 % intervals that contain the true value.
-    pub coverage50: f64,
-    /// Share of 80 % intervals that contain the true value.
-    pub coverage80: f64,
-    /// Share of 95 % intervals that contain the true value.
-    pub coverage95: f64,
-    /// Share of scenes with a 95 % coverage of at least 85 %.
-    pub scenes_above_85: f64,
-    /// 95 % coverage of the scene with the lowest one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lowest: Option<f64>,
-    /// Width of 95 % intervals, in curvatures of the sensor or probe: of presses the median of the closed ones, of rolls
-    /// the mean.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub width: Option<f64>,
-    /// Share of intervals with two ends.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub closed: Option<f64>,
-    /// Share of intervals with one end.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub one_sided: Option<f64>,
-    /// Share of intervals without an end.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub open: Option<f64>,
-    /// Share of trials with a p-value below 0.05; NaN if the noise is not stated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub below_5_percent: Option<f64>,
-    /// Number of scenes with a 95 % coverage below 85 %.
-    pub scenes_short: usize,
-    /// Share of estimates with a warning in these scenes.
-    pub doubted_where_short: f64,
-    /// Number of scenes with a 95 % coverage of at least 92 %.
-    pub scenes_covered: usize,
-    /// Share of estimates with a warning in these scenes.
-    pub doubted_where_covered: f64,
-    /// Mean share of trials in which the best test with 5 % false alarms detects the flaw, over the scenes with a coverage
-    /// below 85 %; NaN without a flaw.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tellable_where_short: Option<f64>,
-    /// Share of estimates that leave out markers as outliers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub left_out: Option<f64>,
-    /// Names of the warnings, with the share of estimates that have each.
-    pub doubts: String,
-    /// Whether the row meets its limits; `None` if it has none.
-    pub is_within_limits: Option<bool>,
+    pub(super) warnings: String,
 }
 
 impl Score {
-    /// The columns that all harnesses have.
-    pub(super) fn new(family: String, scenes: &[&Tally]) -> (Self, WarningShares) {
-        let sums: Vec<&Sums> = scenes.iter().map(|scene| &scene.sums).collect();
-        let coverage = Coverage::new(&sums);
-        let warnings: Vec<SceneWarnings> = scenes.iter().map(|scene| scene.scene()).collect();
-        let shares = WarningShares::new(&warnings);
-        let estimates = scenes.iter().map(|scene| scene.estimates).sum();
-        let score = Self {
-            family,
-            scenes: scenes.len(),
-            failed: coverage.failed,
-            failures: NameCounts::total(scenes.iter().map(|scene| &scene.failures)).names(),
-            coverage50: coverage.shares[0],
-            coverage80: coverage.shares[1],
-            coverage95: coverage.shares[2],
-            scenes_above_85: coverage.scenes_above_85,
-            lowest: Some(coverage.lowest),
-            scenes_short: shares.short.0,
-            doubted_where_short: shares.short.1,
-            scenes_covered: shares.covered.0,
-            doubted_where_covered: shares.covered.1,
-            doubts: NameCounts::total(scenes.iter().map(|scene| &scene.warnings)).shares(estimates),
-            ..Self::default()
+    pub(super) fn new(scenes: &[SceneCoverage]) -> Self {
+        let sum = |part: fn(&SceneCoverage) -> f64| scenes.iter().map(part).sum::<f64>();
+        let (trials, estimates) = (sum(|one| one.trials), sum(|one| one.estimates));
+        let names = |part: fn(&SceneCoverage) -> &NameCounts| {
+            let mut total = NameCounts::new();
+            for (name, count) in scenes.iter().flat_map(part) {
+                *total.entry(name).or_default() += count;
+            }
+            let shares = total.iter();
+            let shares = shares.map(|(name, count)| format!("{name} {}", rounded(count / trials)));
+            shares.collect::<Vec<_>>().join(" ")
         };
-        (score, shares)
+        let quantities = scenes.iter().map(|one| one.quantities.len()).max();
+        let coverages = (0..quantities.unwrap_or(0)).map(|quantity| {
+            let shares: Vec<[f64; 3]> = scenes.iter().map(|one| one.shares(quantity)).collect();
+            let mean = |width: usize| {
+                shares.iter().map(|one| one[width]).sum::<f64>() / shares.len() as f64
+            };
+            let lowest = shares.iter().map(|one| one[2]).fold(1.0, f64::min);
+            ([0, 1, 2].map(mean), lowest)
+        });
+        let lowest = coverages.min_by(|one, other| one.0[2].total_cmp(&other.0[2]));
+        let (coverage, lowest) = lowest.unwrap_or_default();
+        let rejected = |one: &SceneCoverage| one.failures.get(REJECTED).copied().unwrap_or(0.0);
+        let rejected: f64 = scenes.iter().map(rejected).sum();
+        Self {
+            scenes: scenes.len(),
+            trials: trials / scenes.len() as f64,
+            failed: rounded(1.0 - estimates / trials),
+            failures: names(|one| &one.failures),
+            coverage: coverage.map(rounded),
+            lowest: rounded(lowest),
+            warned: rounded(sum(|one| one.warned) / (estimates + rejected).max(1.0)),
+            warnings: names(|one| &one.warnings),
+        }
+    }
+
+    /// Columns of the table.
+    pub(super) fn columns(&self) -> [(&'static str, String); 10] {
+        let [half, most, all] = self.coverage;
+        [
+            ("scenes", self.scenes.to_string()),
+            ("trials", self.trials.to_string()),
+            ("failed", self.failed.to_string()),
+            ("failures", self.failures.clone()),
+            ("coverage50", half.to_string()),
+            ("coverage80", most.to_string()),
+            ("coverage95", all.to_string()),
+            ("lowest", self.lowest.to_string()),
+            ("warned", self.warned.to_string()),
+            ("warnings", self.warnings.clone()),
+        ]
     }
 }
 
-/// Share of p-values below 0.05.
-pub(super) fn below_5_percent(scenes: &[Tally]) -> f64 {
-    let count = |place: usize| {
-        scenes
-            .iter()
-            .map(|scene| scene.p_values[place])
-            .sum::<f64>()
-    };
-    count(1) / count(0)
-}
-
-/// Mean share of detectable flaws over the scenes with a coverage below 85 %.
-pub(super) fn detectable_where_short(scenes: &[&Tally]) -> f64 {
-    let short = scenes
-        .iter()
-        .filter(|scene| scene.scene().coverage < MIN_COVERAGE);
-    let shares: Vec<f64> = short.map(|scene| scene.detectable).collect();
-    shares.iter().sum::<f64>() / shares.len() as f64
+/// A share, rounded to thousandths.
+fn rounded(share: f64) -> f64 {
+    (1e3 * share).round() / 1e3
 }
 
 #[cfg(test)]
@@ -271,13 +166,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mean_error_counts_in_the_scatter() {
-        let mut sums = Sums::default();
-        for error in [1.0, 2.0, 3.0] {
-            sums.add(error, 1.0);
-        }
-        // Their standard deviation is 1.
-        assert!((sums.mean_per_scatter() - 2.0).abs() < 1e-12);
-        assert!((sums.rms() - (14.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+    fn failures_are_misses_and_rejected_presses_are_warned() {
+        let mut scene = SceneCoverage {
+            quantities: vec![(0.0, [0.0; 3]); 2],
+            ..SceneCoverage::default()
+        };
+        let [hit, miss] = [[true; 3], [false, false, true]];
+        scene.count(Ok(vec!["poor-fit"]), &[(0, hit), (1, miss)]);
+        scene.count(Ok(vec![]), &[(0, hit), (1, [false; 3])]);
+        scene.count(Err("other-body"), &[]);
+        scene.count(Err("no-contact"), &[]);
+        let score = Score::new(&[scene]);
+        // Of the second quantity, one of two estimates and of four trials.
+        assert_eq!((score.coverage, score.lowest), ([0.0, 0.0, 0.25], 0.25));
+        assert_eq!((score.failed, score.warned), (0.5, 0.667));
+        assert_eq!(score.failures, "no-contact 0.25 other-body 0.25");
+        assert_eq!(score.warnings, "poor-fit 0.25");
     }
 }

@@ -1,13 +1,10 @@
-//! Ladders of EP2: methods, their knots and the number of contacts; grids of the map.
+//! Ladder of EP2: methods, their knots and the number of contacts.
 
 use anyhow::Result;
 use palpate_scene::Scene;
-use palpate_sweep::Observation;
 
-use super::ladder::{Ladder, Rung, RungError, SceneRungs};
-use super::scene_trials::{
-    Choice, Measure, Template, evaluated, outcomes, root_mean, scene_of, scenes,
-};
+use super::ladder::{Ladder, RungError};
+use super::scene_trials::{Choice, Measure, outcomes, root_mean, scenes};
 
 /// Numbers of contacts of each of the three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
@@ -19,10 +16,6 @@ const INTERVALS: [u32; 4] = [2, 4, 6, 8];
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
 /// Smoothing factors of both passes of two-pass: it adds knots until the residuals are this small. The default is 1000.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
-/// Numbers of places along a side of the map.
-const GRIDS: [u32; 7] = [1, 2, 3, 5, 9, 17, 33];
-/// Number of places along a side of the grid on which a map is compared with the true values.
-const FINE: u32 = 97;
 const GAUSSIAN: usize = 0;
 const MEAN: usize = 1;
 const TRIALS: u64 = 40;
@@ -60,11 +53,11 @@ noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 }, normal = { k
     ),
 ];
 
-fn rung(estimator: &str, contacts: u32, grid: u32) -> String {
+fn rung(estimator: &str, contacts: u32) -> String {
     format!(
         r#"motion = {{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = {contacts} }}
 estimator = {estimator}
-evaluate = {{ grid = {grid}, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }}"#
+evaluate = {{ grid = 15, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }}"#
     )
 }
 
@@ -80,7 +73,7 @@ pub(super) fn fits() -> Ladder {
         let is_fast = |contacts: &u32| name != "two-pass" || *contacts <= MAX_OF_TWO_PASS;
         choices.extend(CONTACTS.into_iter().filter(is_fast).map(|contacts| {
             let points = 3 * contacts;
-            let text = rung(estimator, contacts, 15);
+            let text = rung(estimator, contacts);
             Choice::new(format!("{name}, {points} points"), text).set(f64::from(points))
         }));
     }
@@ -88,7 +81,7 @@ pub(super) fn fits() -> Ladder {
         choices.extend(INTERVALS.map(|intervals| {
             let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
             let name = format!("penalised, {intervals}² cells, {} points", 3 * contacts);
-            Choice::new(name, rung(&estimator, contacts, 15)).set(f64::from(intervals))
+            Choice::new(name, rung(&estimator, contacts)).set(f64::from(intervals))
         }));
     }
     for contacts in [10, MAX_OF_TWO_PASS] {
@@ -97,7 +90,7 @@ pub(super) fn fits() -> Ladder {
                 r#"{{ kind = "two-pass", smoothing = {smoothing:e}, second_smoothing = {smoothing:e} }}"#
             );
             let name = format!("two-pass, S = {smoothing}, {} points", 3 * contacts);
-            Choice::new(name, rung(&estimator, contacts, 15)).set(smoothing)
+            Choice::new(name, rung(&estimator, contacts)).set(smoothing)
         }));
     }
     let measure = Measure {
@@ -111,38 +104,6 @@ pub(super) fn fits() -> Ladder {
         error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
         evaluation: "one trial: readings, fit, and a map of 15 × 15",
         scenes: scenes(COMMON, SCENES, &choices, measure),
-    }
-}
-
-/// Rungs of the map: its grid. The nearest place gives the curvature.
-pub(super) fn maps() -> Ladder {
-    let stage = |template: &Template| {
-        let text = |grid| {
-            let rung = rung(r#"{ kind = "penalised" }"#, 10, grid);
-            template.text.replace("$rung", &rung)
-        };
-        let rungs = GRIDS.map(|grid| {
-            let (coarse, fine, timed) = (text(grid), text(FINE), text(grid));
-            Rung::new(
-                format!("{grid} × {grid}"),
-                move || map_error(&scene_of(&coarse)?, &scene_of(&fine)?),
-                evaluated(timed, TIMED),
-            )
-            .set(f64::from(grid))
-            .evaluations_per_run(TIMED)
-        });
-        SceneRungs {
-            ease: template.ease,
-            scene: template.scene.to_owned(),
-            rungs: rungs.into(),
-        }
-    };
-    Ladder {
-        name: "maps",
-        title: "How fine a map?",
-        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; where curvature is the same everywhere, as on the sphere, a coarse map loses nothing and errs as the fit does at its few places",
-        evaluation: "one trial: 30 contacts, penalised fit, and the map",
-        scenes: Template::all(COMMON, SCENES).iter().map(stage).collect(),
     }
 }
 
@@ -203,48 +164,9 @@ fn shape_error(scene: &Scene, trials: u64) -> Result<RungError> {
     larger(&trials.collect::<Vec<Squares>>())
 }
 
-/// Error of the map of `coarse` on the grid of `fine`. All maps are compared with the true values at the same places.
-fn map_error(coarse: &Scene, fine: &Scene) -> Result<RungError> {
-    let truths = outcomes(fine, 1)?.remove(0);
-    let maps = outcomes(coarse, TRIALS)?;
-    let trials = maps.iter().map(|map| {
-        let mut squares = Squares::default();
-        let column =
-            |all: &[(usize, Observation)], quantity, pick: fn(&Observation) -> f64| -> Vec<f64> {
-                let of_it = all.iter().filter(|(index, _)| *index == quantity);
-                of_it.map(|(_, outcome)| pick(outcome)).collect()
-            };
-        let [k, h] = [GAUSSIAN, MEAN].map(|one| column(map, one, |it| it.estimate));
-        let [true_k, true_h] = [GAUSSIAN, MEAN].map(|one| column(&truths, one, |it| it.truth));
-        let (side, fine_side) = (k.len().isqrt(), true_k.len().isqrt());
-        for place in 0..true_k.len() {
-            let nearest = nearest(place / fine_side, fine_side, side) * side
-                + nearest(place % fine_side, fine_side, side);
-            squares.add([k[nearest], true_k[place]], [h[nearest], true_h[place]]);
-        }
-        squares
-    });
-    larger(&trials.collect::<Vec<Squares>>())
-}
-
-/// Of `side` equally spaced places, the index of the one nearest to place `at` of `fine_side` places. Both grids have places
-/// at both ends; a single place is in the middle.
-fn nearest(at: usize, fine_side: usize, side: usize) -> usize {
-    let share = at as f64 / (fine_side - 1) as f64;
-    (share * (side - 1) as f64).round() as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_nearest_place_of_a_coarser_grid() {
-        let of = |side| [0, 1, 2, 3, 4].map(|at| nearest(at, 5, side));
-        assert_eq!(of(1), [0; 5]);
-        assert_eq!(of(5), [0, 1, 2, 3, 4]);
-        assert_eq!(of(2), [0, 0, 1, 1, 1]);
-    }
 
     #[test]
     fn errors_are_relative_to_the_curvedness() {

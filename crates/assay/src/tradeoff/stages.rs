@@ -3,15 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
-use palpate_statistics::work::Tally;
-#[cfg(feature = "count")]
-use palpate_statistics::work::counted;
+use anyhow::Result;
 
 use super::ladder_tables::{count, nanoseconds};
 use super::scene_trials::evaluated;
-#[cfg(feature = "count")]
-use super::scene_trials::{run, scene_of};
 use crate::csv_table::{self, Column};
 use crate::timing::Evaluation;
 
@@ -159,109 +154,24 @@ impl Stage {
     pub(super) fn evaluation(&self) -> Evaluation {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }
-
-    /// Columns that name the stage.
-    fn names(&self) -> Vec<Column> {
-        let [kind, name] = [self.kind, self.name].map(str::to_owned);
-        vec![("scene", kind), ("stage", name)]
-    }
-
-    /// Work of one trial, after a first trial has set up everything that is set up only once.
-    #[cfg(feature = "count")]
-    fn tally(&self) -> Result<Tally> {
-        let scene = scene_of(&self.text)?;
-        run(&scene, 1);
-        Ok(counted(|| run(&scene, 1)).0)
-    }
-}
-
-/// Name of a column, and the function that returns its count from a trial's tally.
-type Counter = (&'static str, fn(&Tally) -> u64);
-/// Columns of the work counts.
-const WORK_COLUMNS: [Counter; 6] = [
-    ("random_draws", |tally| tally.draws),
-    ("integrator_derivatives", |tally| tally.derivatives),
-    ("contact_searches", |tally| tally.searches),
-    ("layer_solves", |tally| tally.layers),
-    ("projected_markers", |tally| tally.projections),
-    ("rendered_frames", |tally| tally.frames),
-];
-
-/// Writes the work of a trial of each stage, in their order.
-#[cfg(feature = "count")]
-pub(super) fn write_work_counts(path: &Path) -> Result<()> {
-    let row = |stage: &Stage| -> Result<Vec<Column>> {
-        let tally = stage.tally()?;
-        let counts = WORK_COLUMNS.map(|(name, count)| (name, count(&tally).to_string()));
-        Ok([stage.names(), counts.into()].concat())
-    };
-    let rows: Vec<Vec<Column>> = stages().iter().map(row).collect::<Result<_>>()?;
-    csv_table::write(path, rows)
-}
-
-/// Reads the rows of [`write_work_counts`].
-pub(super) fn read_work_counts(path: &Path) -> Result<Vec<csv::StringRecord>> {
-    let rows = csv::Reader::from_path(path).and_then(|reader| reader.into_records().collect());
-    rows.with_context(|| format!("cannot read {}", path.display()))
 }
 
 /// Times the stages and writes `stages.csv` to a folder.
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,
-    work_counts: &[csv::StringRecord],
     patience: Duration,
     folder: &Path,
 ) -> Result<()> {
-    let row = |(at, stage): (usize, &Stage)| -> Result<Vec<Column>> {
-        let names = stage.names();
-        let is_named =
-            |row: &&csv::StringRecord| names.iter().map(|(_, name)| name).eq(row.iter().take(2));
-        let row = work_counts.iter().find(is_named);
-        let row =
-            row.with_context(|| format!("{}: no work counts of {}", stage.kind, stage.name))?;
-        let counts = row.iter().skip(2).map(str::to_owned);
-        let counts = WORK_COLUMNS.iter().map(|(name, _)| *name).zip(counts);
+    let row = |(at, stage): (usize, &Stage)| -> Vec<Column> {
+        let [kind, name] = [stage.kind, stage.name].map(str::to_owned);
+        let names = [("scene", kind), ("stage", name)].into_iter();
         let cost = nanoseconds(&stage.evaluation().time(patience));
         let instructions = count(instructions.map(|counts| counts[at]));
-        Ok(names
-            .iter()
-            .cloned()
-            .chain(cost)
-            .chain([instructions])
-            .chain(counts)
-            .collect())
+        names.chain(cost).chain([instructions]).collect()
     };
-    let rows: Vec<Vec<Column>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
-    csv_table::write(&folder.join("stages.csv"), rows)
-}
-
-#[cfg(feature = "count")]
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn tally(kind: &str, name: &str) -> Tally {
-        let stages = stages();
-        let stage = stages
-            .iter()
-            .find(|stage| stage.kind == kind && stage.name == name);
-        stage.unwrap().tally().unwrap()
-    }
-
-    #[test]
-    fn a_scene_does_only_the_work_of_its_stages() {
-        assert_eq!(tally("roll", "ideal, in closed form"), Tally::default());
-        assert_eq!(tally("press", "direct"), Tally::default());
-        assert_eq!(tally("glide", "ideal, a pointed finger"), Tally::default());
-        let noisy = tally("roll", "noise of the angular velocity");
-        assert!(noisy.draws > 0 && noisy.derivatives == 0, "{noisy:?}");
-        let integrated = tally("roll", "an object that needs an integrator");
-        assert!(integrated.derivatives > 0, "{integrated:?}");
-        let projected = tally("press", "a camera, without pixels");
-        assert!(
-            projected.projections > 0 && projected.frames == 0,
-            "{projected:?}"
-        );
-    }
+    csv_table::write(
+        &folder.join("stages.csv"),
+        stages.iter().enumerate().map(row),
+    )
 }

@@ -62,8 +62,6 @@ pub struct CameraPress {
 pub enum Step {
     /// Update of the sensor from its frame at rest.
     Rest,
-    /// Fit of the press, with new bodies.
-    Cold,
     /// Fit of the press.
     Fit,
     /// Misfits of the fit.
@@ -129,16 +127,6 @@ impl CameraPress {
     fn rest(&self) -> Result<Rest> {
         Ok(self.fit.at_rest(&self.at_rest)?)
     }
-
-    /// The fit with new bodies.
-    fn with_new_bodies(&self, bodies: Bodies) -> Result<ImageFit<ImageModel>> {
-        let (nominal, deeper) = pairs(bodies)?;
-        Ok(ImageFit {
-            bodies: nominal,
-            deeper: Some((DEPTH_STEP, deeper)),
-            ..self.fit.clone()
-        })
-    }
 }
 
 /// Bodies at the depths of the discs, and slightly deeper.
@@ -161,10 +149,6 @@ pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
     let estimate = press.fit.estimate(&rest, &press.pressed, None)?;
     Ok(match step {
         Step::Rest => Evaluation::new(name, move || press.fit.at_rest(black_box(&press.at_rest))),
-        Step::Cold => Evaluation::new(name, move || {
-            let fit = press.with_new_bodies(bodies)?;
-            Ok::<_, anyhow::Error>(fit.estimate(&rest, &press.pressed, None)?)
-        }),
         Step::Fit => Evaluation::new(name, move || {
             press.fit.estimate(&rest, black_box(&press.pressed), None)
         }),

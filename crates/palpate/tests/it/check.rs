@@ -286,20 +286,23 @@ estimator = { kind = "half-space", indentation = "fitted" }
         assert!(texts[0].starts_with(line), "{printed}");
         texts[1].to_owned()
     };
-    assert!(after("tested: of 60 random scenes they held the truth in 9").starts_with("time"));
+    assert!(after("tested: of 24 random scenes they held the truth in 9").starts_with("time"));
     desk.write(
         "c.toml",
         edited(press, "indentation = 1.0", "indentation = 2.0"),
     );
-    let nearest =
-        after("not tested: random scenes have no indentation of 2 mm (they have 0.6 to 1.4 mm)");
+    let nearest = after(
+        "not tested: random scenes have no scene.motion.indentation of 2 mm (they have 0.6 to 1.4 mm)",
+    );
     assert!(
-        nearest.starts_with("nearest to them: of 60 random"),
+        nearest.starts_with("nearest to them: of 24 random"),
         "{nearest}"
     );
     desk.write(
         "c.toml",
         edited(press, "kind = \"half-space\", ", "kind = \"gaussian\", "),
     );
-    after("not tested: a Gaussian, which is no body");
+    after(
+        "not tested: random scenes have no scene.estimator.kind of \"gaussian\" (they have \"half-space\")",
+    );
 }

@@ -7,6 +7,7 @@ mod camera_press;
 mod camera_rest;
 mod check;
 mod config_errors;
+mod coverage;
 mod design;
 mod desk;
 mod disk;

@@ -104,14 +104,47 @@ impl GlideScene {
         contacts
     }
 
-    /// Fits a surface to the readings of a trial, or to noiseless readings.
-    pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
+    /// Contacts from the readings of a trial, or from noiseless readings.
+    fn patch(&self, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
             Some(tip) => tip.contacts(&readings, &Vector3::z(), &self.method)?,
             None => readings,
         };
-        self.method.fit(&Patch::new(&contacts, &Vector3::z())?)
+        Patch::new(&contacts, &Vector3::z())
+    }
+
+    /// Fits a surface to the readings of a trial, or to noiseless readings.
+    pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
+        self.method.fit(&self.patch(trial)?)
+    }
+
+    /// Compares a fit with the true surface at each point of the grid.
+    fn compare(
+        &self,
+        fit: &Fit,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<(), Ep2Error> {
+        for place in &self.grid.places {
+            let curvature = fit.curvature_at(&place.point)?;
+            let uncertainty = curvature.uncertainty;
+            let is_right = curvature.class(&self.grid.thresholds) == place.class;
+            let outcomes = [
+                Observation {
+                    std: uncertainty.map(|one| one.gaussian_std),
+                    ..Observation::plain(curvature.gaussian, place.gaussian)
+                },
+                Observation {
+                    std: uncertainty.map(|one| one.mean_std),
+                    ..Observation::plain(curvature.mean, place.mean)
+                },
+                Observation::plain(f64::from(u8::from(is_right)), 1.0),
+            ];
+            for (quantity, outcome) in outcomes.into_iter().enumerate() {
+                observe(quantity, outcome);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -133,29 +166,23 @@ impl Trials for GlideScene {
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
-        let fit = self.fit(Some(trial)).map_err(|error| error.name())?;
-        for place in &self.grid.places {
-            let curvature = fit
-                .curvature_at(&place.point)
-                .map_err(|error| error.name())?;
-            let uncertainty = curvature.uncertainty;
-            let is_right = curvature.class(&self.grid.thresholds) == place.class;
-            let outcomes = [
-                Observation {
-                    std: uncertainty.map(|one| one.gaussian_std),
-                    ..Observation::plain(curvature.gaussian, place.gaussian)
-                },
-                Observation {
-                    std: uncertainty.map(|one| one.mean_std),
-                    ..Observation::plain(curvature.mean, place.mean)
-                },
-                Observation::plain(f64::from(u8::from(is_right)), 1.0),
-            ];
-            for (quantity, outcome) in outcomes.into_iter().enumerate() {
-                observe(quantity, outcome);
-            }
-        }
-        Ok(())
+        let compared = self
+            .fit(Some(trial))
+            .and_then(|fit| self.compare(&fit, observe));
+        compared.map_err(|error| error.name())
+    }
+
+    fn trial_with_warnings(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        let test = self.patch(Some(trial)).and_then(|patch| {
+            self.compare(&self.method.fit(&patch)?, observe)?;
+            self.method.misfit(&patch)
+        });
+        let test = test.map_err(|error| error.name())?;
+        Ok(test.misfits.iter().map(|misfit| misfit.code()).collect())
     }
 
     fn truth(&self, quantity: usize) -> Option<f64> {

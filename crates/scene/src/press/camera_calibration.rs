@@ -119,7 +119,7 @@ fn fit(
 }
 
 /// Calibration presses on a plane; `indentation` is the deepest one if the config states none.
-pub(super) fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
+fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
     (1..=calibration.presses)

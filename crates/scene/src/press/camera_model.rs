@@ -255,13 +255,6 @@ impl SimulatedCamera {
         }
     }
 
-    /// Standard deviation of the pixel noise, in levels of 255; `None` without frames or noise.
-    pub(super) fn pixel_std(&self) -> Option<f64> {
-        let std = self.optics.blemishes().pixel_std;
-        let is_rendered = matches!(self.model, CameraModel::Rendered);
-        Some(std).filter(|&std| is_rendered && std > 0.0)
-    }
-
     /// Number of pixels rendered per frame.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {

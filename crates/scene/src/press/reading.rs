@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use palpate_chromatouch::MarkerMotion;
 use palpate_estimators::{MarkerImages, pressed_images};
-use palpate_press::{CalibrationPress, Markers, Measured, Reading};
+use palpate_press::{Markers, Measured, Reading};
 use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
 use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, GainNoise, LengthNoise, PressNoiseConfig};
@@ -13,6 +13,7 @@ use palpate_tracking::{Change, Marker};
 use super::PressFailure;
 use super::camera_calibration::{CameraCalibration, RestFrames};
 use super::camera_model::{AT_REST, CameraModel, MarkerTracks, SimulatedCamera};
+use super::flawed_trial::PressFlaw;
 use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
 use super::truth::{DiscMarkers, PressGeometry, TruePress};
@@ -59,6 +60,16 @@ impl PressReading {
     pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
         let has_lost = self.tracked.len() < layout.places().len();
         has_lost.then(|| layout.subset(&self.tracked))
+    }
+
+    /// Adds a flaw; an outlier is another marker in each trial.
+    pub(super) fn add(&mut self, flaw: PressFlaw, trial: u64) {
+        let count = self.normal.len() as u64;
+        let marker = trial.checked_rem(count).unwrap_or(0) as usize;
+        if let Some(normal) = self.normal.get_mut(marker) {
+            *normal += flaw.outlier;
+        }
+        self.indentation += flaw.indentation;
     }
 
     /// The readings as input of a fit; `markers` are the tracked ones.
@@ -351,7 +362,6 @@ impl CameraPressSensor {
         };
         let images = MarkerImages {
             own_rest,
-            calibrating: Vec::new(),
             pressed: pressed_images(&tracks.tracks, &tracks.errors),
         };
         Ok(CameraReading { tracks, images })
@@ -369,18 +379,6 @@ impl CameraPressSensor {
         let changes = tracks.tracks.iter();
         let changes = changes.map(|track| self.camera.lens.change(track.as_ref()?));
         changes.enumerate().map(reading).collect()
-    }
-
-    /// Calibration presses of a trial's sensor, with their readings; empty if all trials share one sensor.
-    pub(super) fn calibration_presses(
-        &self,
-        truth: &TruePress,
-        trial: u64,
-    ) -> Result<Vec<CalibrationPress>, PressFailure> {
-        let variation = self.variation.as_ref();
-        variation.map_or(Ok(Vec::new()), |variation| {
-            variation.calibration_presses(&self.camera, &truth.geometry, trial)
-        })
     }
 
     /// The frames at rest and pressed, if the camera renders frames.

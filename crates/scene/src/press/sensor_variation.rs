@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use palpate_chromatouch::{Departure, MarkerMotion};
-use palpate_estimators::{departure_stds, pressed_images};
-use palpate_press::{Body, CalibrationPress, Markers, PressError, Seen};
+use palpate_estimators::departure_stds;
+use palpate_press::{Body, Markers, PressError, Seen};
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, PressModelConfig};
 use palpate_tracking::Marker;
 
 use super::PressFailure;
-use super::camera_calibration::{RestFrames, planes};
+use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
@@ -19,8 +19,6 @@ use super::truth::{PressGeometry, SoftBody, marker_motions};
 /// Each trial with a redrawn sensor reserves this many trial numbers to seed the noise of its frames. They are below
 /// the numbers of the frames that trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
-/// The numbers of calibration presses start this far below the number of the trial's first frame at rest.
-const PRESS_NUMBERS: u64 = NUMBERS_PER_TRIAL / 2;
 
 /// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
 const fn rest_number(trial: u64) -> u64 {
@@ -36,8 +34,6 @@ pub(super) struct SensorVariation {
     /// Nominal depths of the magenta and the yellow discs.
     depths: [f64; 2],
     rest_frames: u32,
-    /// Calibration presses on a plane.
-    calibration: Vec<PressGeometry>,
     /// Largest misalignment of a marker, as a fraction of the yellow diameter.
     misalignment: f64,
 }
@@ -45,8 +41,6 @@ pub(super) struct SensorVariation {
 /// The sensor of a trial.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
-    /// Lengths by which the magenta and the yellow discs are deeper than nominal.
-    deeper: [f64; 2],
     /// Motions of the discs in the press.
     pub(super) motions: Vec<MarkerMotion>,
     /// Images of the markers at rest, with their covariances.
@@ -73,7 +67,6 @@ impl SensorVariation {
             markers: setup.markers.clone(),
             depths: [depths.magenta, depths.yellow],
             rest_frames: camera.calibration.rest_frames,
-            calibration: planes(&camera.calibration, setup.geometry.indentation),
             misalignment: setup.sphere.misalignment(),
         }))
     }
@@ -104,7 +97,6 @@ impl SensorVariation {
         let measured = frames.measurements(rest_number(trial))?;
         Ok(VariedSensor {
             camera,
-            deeper: departure.depths,
             motions,
             rest: measured
                 .iter()
@@ -114,33 +106,8 @@ impl SensorVariation {
         })
     }
 
-    /// Calibration presses of a trial's sensor, with their readings.
-    pub(super) fn calibration_presses(
-        &self,
-        nominal: &SimulatedCamera,
-        geometry: &PressGeometry,
-        trial: u64,
-    ) -> Result<Vec<CalibrationPress>, PressFailure> {
-        let sensor = self.sensor(nominal, geometry, trial)?;
-        let press = |(press, number): (&PressGeometry, u64)| {
-            let motions = self.motions(press, sensor.deeper)?;
-            let motions: Vec<Option<MarkerMotion>> = motions.into_iter().map(Some).collect();
-            let number = rest_number(trial).wrapping_sub(PRESS_NUMBERS + number);
-            let tracked = sensor
-                .camera
-                .track(&sensor.markers, &motions, Some(number))?;
-            Ok(CalibrationPress {
-                seen: pressed_images(&tracked.tracks, &tracked.errors),
-                relative_curvature: self.markers.skin().curvature() + press.object.curvature,
-                at: press.at,
-                indentation: press.indentation,
-            })
-        };
-        self.calibration.iter().zip(0..).map(press).collect()
-    }
-
-    /// Motions of the discs in a press if they lie deeper than nominal by `deeper`.
-    pub(super) fn motions(
+    /// Motions of the discs in a press if they lie `deeper` than nominal.
+    fn motions(
         &self,
         geometry: &PressGeometry,
         deeper: [f64; 2],

@@ -14,6 +14,7 @@ use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
 use super::PressFailure;
+use super::flawed_trial::PressFlaw;
 use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
 use super::truth::{PressGeometry, SoftBody, TruePress};
@@ -207,6 +208,50 @@ impl PressScene {
         }
     }
 
+    /// Compares an estimate with the true values.
+    pub(super) fn compare(
+        &self,
+        reading: &PressReading,
+        estimate: &PressEstimate,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) {
+        let mut report = |quantity: Quantity, outcome: Observation| {
+            if let Some(place) = self.place(quantity) {
+                observe(place, outcome);
+            }
+        };
+        let curvature = estimate.object_curvature();
+        for (quantity, estimated) in [
+            (Quantity::RELATIVE_CURVATURE, estimate.relative_curvature),
+            (Quantity::EFFECTIVE_RADIUS, estimate.effective_radius()),
+            (Quantity::OBJECT_CURVATURE, curvature),
+            (Quantity::INDENTATION, estimate.indentation),
+            (Quantity::CONTACT_RADIUS, estimate.contact_radius),
+        ] {
+            if let Some(truth) = self.true_value(quantity) {
+                report(quantity, outcome(&estimated, truth));
+            }
+        }
+        report(
+            Quantity::R_SQUARED,
+            Observation::plain(estimate.r_squared, 1.0),
+        );
+        // An object that is estimated to be flat has no finite radius.
+        let radius = estimate.most_likely_object_curvature().recip();
+        if let Some(truth) = self.geometry.object.radius
+            && radius.is_finite()
+        {
+            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
+            let radius_outcome = Observation {
+                std: finite(curvature.std * radius * radius),
+                interval_holds: curvature_outcome.interval_holds,
+                ..Observation::plain(radius, truth)
+            };
+            report(Quantity::OBJECT_RADIUS, radius_outcome);
+        }
+        self.observe_camera(reading, observe);
+    }
+
     /// Reports the quantities that a camera adds, after a successful estimate.
     fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Observation)) {
         let PressCase::Press { truth, sensor } = &self.case else {
@@ -293,42 +338,16 @@ impl Trials for PressScene {
     ) -> Result<(), &'static str> {
         let reading = self.reading(Some(trial)).map_err(|error| error.name())?;
         let estimate = self.estimate(&reading).map_err(|error| error.name())?;
-        let mut report = |quantity: Quantity, outcome: Observation| {
-            if let Some(place) = self.place(quantity) {
-                observe(place, outcome);
-            }
-        };
-        let curvature = estimate.object_curvature();
-        for (quantity, estimated) in [
-            (Quantity::RELATIVE_CURVATURE, estimate.relative_curvature),
-            (Quantity::EFFECTIVE_RADIUS, estimate.effective_radius()),
-            (Quantity::OBJECT_CURVATURE, curvature),
-            (Quantity::INDENTATION, estimate.indentation),
-            (Quantity::CONTACT_RADIUS, estimate.contact_radius),
-        ] {
-            if let Some(truth) = self.true_value(quantity) {
-                report(quantity, outcome(&estimated, truth));
-            }
-        }
-        report(
-            Quantity::R_SQUARED,
-            Observation::plain(estimate.r_squared, 1.0),
-        );
-        // An object that is estimated to be flat has no finite radius.
-        let radius = estimate.most_likely_object_curvature().recip();
-        if let Some(truth) = self.geometry.object.radius
-            && radius.is_finite()
-        {
-            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
-            let radius_outcome = Observation {
-                std: finite(curvature.std * radius * radius),
-                interval_holds: curvature_outcome.interval_holds,
-                ..Observation::plain(radius, truth)
-            };
-            report(Quantity::OBJECT_RADIUS, radius_outcome);
-        }
-        self.observe_camera(&reading, observe);
+        self.compare(&reading, &estimate, observe);
         Ok(())
+    }
+
+    fn trial_with_warnings(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        self.flawed_trial(trial, PressFlaw::default(), observe)
     }
 
     fn truth(&self, quantity: usize) -> Option<f64> {
@@ -384,7 +403,7 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 
 /// Whether the 50, 80 and 95 % intervals contain the truth. The 95 % interval is the estimate's own. The others scale
 /// its half-width as for a normal distribution, or use `std` on a side without a bound.
-pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
+fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,
         std,

@@ -345,6 +345,23 @@ impl Trials for RollScene {
         Ok(())
     }
 
+    fn trial_with_warnings(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        let mut readings = Vec::with_capacity(self.rolls.len());
+        self.readings(trial, |reading| readings.push(reading))?;
+        let radius = self.roller.probe().radius();
+        let (fit, estimate) = LeastSquares::fitted(radius, self.reading_noise, &readings)
+            .map_err(|error| error.name())?;
+        for (quantity, outcome) in self.compare(&estimate).into_iter().enumerate() {
+            observe(quantity, outcome);
+        }
+        let misfits = fit.misfits(&estimate, &readings);
+        Ok(misfits.iter().map(|misfit| misfit.code()).collect())
+    }
+
     fn truth(&self, quantity: usize) -> Option<f64> {
         self.truths().get(quantity).copied()
     }

@@ -104,33 +104,6 @@ fn rendered_frames_determine_the_press_within_the_stated_error() {
     }
 }
 
-/// The bound from pixel noise is below the bound from the tracker's errors, and proportional to the pixel noise.
-#[test]
-fn bounds_are_in_order() {
-    let press = |std: f64| {
-        let sensor = r#"{ kind = "rendered", size_px = 400, calibration = { rest_frames = 1, presses = 2 } }"#;
-        let noise = format!(
-            "{{ pixel = {{ kind = \"gaussian\", std = {std} }}, sensor = {{ centre_px = 0.29, place = 0.05 }} }}"
-        );
-        match scene(&text(sensor, &noise, r#"{ kind = "half-space" }"#)) {
-            Scene::Press(press) => press,
-            _ => panic!("a press"),
-        }
-    };
-    let [quiet, noisy] = [2.0, 4.0].map(press);
-    let [low, high] = [&quiet, &noisy].map(|press| press.pixel_std_bound().expect("frames"));
-    assert!((high / low - 2.0).abs() < 1e-3, "{low} {high}");
-    let score = noisy.curvature_score(0).expect("an estimate");
-    let bound = score.std_bound.expect("pictures");
-    assert!(bound > high, "{bound} {high}");
-    assert!(
-        (score.estimated.std / bound - 1.0).abs() < 0.3,
-        "{score:?} {bound}"
-    );
-    assert_eq!(score.truth, 1.0 / 40.0);
-    assert!(score.holds[2] == score.estimated.interval.holds(score.truth));
-}
-
 #[test]
 fn pictures_need_a_camera() {
     let refused = parse(

@@ -1,0 +1,139 @@
+//! A random scene of a family.
+
+use std::f64::consts::TAU;
+
+use anyhow::{Context, Result};
+use palpate::family_scene;
+use palpate_scene::{PressFlaw, Scene, Scenes};
+use palpate_sensing::{Channel, Stream};
+use palpate_study::config::{LengthNoise, SceneConfig, parse, with_fields};
+use palpate_sweep::Observation;
+use serde_json::json;
+
+use crate::random_draws::Draws;
+
+/// Field whose range limits the curvature of surfaces with waves or, if it can be negative, of balls and dishes.
+const CURVATURE: &str = "scene.object.curvature";
+/// Fields with integers.
+const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
+/// Graph of a quadric with two waves.
+const WAVES: &str = "a*x*x + b*x*y + c*y*y + p*sin(k*x + l*y + f) + q*sin(m*x + n*y + g)";
+/// Smallest and largest wave number, per distance between the outermost fingers.
+const WAVE_NUMBERS: [f64; 2] = [1.2, 4.8];
+
+/// A random scene, and the quantities whose intervals are counted.
+pub(super) struct RandomScene {
+    scene: Scene,
+    flaw: PressFlaw,
+    /// Indices of the quantities.
+    pub(super) quantities: Vec<usize>,
+}
+
+impl RandomScene {
+    /// The scene with this number of the family with these cells.
+    pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
+        let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
+        let mut max_curvature = None;
+        let text = family_scene(cells.iter().copied(), |field, range| {
+            if field == CURVATURE && range[0] == 0.0 {
+                max_curvature = Some(range[1]);
+            }
+            value(&mut draws, field, range)
+        })?;
+        let seed = seed.wrapping_mul(1000).wrapping_add(number);
+        let mut fields = vec![("seed".to_owned(), json!(seed))];
+        if let Some(curvature) = max_curvature {
+            fields.push(("scene.object".to_owned(), waves(&mut draws, curvature)));
+        }
+        let study = parse("family", &with_fields("family", &text, &fields)?)?;
+        let scene = study.estimable_scene(0)?;
+        let flaw = cells.iter().find(|(column, _)| *column == "flaw");
+        let flaw = flaw.map_or("", |(_, flaw)| flaw);
+        let counted: &[&str] = match &scene {
+            Scene::Roll(_) => &["normal_curvature_u", "normal_curvature_v"],
+            Scene::Glide(_) => &["gaussian_curvature", "mean_curvature"],
+            _ => &["object_curvature"],
+        };
+        let place = |name: &&str| {
+            let mut names = scene.quantities().iter().map(|one| one.name);
+            let place = names.position(|one| one == *name);
+            place.with_context(|| format!("no quantity {name}"))
+        };
+        Ok(Self {
+            flaw: press_flaw(flaw, &study.cell(0)?.config.scene),
+            quantities: counted.iter().map(place).collect::<Result<_>>()?,
+            scene,
+        })
+    }
+
+    /// Runs a trial, and returns the names of its estimate's warnings.
+    ///
+    /// # Errors
+    /// The name of the failure.
+    pub(super) fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        match &self.scene {
+            Scene::Press(press) => press.flawed_trial(trial, self.flaw, observe),
+            scene => scene.trial_with_warnings(trial, observe),
+        }
+    }
+}
+
+/// Flaw of a press with this description: `outlier of 8 standard deviations`. Other flaws are in the scene.
+fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
+    let SceneConfig::Press(press) = scene else {
+        return PressFlaw::default();
+    };
+    let size = flaw
+        .split_whitespace()
+        .find_map(|word| word.parse::<f64>().ok());
+    let std = |noise: &Option<LengthNoise>| {
+        let std = noise.as_ref().map(|LengthNoise::Gaussian { std }| std);
+        size.zip(std).map_or(0.0, |(size, std)| size * std)
+    };
+    let noise = &press.noise;
+    match flaw.split(' ').next() {
+        Some("outlier") => PressFlaw {
+            outlier: std(&noise.normal_displacement),
+            indentation: 0.0,
+        },
+        Some("indentation") => PressFlaw {
+            outlier: 0.0,
+            indentation: std(&noise.indentation),
+        },
+        _ => PressFlaw::default(),
+    }
+}
+
+/// Value of a field. Positive numbers, and curvatures relative to the probe's, have a uniform logarithm.
+fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
+    match field {
+        _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),
+        CURVATURE if low < 0.0 => draws.log_between(1.0 + low, 1.0 + high) - 1.0,
+        _ if low > 0.0 => draws.log_between(low, high),
+        _ => draws.between(low, high),
+    }
+}
+
+/// A quadric with two waves. Second derivatives of the quadric and of each wave are at most half of `max`.
+fn waves(draws: &mut Draws, max: f64) -> serde_json::Value {
+    let second = 0.5 * max;
+    let [a, b, c] = [(); 3].map(|()| 0.5 * draws.between(-second, second));
+    let [[p, k, l, f], [q, m, n, g]] = [(); 2].map(|()| {
+        let number = draws.between(WAVE_NUMBERS[0], WAVE_NUMBERS[1]);
+        let (sine, cosine) = libm::sincos(draws.between(0.0, TAU));
+        let amplitude = draws.between(0.1, 1.0) * second / (number * number);
+        let phase = draws.between(0.0, TAU);
+        [amplitude, number * cosine, number * sine, phase]
+    });
+    json!({
+        "kind": "height-field",
+        "formula": WAVES,
+        "parameters": {
+            "a": a, "b": b, "c": c, "p": p, "k": k, "l": l, "f": f, "q": q, "m": m, "n": n, "g": g,
+        },
+    })
+}

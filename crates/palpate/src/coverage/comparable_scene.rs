@@ -1,0 +1,194 @@
+//! Fields of a scene in the form in which scenes are compared with random ones: lengths in radii of the probe or, of
+//! glides, in distances between the outermost fingers; one name for the same thing.
+
+use std::collections::BTreeMap;
+
+use palpate_study::config::{SceneConfig, in_unit};
+use serde_json::{Value as Json, json};
+
+/// Values of the fields of a scene by their paths. What is 0, false or absent is left out. Numbers have ten digits.
+pub(super) type Fields = BTreeMap<String, Json>;
+
+/// Beginnings of the paths that do not matter: how a truth is computed, where estimates are compared with it, and what the
+/// random scenes vary without a range.
+const IGNORED: [&str; 7] = [
+    "scene.model.tolerance",
+    "scene.evaluate",
+    "scene.object_contact",
+    "scene.motion.inter_finger_distance",
+    "scene.motion.rate_rad_per_s",
+    "scene.noise.angular_velocity.instants",
+    "scene.noise.angular_velocity.side",
+];
+
+/// Length that is 1 in the tables of families.
+pub(super) fn unit_length(scene: &SceneConfig) -> f64 {
+    let json = json!(scene);
+    let fingers = json["motion"]["finger_positions"].as_array();
+    let positions = fingers.into_iter().flatten().filter_map(Json::as_f64);
+    let reach = |start: f64, pick: fn(f64, f64) -> f64| positions.clone().fold(start, pick);
+    match scene {
+        SceneConfig::Glide(_) => reach(f64::MIN, f64::max) - reach(f64::MAX, f64::min),
+        _ => json["probe"]["radius"].as_f64().unwrap_or(1.0),
+    }
+}
+
+/// Fields of a scene, with its lengths multiplied by a factor.
+pub(super) fn comparable_fields(scene: &SceneConfig, factor: f64) -> Fields {
+    let mut json = json!(in_unit(scene, factor / unit_length(scene)));
+    match scene {
+        SceneConfig::Roll(_) => name_roll(&mut json),
+        SceneConfig::Glide(_) => name_glide(&mut json),
+        SceneConfig::Press(press) => {
+            name_press(&mut json, press.model.poisson());
+        }
+        SceneConfig::Fingertip(_) => {}
+    }
+    let mut fields = Fields::new();
+    insert(&mut fields, "scene".to_owned(), json);
+    fields.retain(|field, _| !IGNORED.iter().any(|ignored| field.starts_with(ignored)));
+    fields
+}
+
+/// Inserts the leaves of a value.
+fn insert(fields: &mut Fields, path: String, value: Json) {
+    match value {
+        Json::Object(table) => {
+            for (key, value) in table {
+                insert(fields, format!("{path}.{key}"), value);
+            }
+        }
+        Json::Array(items) => {
+            for (index, value) in items.into_iter().enumerate() {
+                insert(fields, format!("{path}.{index}"), value);
+            }
+        }
+        Json::Null | Json::Bool(false) => {}
+        value => {
+            let rounded = value.as_f64().map(|number| format!("{number:.9e}"));
+            let rounded: Option<f64> = rounded.and_then(|text| text.parse().ok());
+            if rounded != Some(0.0) {
+                fields.insert(path, rounded.map_or(value, |number| json!(number)));
+            }
+        }
+    }
+}
+
+/// The number at a key; 0 if there is none.
+fn number(table: &Json, key: &str) -> f64 {
+    table[key].as_f64().unwrap_or(0.0)
+}
+
+/// Curvature of an object that is a quadric; a dish has a negative one.
+fn curvature(object: &Json) -> Option<f64> {
+    match object["kind"].as_str()? {
+        "plane" => Some(0.0),
+        "sphere" | "cylinder" => Some(number(object, "radius").recip()),
+        "dish" => Some(-number(object, "radius").recip()),
+        "paraboloid" => Some(2.0 * number(object, "c")),
+        "saddle" => Some(2.0 * number(object, "a")),
+        _ => None,
+    }
+}
+
+/// A roll has a number of directions and an angle.
+fn name_roll(roll: &mut Json) {
+    let object = curvature(&roll["object"]);
+    let motion = &mut roll["motion"];
+    // A contact moves by 1/(1/R₁ + 1/R₂) per radian, and the probe's radius is the unit.
+    let by_arc = object.map_or(0.0, |curvature| {
+        (1.0 + curvature) * number(motion, "arc_length")
+    });
+    let by_rate = number(motion, "rate_rad_per_s") * number(motion, "duration_s");
+    let angle = (by_arc.max(by_rate)).to_degrees();
+    if angle > 0.0 {
+        for key in ["arc_length", "duration_s"] {
+            motion[key] = Json::Null;
+        }
+        motion["angle_deg"] = json!(angle);
+    }
+    let directions = motion["directions_deg"].as_array().map_or(0, Vec::len);
+    motion["directions_deg"] = json!(format!("{directions} directions"));
+    roll["model"] = Json::Null;
+}
+
+/// A glide has a number of fingers, standard deviations of its noise, and an estimator whose noise is stated or not.
+fn name_glide(glide: &mut Json) {
+    let motion = &mut glide["motion"];
+    let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
+    let distance = number(motion, "inter_finger_distance");
+    motion["finger_positions"] = json!(format!("{fingers} fingers"));
+    glide["model"] = Json::Null;
+    if glide["object"]["kind"] != "sphere"
+        && let Some(curvature) = curvature(&glide["object"])
+    {
+        glide["object"] = json!({ "kind": "quadric", "curvature": curvature.abs() });
+    }
+    if glide["sensor"]["reports"] == "contact" {
+        glide["probe"] = Json::Null;
+    }
+    if glide["sensor"]["normals"] != true {
+        glide["noise"]["normal"] = Json::Null;
+    }
+    let noise = &mut glide["noise"]["position"];
+    let size = |key| number(noise, key);
+    let std = size("std") + size("bound") / f64::sqrt(3.0);
+    let per_std = if noise["kind"] == "uniform" { 3.0 } else { 1.0 };
+    let std = std + size("fraction_of_ifd") * distance / f64::sqrt(per_std);
+    if !noise.is_null() {
+        *noise = json!({ "std": std, "axis": noise["axis"] });
+    }
+    let tilt = number(&glide["noise"]["normal"], "std_deg");
+    let estimator = &mut glide["estimator"];
+    let stated = number(estimator, "position_std")
+        + number(estimator, "position_fraction_of_ifd") * distance;
+    if stated > 0.0 && agrees(stated, std) && agrees(number(estimator, "normal_std_deg"), tilt) {
+        for key in ["position_std", "position_fraction_of_ifd", "normal_std_deg"] {
+            estimator[key] = Json::Null;
+        }
+        estimator["noise"] = json!("stated");
+    }
+}
+
+/// A press has a curvature, one reading, a body, and an estimator with the settings that differ from the body's.
+fn name_press(press: &mut Json, poisson: f64) {
+    press["object"] = json!({ "kind": "ball", "curvature": curvature(&press["object"]) });
+    press["motion"]["contact_deg"][1] = Json::Null;
+    if press["sensor"]["kind"] == "direct" {
+        let averaged = number(&press["sensor"], "frames").sqrt();
+        for noise in ["normal_displacement", "tangential_displacement"] {
+            let noise = &mut press["noise"][noise];
+            noise["std"] = json!(number(noise, "std") / averaged);
+        }
+        press["sensor"]["frames"] = Json::Null;
+    }
+    if press["sensor"]["tangential"] != true {
+        press["noise"]["tangential_displacement"] = Json::Null;
+    }
+    let thickness = press["model"]["thickness"].clone();
+    if press["model"]["kind"] != "hertz" {
+        let kind = if thickness.is_null() {
+            "half-space"
+        } else {
+            "layer"
+        };
+        press["model"] = json!({ "kind": kind, "thickness": thickness, "poisson": poisson });
+    }
+    let std = number(&press["noise"]["indentation"], "std");
+    let estimator = &mut press["estimator"];
+    for (key, of_model) in [("thickness", thickness), ("poisson", json!(poisson))] {
+        if estimator[key] == of_model {
+            estimator[key] = Json::Null;
+        }
+    }
+    if estimator["indentation"] == "fitted" {
+        press["noise"]["indentation"] = Json::Null;
+    } else if agrees(number(estimator, "indentation_std"), std) {
+        estimator["indentation_std"] = Json::Null;
+    }
+}
+
+/// Whether a stated number equals the true one.
+fn agrees(stated: f64, truth: f64) -> bool {
+    (stated - truth).abs() <= 1e-9 * truth
+}

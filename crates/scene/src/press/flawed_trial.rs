@@ -1,0 +1,62 @@
+//! Trials whose readings may have a flaw, and the warnings of their estimates.
+
+use super::PressFailure;
+use super::reading::PressReading;
+use super::trial::PressScene;
+use palpate_sweep::Observation;
+
+/// Errors of the readings of a press beside the noise of its scene, length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PressFlaw {
+    /// Error of one normal displacement, each time of another marker.
+    pub outlier: f64,
+    /// Error of the indentation.
+    pub indentation: f64,
+}
+
+impl PressScene {
+    /// Runs a trial as [`Trials::trial`](crate::Trials::trial) does, with a flaw of its readings, and returns the names of
+    /// the warnings of its estimate; `outlier` if the fit rejects markers.
+    ///
+    /// # Errors
+    /// The stable name of the failure.
+    pub fn flawed_trial(
+        &self,
+        trial: u64,
+        flaw: PressFlaw,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        let mut reading = self
+            .reading(Some(trial))
+            .map_err(|failure| failure.name())?;
+        reading.add(flaw, trial);
+        self.warnings(&reading, observe)
+            .map_err(|failure| failure.name())
+    }
+
+    /// Estimates from a reading, compares the estimate with the true values, and returns the names of its warnings.
+    fn warnings(
+        &self,
+        reading: &PressReading,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, PressFailure> {
+        let estimate = self.estimate(reading)?;
+        let given = self.given_indentation(reading);
+        // A reading that gives no indentation on its own cannot contradict the stated one.
+        let (indentation, misfits) = match self.estimator.images(reading) {
+            Some((fit, images)) => (
+                fit.check_indentation(images, given),
+                fit.misfits(images, given, &estimate)?,
+            ),
+            None => self.with_fit(reading, |fit, reading| {
+                let indentation = fit.check_indentation(reading, Some(&estimate));
+                Ok((indentation, fit.misfits(reading, &estimate)?))
+            })?,
+        };
+        self.compare(reading, &estimate, observe);
+        let outlier = (!estimate.wrong_markers.is_empty()).then_some("outlier");
+        let misfits = misfits.into_iter().chain(indentation.ok().flatten());
+        let codes = misfits.map(|misfit| misfit.code());
+        Ok(codes.chain(outlier).collect())
+    }
+}
