@@ -2,11 +2,11 @@
 //!
 //! A config passes through four steps, each with its own file:
 //!
-//! 1. `tree`: the text is parsed to a tree in which every key and value has its byte range.
+//! 1. `tree`: the text is parsed to a tree of values. Errors name paths in it; `error` finds their place in the text.
 //! 2. `sweep`, `grid`: the `[[sweep]]` axes are multiplied. A cell is the tree with one combination of values.
 //! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines keys,
 //!    types, kinds and limits. In a study of many cells, only the cells of a `sample` and every swept value are validated.
-//! 4. The tree is converted to a [`StudyConfig`], and the few rules that concern several fields are checked.
+//! 4. serde converts the tree to a [`StudyConfig`], and the few rules that concern several fields are checked.
 //!
 //! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.
 
@@ -15,6 +15,8 @@ mod config_output;
 mod error;
 mod error_location;
 mod field;
+mod field_path;
+mod field_value;
 mod glide;
 mod glide_estimator;
 mod grid;

@@ -6,6 +6,7 @@ use toml::Value as Toml;
 use super::error::{ConfigError, Fault};
 use super::load::Study;
 use super::schema::alternatives;
+use super::tree;
 
 /// The text of a config, from a table. Keys with the value `null` are omitted.
 ///
@@ -31,7 +32,7 @@ use super::schema::alternatives;
 /// [`ConfigError`] if the value is not a table, or if TOML cannot represent a number.
 pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
     match value(file, "", config)? {
-        Some(Toml::Table(table)) => to_text(file, &table),
+        Some(table @ Toml::Table(_)) => to_text(file, &table),
         _ => Err(ConfigError::of_field(file, "", "must be a table")),
     }
 }
@@ -58,46 +59,25 @@ pub fn with_fields(
 ) -> Result<String, ConfigError> {
     let mut config = Toml::Table(table(file, text)?);
     for (path, json) in fields {
-        let value = value(file, path, json)?;
-        let refuse = |message: &str| ConfigError::of_field(file, path, message);
-        let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
-        let mut place = &mut config;
-        for key in parents.split('.').filter(|key| !key.is_empty()) {
-            place = match place {
-                Toml::Table(table) => table
-                    .entry(key)
-                    .or_insert_with(|| Toml::Table(toml::Table::new())),
-                Toml::Array(items) => key
-                    .parse()
-                    .ok()
-                    .and_then(|index: usize| items.get_mut(index))
-                    .ok_or_else(|| refuse("there is no such item"))?,
-                _ => return Err(refuse("leads through a field that is no table")),
-            };
-        }
-        match (place, value) {
-            (Toml::Table(table), Some(value)) => {
-                for other in alternatives(path) {
-                    if !fields.iter().any(|(field, _)| *field == other) {
-                        let key = other.rsplit('.').next().unwrap_or_default();
-                        table.remove(key);
-                    }
-                }
-                table.insert(key.to_owned(), value);
+        let Some(value) = value(file, path, json)? else {
+            tree::take(&mut config, path);
+            continue;
+        };
+        for other in alternatives(path) {
+            if !fields.iter().any(|(field, _)| *field == other) {
+                tree::take(&mut config, &other);
             }
-            (Toml::Table(table), None) => drop(table.remove(key)),
-            (Toml::Array(items), Some(value)) => {
-                let index: Option<usize> = key.parse().ok();
-                let item = index.and_then(|index| items.get_mut(index));
-                *item.ok_or_else(|| refuse("there is no such item"))? = value;
-            }
-            _ => return Err(refuse("leads through a field that is no table")),
         }
+        let refused = |message| ConfigError::of_field(file, path, message);
+        for (end, _) in path.match_indices('.') {
+            if tree::at(&config, &path[..end]).is_none() {
+                let empty = Toml::Table(toml::Table::new());
+                tree::set(&mut config, &path[..end], empty).map_err(refused)?;
+            }
+        }
+        tree::set(&mut config, path, value).map_err(refused)?;
     }
-    match config {
-        Toml::Table(table) => to_text(file, &table),
-        _ => Ok(String::new()),
-    }
+    to_text(file, &config)
 }
 
 /// The text of a config with an additional axis for each of these fields, over these values.
@@ -133,7 +113,7 @@ pub fn with_axes(file: &str, text: &str, axes: &[(String, Json)]) -> Result<Stri
         axis.insert("values".to_owned(), values);
         sweep.push(Toml::Table(axis));
     }
-    to_text(file, &config)
+    to_text(file, &Toml::Table(config))
 }
 
 fn table(file: &str, text: &str) -> Result<toml::Table, ConfigError> {
@@ -141,13 +121,13 @@ fn table(file: &str, text: &str) -> Result<toml::Table, ConfigError> {
     text.parse().map_err(refused)
 }
 
-fn to_text(file: &str, table: &toml::Table) -> Result<String, ConfigError> {
+fn to_text(file: &str, table: &Toml) -> Result<String, ConfigError> {
     let refused = |error: toml::ser::Error| ConfigError::of_field(file, "", error.to_string());
     toml::to_string(table).map_err(refused)
 }
 
 /// JSON as TOML; `None` for `null`.
-fn value(file: &str, path: &str, json: &Json) -> Result<Option<Toml>, ConfigError> {
+pub(super) fn value(file: &str, path: &str, json: &Json) -> Result<Option<Toml>, ConfigError> {
     let under = |key: &dyn std::fmt::Display| match path {
         "" => key.to_string(),
         path => format!("{path}.{key}"),
@@ -210,10 +190,11 @@ impl Study {
             None if (least..=i64::MAX as u64).contains(&value) => return Ok(()),
             None => format!("must be between {least} and {}, is {value}", i64::MAX),
         };
-        Err(self.source.error(Fault {
-            span: target.map(|target| target.span.clone()),
-            path: key.into(),
-            message,
-        }))
+        let fault = match target {
+            Some(target) => target.fault(message),
+            None => Fault::new(message),
+        };
+        let path = key.into();
+        Err(self.source.error(Fault { path, ..fault }))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::ops::Range;
+use toml::de::{DeTable, DeValue};
 
 /// Bytes of the config's text.
 pub(super) type Span = Range<usize>;
@@ -81,28 +82,59 @@ impl ConfigError {
     }
 }
 
-/// A problem in a part of the tree, before the text is at hand to show it.
+/// A problem in a field, before the text is at hand to show it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
-    pub(super) span: Option<Range<usize>>,
+    /// The field.
     pub(super) path: String,
     pub(super) message: String,
+    /// Path of the value that the excerpt shows: of the field itself, or of what states it in a sweep.
+    pub(super) location: String,
+    /// Whether the excerpt shows the key instead of the value.
+    pub(super) is_key: bool,
+    /// Place of a syntax error.
+    pub(super) span: Option<Span>,
 }
 
 impl Fault {
-    pub(super) fn at(span: &Span, message: impl Into<String>) -> Self {
+    pub(super) fn new(message: impl Into<String>) -> Self {
         Self {
-            span: Some(span.clone()),
             path: String::new(),
             message: message.into(),
+            location: String::new(),
+            is_key: false,
+            span: None,
         }
     }
 
-    /// Puts a key or an index in front of the path.
-    pub(super) fn under(mut self, key: impl std::fmt::Display) -> Self {
-        let dot = if self.path.is_empty() { "" } else { "." };
-        self.path = format!("{key}{dot}{}", self.path);
-        self
+    /// Fault of a key that should not exist.
+    pub(super) fn of_key(key: &str, message: impl Into<String>) -> Self {
+        Self {
+            is_key: true,
+            ..Self::new(message).under(key)
+        }
+    }
+
+    /// Puts a key or an index in front of the path and the location.
+    pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
+        let join = |path: &str| match path {
+            "" => key.to_string(),
+            path => format!("{key}.{path}"),
+        };
+        Self {
+            path: join(&self.path),
+            location: join(&self.location),
+            ..self
+        }
+    }
+
+    /// Shows a part of the field instead of all of it.
+    pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
+        let location = match self.location.as_str() {
+            "" => part.to_string(),
+            location => format!("{location}.{part}"),
+        };
+        Self { location, ..self }
     }
 }
 
@@ -136,16 +168,18 @@ impl Source {
         }
     }
 
-    /// Line of a byte of the file, from 1; `None` of a text that was made.
-    pub(super) fn line(&self, byte: usize) -> Option<usize> {
-        let before = self.text.as_bytes().get(..byte)?;
-        let lines = before.iter().filter(|&&byte| byte == b'\n').count();
+    /// Line of a value of the file, from 1; `None` of a text that was made.
+    pub(super) fn line(&self, location: &str, is_key: bool) -> Option<usize> {
+        let start = self.locate(location, is_key)?.start;
+        let lines = self.text[..start].matches('\n').count();
         self.is_written.then_some(lines + 1)
     }
 
     pub(super) fn error(&self, fault: Fault) -> ConfigError {
-        let (place, details) = match &fault.span {
-            Some(span) if self.is_written => self.show(span),
+        let located = || self.locate(&fault.location, fault.is_key);
+        let span = fault.span.clone().or_else(located);
+        let (place, details) = match span {
+            Some(span) if self.is_written => self.show(&span),
             _ => (self.file.clone(), String::new()),
         };
         ConfigError {
@@ -154,6 +188,38 @@ impl Source {
             message: fault.message,
             details,
         }
+    }
+
+    /// Bytes of the value at a path, or of its key; of the nearest value around it if the path ends before. `None` of the
+    /// text as a whole.
+    pub(super) fn locate(&self, path: &str, is_key: bool) -> Option<Span> {
+        let root = DeValue::Table(DeTable::parse(&self.text).ok()?.into_inner());
+        let (mut node, mut rest) = (&root, path);
+        let (mut span, mut key_span) = (None, None);
+        while !rest.is_empty() {
+            // A key may contain dots.
+            let after = |key: &str| {
+                let after = rest.strip_prefix(key)?;
+                (after.is_empty() || after.starts_with('.')).then_some(after)
+            };
+            let found = match node {
+                DeValue::Table(table) => table.iter().find_map(|(key, value)| {
+                    Some((Some(key.span()), value, after(key.get_ref())?))
+                }),
+                DeValue::Array(items) => {
+                    let index = rest.split('.').next().unwrap_or_default();
+                    let item = index.parse().ok().and_then(|index: usize| items.get(index));
+                    item.map(|item| (None, item, &rest[index.len()..]))
+                }
+                _ => None,
+            };
+            let Some((key, value, after)) = found else {
+                return span;
+            };
+            (span, key_span) = (Some(value.span()), key);
+            (node, rest) = (value.get_ref(), after.strip_prefix('.').unwrap_or(after));
+        }
+        key_span.filter(|_| is_key).or(span)
     }
 
     /// `file:line:column`, both from 1 and the column in characters, and the line with a caret under the span.

@@ -1,8 +1,8 @@
 //! Errors about a study, with their location in its text.
 
-use super::error::{ConfigError, Fault};
+use super::error::{ConfigError, Fault, Span};
 use super::load::Study;
-use super::tree::Node;
+use super::tree;
 use std::ops::Range;
 
 impl Study {
@@ -14,16 +14,7 @@ impl Study {
 
     /// Error outside of the cells: in a plot (`plot.0.y`) or at the top level (`claims.0`).
     pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
-        let root = &self.grid.base;
-        let node = match path.strip_prefix("plot.") {
-            Some(path) => self.plots.nearest(path),
-            None => root.nearest(path),
-        };
-        self.source.error(Fault {
-            span: (node.span != root.span && !node.span.is_empty()).then(|| node.span.clone()),
-            path: path.into(),
-            message: message.into(),
-        })
+        self.source.error(Fault::new(message).under(path))
     }
 
     /// Error in a part of a text field, given by its bytes, for example an unknown name in a formula.
@@ -44,17 +35,9 @@ impl Study {
         part: Option<Range<usize>>,
         message: String,
     ) -> ConfigError {
-        let tree = self.grid.tree(cell).unwrap_or_else(|(tree, _)| tree);
-        let node = tree.nearest(path);
-        let span = part
-            .and_then(|part| self.part_of(node, part))
-            .unwrap_or_else(|| node.span.clone());
-        let span = (span != tree.span).then_some(span);
-        let error = self.source.error(Fault {
-            span,
-            path: path.into(),
-            message,
-        });
+        let mut fault = self.grid.in_text(cell, Fault::new(message).under(path));
+        fault.span = part.and_then(|part| self.part_of(cell, path, &fault.location, part));
+        let error = self.source.error(fault);
         if self.grid.axes.is_empty() {
             error
         } else {
@@ -63,9 +46,11 @@ impl Study {
     }
 
     /// Location of a part of a string in the config's text, if the string has no escapes.
-    fn part_of(&self, node: &Node, part: Range<usize>) -> Option<Range<usize>> {
-        let written = self.source.text.get(node.span.clone())?;
-        let start = node.span.start + written.find(node.as_text()?)?;
+    fn part_of(&self, cell: usize, path: &str, location: &str, part: Range<usize>) -> Option<Span> {
+        let span = self.source.locate(location, false)?;
+        let (tree, _) = self.grid.tree(cell);
+        let text = tree::at(&tree, path)?.as_str()?;
+        let start = span.start + self.source.text.get(span)?.find(text)?;
         Some(start + part.start..start + part.end)
     }
 }

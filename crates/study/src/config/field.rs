@@ -1,9 +1,8 @@
 //! Columns of swept fields: name, unit and words from their headers.
 
-use super::schema::SCHEMA;
+use super::schema::{SCHEMA, fields_at, variants};
 use super::{LengthUnit, schema};
 use crate::label::{Label, split_unit, spoken_unit};
-use serde_json::Value as Json;
 
 impl Label {
     /// Label of a swept field, from the header of its column.
@@ -107,20 +106,13 @@ pub fn field(header: &str) -> (&str, &str) {
 }
 
 fn in_schema(header: &str) -> Option<(&str, &str)> {
-    const LENGTHS: [LengthUnit; 5] = [
-        LengthUnit::M,
-        LengthUnit::Cm,
-        LengthUnit::Mm,
-        LengthUnit::Um,
-        LengthUnit::Unit,
-    ];
     let is_column = |stem: &str| {
-        LENGTHS
+        LengthUnit::ALL
             .iter()
             .any(|unit| schema::column(&SCHEMA, stem, *unit) == header)
     };
     let keys: Vec<&str> = header.split('.').collect();
-    let known = known(&SCHEMA, &keys);
+    let known = known(&keys);
     let in_key = |unit: &&str| header.ends_with(&format!("_{unit}"));
     let end = match known {
         // A length's unit is no part of the key.
@@ -141,25 +133,14 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 const IN_KEYS: [&str; 5] = ["rad_per_s", "rad", "deg", "s", "px"];
 
 /// Whether a field is named by the schema, rather than by the one who writes the config; `None` if there is no such field.
-fn known(schema: &Json, keys: &[&str]) -> Option<bool> {
-    let Some((key, rest)) = keys.split_first() else {
-        return Some(true);
-    };
-    if schema["type"] == "array" {
+fn known(keys: &[&str]) -> Option<bool> {
+    if !fields_at(&SCHEMA, keys).is_empty() {
         return Some(true);
     }
-    let variants = schema["oneOf"]
-        .as_array()
-        .map_or(std::slice::from_ref(schema), Vec::as_slice);
-    let named = variants
-        .iter()
-        .find_map(|variant| known(variant["properties"].get(key)?, rest));
-    let free = || {
-        variants
-            .iter()
-            .any(|variant| variant["additionalProperties"].is_object())
-    };
-    named.or_else(|| free().then_some(false))
+    let tables = fields_at(&SCHEMA, &keys[..keys.len() - 1]).into_iter();
+    let mut kinds = tables.flat_map(variants);
+    let is_free = kinds.any(|kind| kind["additionalProperties"].is_object());
+    is_free.then_some(false)
 }
 
 #[cfg(test)]

@@ -1,16 +1,19 @@
 //! The cells of a study: all combinations of its axes' rows. The first axis varies slowest.
 
+use super::config_builder;
 use super::error::Fault;
+use super::field_path::unknown_path;
 use super::schema::{SCHEMA, alternatives};
-use super::study::StudyConfig;
 use super::sweep::{Axis, SweptValue, Target};
-use super::tree::{Node, Value};
+use super::tree;
 use super::validate::{self, kinds_with};
+use serde_json::json;
+use toml::Value;
 
 /// The tree without its `sweep` and `plot` sections, and the axes.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
-    pub(super) base: Node,
+    pub(super) base: Value,
     pub(super) axes: Vec<Axis>,
     /// Fields of the config that swept fields replace.
     pub(super) replaced: Vec<Replaced>,
@@ -20,7 +23,7 @@ pub(super) struct Grid {
 #[derive(Debug, Clone)]
 pub(super) struct Replaced {
     pub(super) path: String,
-    pub(super) node: Node,
+    pub(super) value: Value,
     /// Path of the swept field.
     pub(super) by: String,
 }
@@ -28,7 +31,7 @@ pub(super) struct Replaced {
 impl Grid {
     /// The cells of a config and axes. Removes fields from the config that are alternatives to a swept field and are not
     /// swept themselves.
-    pub(super) fn new(mut base: Node, axes: Vec<Axis>) -> Self {
+    pub(super) fn new(mut base: Value, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
         for target in targets() {
@@ -36,9 +39,9 @@ impl Grid {
                 if targets().any(|other| other.path == path) {
                     continue;
                 }
-                replaced.extend(base.take_at(&path).map(|entry| Replaced {
+                replaced.extend(tree::take(&mut base, &path).map(|value| Replaced {
                     path,
-                    node: entry.node,
+                    value,
                     by: target.path.clone(),
                 }));
             }
@@ -104,106 +107,126 @@ impl Grid {
         })
     }
 
-    /// The tree of a cell. If a path names no field, the error is the incomplete tree with the fault.
-    pub(super) fn tree(&self, cell: usize) -> Result<Node, (Node, Fault)> {
+    /// The tree of a cell. If a path names no field, the tree is incomplete, and the fault says why.
+    pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
-        for (target, setting) in self.settings(cell) {
-            write_defaults(&mut tree, target);
-            if let Err(reason) = tree.set(&target.path, setting.node, &target.span) {
-                let reason = missing_parent(&tree, &target.path).unwrap_or(reason);
-                let message = format!("the sweep path names nothing: {reason}");
-                return Err((tree, Fault::at(&target.span, message).under(&target.path)));
+        // Kinds are set first, because they decide which other fields a new table has.
+        let is_kind = |target: &Target| target.path.ends_with(".kind");
+        let (kinds, others): (Vec<_>, Vec<_>) =
+            self.settings(cell).partition(|(target, _)| is_kind(target));
+        for (target, setting) in kinds.into_iter().chain(others) {
+            let path = &target.path;
+            let set = add_parents(&mut tree, path).and_then(|()| {
+                let set = tree::set(&mut tree, path, setting.value);
+                set.map_err(|reason| unknown_path(&tree, path).unwrap_or(reason))
+            });
+            if let Err(reason) = set {
+                let fault = target.fault(format!("the sweep path names nothing: {reason}"));
+                let path = path.clone();
+                return (tree, Some(Fault { path, ..fault }));
             }
         }
-        Ok(tree)
+        (tree, None)
+    }
+
+    /// Fault of a cell's field, with its location in the config: in the sweep if that states the field's value.
+    pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
+        let path = fault.location.clone();
+        for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {
+            for (column, target) in axis.targets.iter().enumerate() {
+                match path.strip_prefix(&target.path) {
+                    Some("") if fault.is_key => {
+                        fault.location.clone_from(&target.location);
+                        fault.is_key = target.is_key;
+                    }
+                    Some(rest) if rest.is_empty() || rest.starts_with('.') => {
+                        fault.location = axis.location(row, column) + rest;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        fault
     }
 
     /// Whether no swept value is a table, a list or a `kind`. Then each value can be validated by itself.
     pub(super) fn has_plain_values(&self) -> bool {
         let mut targets = self.targets();
         let is_plain =
-            |value: &SweptValue| !matches!(value.node.value, Value::Table(_) | Value::Array(_));
+            |value: &SweptValue| !matches!(value.value, Value::Table(_) | Value::Array(_));
         let is_kind = |path: &str| path.rsplit('.').next() == Some("kind");
         !targets.any(|target| is_kind(&target.path))
             && self.axes.iter().all(|axis| {
                 axis.is_range() || (0..axis.len()).all(|row| axis.row(row).iter().all(is_plain))
             })
     }
-
-    /// The config of a cell whose values have been validated one by one, if that is sufficient; `None` if the cell must be
-    /// validated by the schema. `base` is the tree of the grid.
-    pub(super) fn quick_config(&self, base: &toml::Value, cell: usize) -> Option<StudyConfig> {
-        let mut tree = base.clone();
-        for (target, setting) in self.settings(cell) {
-            let (parents, last) = target.path.rsplit_once('.').unwrap_or(("", &target.path));
-            let mut keys = parents.split('.').filter(|key| !key.is_empty());
-            let parent = keys.try_fold(&mut tree, |node, key| match node {
-                toml::Value::Table(table) => table.get_mut(key),
-                toml::Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
-                _ => None,
-            })?;
-            let value = setting.node.to_toml();
-            match parent {
-                toml::Value::Table(table) => drop(table.insert(last.to_owned(), value)),
-                toml::Value::Array(items) => *items.get_mut(last.parse::<usize>().ok()?)? = value,
-                _ => return None,
-            }
-        }
-        let config: StudyConfig = tree.try_into().ok()?;
-        config.scene.check().ok().map(|()| config)
-    }
 }
 
-/// Adds the missing tables and lists that contain a swept field, with their defaults.
-fn write_defaults(tree: &mut Node, target: &Target) {
-    let path = &target.path;
+/// Adds the missing tables and lists that contain a swept field: with their defaults, or else empty, of the only kind that
+/// has the field. The error says what is in the way.
+fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];
-        if tree.at(parent).is_some() {
+        let found = tree::at(root, parent);
+        if matches!(found, Some(Value::Table(_) | Value::Array(_))) {
             continue;
         }
-        let default = validate::at(&SCHEMA, tree, parent).and_then(|schema| schema.get("default"));
-        let Some(default) = default.filter(|default| default.is_object() || default.is_array())
-        else {
-            return;
+        let Some(schema) = validate::at(&SCHEMA, root, parent) else {
+            return other_kind(root, parent).map_or(Ok(()), Err);
         };
-        let Some(default) = Node::of_default(default, &target.span) else {
-            return;
+        let key = path[end + 1..].split('.').next().unwrap_or_default();
+        let kinds = kinds_with(
+            schema["oneOf"].as_array().map_or(&[][..], Vec::as_slice),
+            key,
+        );
+        let is_list = schema["type"] == "array";
+        let has_any_key = is_list || schema["additionalProperties"].is_object();
+        if kinds.is_empty() && !has_any_key && schema["properties"].get(key).is_none() {
+            return Ok(());
+        }
+        let default = schema.get("default");
+        let default = default.filter(|default| default.is_object() || default.is_array());
+        let value = match (found, default, kinds.as_slice()) {
+            (None, Some(default), _) => default.clone(),
+            (None, None, []) if !is_list => json!({}),
+            (None, None, [_, ..]) if key == "kind" => json!({}),
+            (None, None, [kind]) => json!({ "kind": kind }),
+            (None, None, [_, ..]) => {
+                let kinds = kinds.join(" or ");
+                return Err(format!(
+                    "`{parent}` is left out in the config; set `{parent}.kind` too: {kinds}"
+                ));
+            }
+            (_, _, kinds) => {
+                let what = if is_list { "list" } else { "table" };
+                let of_kind = match kinds {
+                    [] => String::new(),
+                    kinds => format!(" of kind {}", kinds.join(" or ")),
+                };
+                return Err(format!(
+                    "`{parent}` is no {what} in the config; write it there as a {what}{of_kind}"
+                ));
+            }
         };
-        // If a parent cannot be set, setting the field itself reports the error.
-        if tree.set(parent, default, &target.span).is_err() {
-            return;
+        if let Some(value) =
+            config_builder::value("", "", &value).map_err(|error| error.to_string())?
+        {
+            tree::set(root, parent, value)?;
         }
     }
+    Ok(())
 }
 
-/// Reason why a path names no field of a tree although the schema has the field: its table is missing and has no default, or
-/// it is of another kind, or it is not a table.
-fn missing_parent(tree: &Node, path: &str) -> Option<String> {
-    let is_table = |node: &Node| matches!(node.value, Value::Table(_) | Value::Array(_));
-    let mut ends = path.match_indices('.').map(|(end, _)| end);
-    let end = ends.find(|&end| !tree.at(&path[..end]).is_some_and(is_table))?;
-    let (parent, rest) = (&path[..end], &path[end + 1..]);
-    let key = rest.split('.').next()?;
-    let Some(schema) = validate::at(&SCHEMA, tree, parent) else {
-        let (above, key) = parent.rsplit_once('.')?;
-        let of_above = validate::at(&SCHEMA, tree, above)?["oneOf"].as_array()?;
-        let kinds = kinds_with(of_above, key);
-        let own = tree.at(above)?.get("kind")?.as_text()?;
-        return (!kinds.is_empty()).then(|| {
-            let kinds = kinds.join(" or ");
-            format!("`{above}` is of kind {own} here, and `{key}` of it takes kind {kinds}; write it there")
-        });
-    };
-    let variants = schema["oneOf"].as_array().map_or(&[][..], Vec::as_slice);
-    let of_kind = match kinds_with(variants, key).as_slice() {
-        [] => String::new(),
-        kinds => format!(" of kind {}", kinds.join(" or ")),
-    };
-    let is_list = schema["type"] == "array";
-    let is_known = !of_kind.is_empty() || is_list || schema["properties"].get(key).is_some();
-    let what = if is_list { "list" } else { "table" };
-    is_known.then(|| {
-        format!("`{parent}` is no {what} in the config, and has no default that is one; write it there{of_kind}, then sweep its `{key}`")
+/// Message for a table that takes another kind of the table around it; `None` if no kind has it.
+fn other_kind(root: &Value, path: &str) -> Option<String> {
+    let (above, key) = path.rsplit_once('.')?;
+    let kinds = kinds_with(
+        validate::at(&SCHEMA, root, above)?["oneOf"].as_array()?,
+        key,
+    );
+    let own = tree::at(root, above)?.get("kind")?.as_str()?;
+    let needed = kinds.join(" or ");
+    (!kinds.is_empty()).then(|| {
+        format!("`{above}` is of kind {own}, and only kind {needed} has `{key}`; write it there")
     })
 }

@@ -5,15 +5,17 @@ use super::grid::Grid;
 use super::plot::PlotConfig;
 use super::schema::SCHEMA;
 use super::study::StudyConfig;
-use super::sweep::{Axis, SweptValue};
-use super::tree::{Node, Value};
+use super::sweep::{Axis, SweepConfig, SweptValue};
+use super::tree::as_number;
 use super::{plot, sample, schema, sweep, tree, validate};
 use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
 use crate::table::ColumnType;
+use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
 use std::path::Path;
+use toml::Value;
 
 /// Largest size of a config, MiB.
 const MAX_MIB: u64 = 16;
@@ -31,11 +33,9 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// The tree that the axes vary, where every swept value is a number, a word or a truth value, so that limits of its
-    /// field are all that the schema asks of it, whatever the others are.
-    flat: Option<toml::Value>,
-    /// The plots as they are written.
-    pub(super) plots: Node,
+    /// Whether every swept value is a number, a word or a truth value. Then limits of its field are all that the schema asks
+    /// of it, whatever the others are, and cells need not be validated again.
+    has_plain_values: bool,
     /// Whether palpate wrote the config, every swept field of which has its first value.
     is_resolved: bool,
 }
@@ -113,21 +113,20 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
 pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let faulty = |fault| source.error(fault);
     let mut base = tree::parse(&source.text).map_err(faulty)?;
-    if base.entries().is_empty() {
+    if base.as_table().is_none_or(toml::Table::is_empty) {
         return Err(ConfigError::of_file(
             &source.file,
             "the config is empty; it needs a `name` and a table `[scene]`",
         ));
     }
-    let schema = &*SCHEMA;
-    let sweeps = section(schema, &mut base, "sweep").map_err(faulty)?;
-    let plots = section(schema, &mut base, "plot").map_err(faulty)?;
-    let version = base.take("crate_version");
+    let sweep: (_, Vec<SweepConfig>) = section(&mut base, "sweep").map_err(faulty)?;
+    let plots: (_, Vec<PlotConfig>) = section(&mut base, "plot").map_err(faulty)?;
+    let version = tree::take(&mut base, "crate_version");
     let is_resolved = version.is_some();
-    if let Some(entry) = version {
-        check_version(&entry.node).map_err(|fault| faulty(fault.under("crate_version")))?;
+    if let Some(version) = version {
+        check_version(&version).map_err(|fault| faulty(fault.under("crate_version")))?;
     }
-    let axes = sweep::axes(&sweeps).map_err(faulty)?;
+    let axes = sweep::axes(&sweep.1).map_err(faulty)?;
     check_stop(&base, &axes).map_err(faulty)?;
     let grid = Grid::new(base, axes);
     let sample = sample::sample(&grid);
@@ -143,42 +142,41 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     if sample.len() < grid.cells() {
         check_values(&source, &grid)?;
     }
-    plot::check(&plots, &grid, &first.outputs).map_err(faulty)?;
-    check_columns(&grid.base, &first).map_err(faulty)?;
+    plot::check(&plots.0, &plots.1, &grid, &first.outputs).map_err(faulty)?;
+    check_columns(&first).map_err(faulty)?;
 
     let config = StudyConfig {
         trials: first
             .stop
             .as_ref()
             .map_or(first.trials, |stop| stop.max_trials),
-        sweep: deserialise(&sweeps).map_err(faulty)?,
-        plot: deserialise(&plots).map_err(faulty)?,
+        sweep: sweep.1,
+        plot: plots.1,
         ..first
     };
     let paths: Vec<String> = grid.targets().map(|target| target.path.clone()).collect();
     let columns = paths
         .iter()
-        .map(|path| schema::column(schema, path, config.length_unit))
+        .map(|path| schema::column(&SCHEMA, path, config.length_unit))
         .collect();
     Ok(Study {
         config,
         paths,
         columns,
-        flat: grid.has_plain_values().then(|| grid.base.to_toml()),
+        has_plain_values: grid.has_plain_values(),
         source,
         grid,
         sample,
-        plots,
         is_resolved,
     })
 }
 
 /// Refuses a config of a later version, which may mean something else.
-fn check_version(node: &Node) -> Result<(), Fault> {
+fn check_version(version: &Value) -> Result<(), Fault> {
     const OWN: &str = env!("CARGO_PKG_VERSION");
-    let Some(text) = node.as_text() else {
-        let message = format!("expected a string, found {}", node.describe());
-        return Err(Fault::at(&node.span, message));
+    let Some(text) = version.as_str() else {
+        let found = tree::describe(version);
+        return Err(Fault::new(format!("expected a string, found {found}")));
     };
     let numbers = |text: &str| {
         let release = text.split(['-', '+']).next().unwrap_or_default();
@@ -194,55 +192,48 @@ fn check_version(node: &Node) -> Result<(), Fault> {
         ),
         Some(_) => return Ok(()),
     };
-    Err(Fault::at(&node.span, message))
+    Err(Fault::new(message))
 }
 
 /// Refuses names of columns that the readings of the scene do not have.
-fn check_columns(base: &Node, config: &StudyConfig) -> Result<(), Fault> {
+fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
     let columns = columns_of(config.scene.kind());
-    check_names(&config.columns, &columns).map_err(|error| {
-        let path = format!("columns.{}", error.key);
-        let span = base.nearest(&path).span.clone();
-        Fault {
-            span: Some(span),
-            path,
-            message: error.message,
-        }
-    })
+    check_names(&config.columns, &columns)
+        .map_err(|error| Fault::new(error.message).under(error.key).under("columns"))
 }
 
 /// Refuses numbers of trials that a rule by which cells have had enough of them contradicts.
-fn check_stop(base: &Node, axes: &[Axis]) -> Result<(), Fault> {
-    let Some(stop) = base.get("stop") else {
+fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
+    let number = |path: &str| tree::at(base, path).and_then(as_number);
+    if base.get("stop").is_none() {
         return Ok(());
-    };
-    let number = |node: &Node, key: &str| node.get(key).and_then(Node::as_number);
+    }
     let mut targets = axes.iter().flat_map(|axis| &axis.targets);
     if let Some(target) = targets.find(|target| target.path == "trials") {
         let message = "is swept, and `stop` decides the number of trials; keep one of them";
-        return Err(Fault::at(&target.span, message).under("trials"));
+        return Err(Fault {
+            path: "trials".into(),
+            ..target.fault(message.into())
+        });
     }
-    let most = number(stop, "max_trials");
-    if let (Some(trials), Some(given)) = (base.get("trials"), number(base, "trials"))
-        && most.is_some_and(|most| most != given)
-    {
+    let most = number("stop.max_trials");
+    if number("trials").is_some_and(|trials| most.is_some_and(|most| most != trials)) {
         let message =
             "is not `stop.max_trials`, and `stop` decides the number of trials; leave it out";
-        return Err(Fault::at(&trials.span, message).under("trials"));
+        return Err(Fault::new(message).under("trials"));
     }
-    if let (Some(least), Some(most)) = (number(stop, "min_trials"), most)
+    if let (Some(least), Some(most)) = (number("stop.min_trials"), most)
         && least > most
     {
         let message = format!("must be <= max_trials, which is {most}, is {least}");
-        let fault = Fault::at(&stop.nearest("min_trials").span, message);
-        return Err(fault.under("min_trials").under("stop"));
+        return Err(Fault::new(message).under("min_trials").under("stop"));
     }
     Ok(())
 }
 
 /// Holds every row of every axis against the limits of its fields, with the first rows of the other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
-    let first = grid.tree(0).unwrap_or_else(|(tree, _)| tree);
+    let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
         let schemas: Option<Vec<&Json>> = axis
             .targets
@@ -252,7 +243,7 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
         let is_valid = |row: &[SweptValue]| {
             let mut fields = schemas.iter().flatten().zip(row);
             let valid = |(schema, value): (&&Json, &SweptValue)| {
-                validate::validate(schema, &value.node).is_ok()
+                validate::validate(schema, &value.value).is_ok()
             };
             schemas.is_some() && fields.all(valid)
         };
@@ -285,36 +276,31 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     let source = Source::new(file, text);
     let read = || {
         let mut base = tree::parse(&source.text)?;
-        let plots = section(&SCHEMA, &mut base, "plot")?;
-        plot::check_alone(&plots)?;
-        deserialise(&plots)
+        let (written, plots) = section(&mut base, "plot")?;
+        plot::check_alone(&written, &plots)?;
+        Ok(plots)
     };
     read().map_err(|fault| source.error(fault))
 }
 
-/// Takes the list of tables `key` out of a config, valid against its part of the schema; empty if there is none.
-fn section(schema: &Json, base: &mut Node, key: &str) -> Result<Node, Fault> {
-    let node = base.take(key).map_or(
-        Node {
-            value: Value::Array(Vec::new()),
-            span: 0..0,
-        },
-        |entry| entry.node,
-    );
-    validate::validate(&schema["properties"][key], &node).map_err(|fault| fault.under(key))?;
-    Ok(node)
+/// Takes the list of tables `key` out of a config: as it is written, and read; empty if there is none.
+fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, Vec<T>), Fault> {
+    let written = tree::take(base, key).unwrap_or_else(|| Value::Array(Vec::new()));
+    let schema = &SCHEMA["properties"][key];
+    validate::validate(schema, &written).map_err(|fault| fault.under(key))?;
+    let read = deserialise(&written)?;
+    Ok((written, read))
 }
 
 /// Config of a cell, if it is valid.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
-    let config = match grid.tree(cell) {
-        Ok(tree) => check(&SCHEMA, &tree),
-        // A key that is misspelt in the config itself explains why a sweep path names nothing.
-        Err((tree, fault)) => check(&SCHEMA, &tree).and(Err(fault)),
-    };
+    let (tree, fault) = grid.tree(cell);
+    // A key that is misspelt in the config itself explains why a sweep path names nothing.
+    let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {
+        let fault = grid.in_text(cell, fault);
         // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
-        let alone = check(&SCHEMA, &grid.base);
+        let alone = check(&grid.base);
         let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
         let error = source.error(fault);
         if of_cell {
@@ -326,35 +312,24 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
 }
 
 /// Validates a cell's tree, which has no sweeps and plots, and reads it.
-fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
-    validate::validate(schema, tree).map_err(|fault| match &fault.span {
-        // A fault of the root table has no place in the text.
-        Some(span) if *span == tree.span => Fault {
-            span: None,
-            ..fault
-        },
-        _ => fault,
-    })?;
+fn check(tree: &Value) -> Result<StudyConfig, Fault> {
+    validate::validate(&SCHEMA, tree)?;
+    read_cell(tree)
+}
+
+/// Reads a cell's tree that is valid by the schema.
+fn read_cell(tree: &Value) -> Result<StudyConfig, Fault> {
     let config: StudyConfig = deserialise(tree)?;
-    match config.scene.check() {
-        Ok(()) => Ok(config),
-        Err((path, message)) => {
-            let span = tree.nearest(path).span.clone();
-            Err(Fault {
-                span: Some(span),
-                path: path.into(),
-                message: message.into(),
-            })
-        }
-    }
+    let rules = config.scene.check();
+    rules.map_err(|(path, message)| Fault::new(message).under(path))?;
+    Ok(config)
 }
 
 /// Reads a validated tree. What serde refuses after all has a field but no place in the text.
-fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> {
-    serde_path_to_error::deserialize(tree.to_toml()).map_err(|error| Fault {
-        span: None,
+fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
+    serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
         path: error.path().to_string(),
-        message: error.inner().to_string().trim_end().into(),
+        ..Fault::new(error.inner().to_string().trim_end())
     })
 }
 
@@ -373,8 +348,8 @@ impl Study {
     }
 
     /// Tree of the first cell, as far as its swept paths name something.
-    pub(super) fn first_tree(&self) -> Node {
-        self.grid.tree(0).unwrap_or_else(|(tree, _)| tree)
+    pub(super) fn first_tree(&self) -> Value {
+        self.grid.tree(0).0
     }
 
     /// Number of cells.
@@ -392,8 +367,11 @@ impl Study {
             let message = format!("there is no cell {number}: the study has {count}");
             return Err(ConfigError::of_file(&self.source.file, message));
         }
-        let base = self.flat.as_ref();
-        let mut config = match base.and_then(|base| self.grid.quick_config(base, number)) {
+        let plain = match self.grid.tree(number) {
+            (tree, None) if self.has_plain_values => read_cell(&tree).ok(),
+            _ => None,
+        };
+        let mut config = match plain {
             Some(config) => config,
             None => checked(&self.source, &self.grid, number)?,
         };
@@ -416,7 +394,7 @@ impl Study {
             let faster = self.grid.axes.iter().rev();
             let faster = faster.take_while(|other| !std::ptr::eq(*other, axis));
             let row = cell / faster.map(Axis::len).product::<usize>() % axis.len();
-            axis.row(row)[place].node.as_number()
+            as_number(&axis.row(row)[place].value)
         });
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
@@ -450,7 +428,7 @@ impl Study {
         let Some((axis, column)) = self.grid.axis(path) else {
             return ColumnType::Text;
         };
-        let is_number = |row| axis.row(row)[column].node.as_number().is_some();
+        let is_number = |row| as_number(&axis.row(row)[column].value).is_some();
         let keys: Vec<&str> = path.split('.').collect();
         if !axis.is_range() && !(0..axis.len()).all(is_number) {
             ColumnType::Text
@@ -500,7 +478,7 @@ impl Study {
         let Some((axis, place)) = self.grid.axis("trials") else {
             return self.config.trials.saturating_mul(cells);
         };
-        let trials = (0..axis.len()).map(|index| axis.row(index)[place].node.as_number());
+        let trials = (0..axis.len()).map(|index| as_number(&axis.row(index)[place].value));
         let sum = trials
             .flatten()
             .fold(0, |sum: u64, trials| sum.saturating_add(trials as u64));
@@ -516,10 +494,10 @@ impl Study {
     /// place of what is written. None of a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
-        let note = |(axis, place): (&Axis, usize), path: &str, written: &Node| {
+        let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {
             let target = &axis.targets[place];
-            let line = self.source.line(written.span.start)?;
-            let of_sweep = self.source.line(target.span.start)?;
+            let line = self.source.line(path, false)?;
+            let of_sweep = self.source.line(&target.location, target.is_key)?;
             let value = |row: usize| axis.row(row)[place].text().into_owned();
             let mut values: Vec<String> = Vec::new();
             for row in 0..axis.len() {
@@ -533,9 +511,9 @@ impl Study {
                 }
             }
             let values = values.join(", ");
-            let text = match written.value {
+            let text = match written {
                 Value::Table(_) | Value::Array(_) => String::new(),
-                _ => format!(" = {}", written.text()),
+                _ => format!(" = {}", tree::text(written)),
             };
             let set = match target.path == path {
                 true => "it",
@@ -553,10 +531,10 @@ impl Study {
         let notes = targets.filter(|_| !self.is_resolved).flat_map(|field| {
             let (axis, place) = field;
             let swept = axis.targets[place].path.as_str();
-            let own = self.grid.base.at(swept).map(|written| (swept, written));
+            let own = tree::at(&self.grid.base, swept).map(|written| (swept, written));
             let others = self.grid.replaced.iter();
             let others = others.filter(move |other| other.by == swept);
-            let others = others.map(|other| (other.path.as_str(), &other.node));
+            let others = others.map(|other| (other.path.as_str(), &other.value));
             let all = own.into_iter().chain(others);
             all.filter_map(move |(path, written)| note(field, path, written))
                 .collect::<Vec<_>>()

@@ -118,34 +118,37 @@ pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     format!("{path}{unit}")
 }
 
-/// The unit of a field. Kinds that share a key share its unit, and the items of an array have the array's.
-fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
+/// Schemas of the field at a path, one for each kind that has it.
+pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
     let Some((key, rest)) = keys.split_first() else {
-        return schema["x-unit"].as_str();
+        return vec![schema];
     };
     if schema["type"] == "array" {
-        return schema["x-unit"].as_str();
+        return fields_at(&schema["items"], rest);
     }
-    variants(schema)
-        .iter()
-        .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
+    let properties = variants(schema).iter();
+    let properties = properties.filter_map(|variant| variant["properties"].get(key));
+    properties
+        .flat_map(|property| fields_at(property, rest))
+        .collect()
+}
+
+/// The unit of a field. Kinds that share a key share its unit, and the items of an array have the array's.
+pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
+    let unit = |field: &'a Json| field["x-unit"].as_str();
+    let parents = (1..=keys.len()).rev();
+    let mut fields = parents.flat_map(|end| fields_at(schema, &keys[..end]));
+    fields.find_map(unit)
 }
 
 /// Paths of the fields that cannot stand beside the one at a path, in whatever kinds.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
-    fn of(schema: &Json, keys: &[&str]) -> Vec<String> {
-        let Some((key, rest)) = keys.split_first() else {
-            return instead_of(schema).map(str::to_owned).collect();
-        };
-        let fields = variants(schema).iter();
-        let fields = fields.filter_map(|variant| variant["properties"].get(key));
-        fields.flat_map(|field| of(field, rest)).collect()
-    }
     let keys: Vec<&str> = path.split('.').collect();
     let Some((parent, _)) = path.rsplit_once('.') else {
         return Vec::new();
     };
-    let mut all = of(&SCHEMA, &keys);
+    let fields = fields_at(&SCHEMA, &keys).into_iter();
+    let mut all: Vec<&str> = fields.flat_map(instead_of).collect();
     all.sort_unstable();
     all.dedup();
     all.iter().map(|key| format!("{parent}.{key}")).collect()
@@ -153,17 +156,6 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
 
 /// Whether a field of a config holds whole numbers alone; kinds that share a key share that.
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
-    fn of(schema: &Json, keys: &[&str]) -> Option<bool> {
-        let Some((key, rest)) = keys.split_first() else {
-            return Some(schema["type"] == "integer");
-        };
-        if schema["type"] == "array" {
-            return of(&schema["items"], rest);
-        }
-        let variants = variants(schema).iter();
-        variants
-            .filter_map(|variant| of(variant["properties"].get(key)?, rest))
-            .next()
-    }
-    of(schema, keys).unwrap_or(false)
+    let field = fields_at(schema, keys).into_iter().next();
+    field.is_some_and(|field| field["type"] == "integer")
 }

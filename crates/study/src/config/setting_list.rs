@@ -131,14 +131,27 @@ impl Range {
 
     /// Whether it holds a number.
     pub fn holds(&self, number: f64) -> bool {
-        number.is_finite()
-            && (!self.is_whole || number == libm::trunc(number))
-            && self.above.is_none_or(|bound| number > bound)
-            && self.least.is_none_or(|least| number >= least)
-            && self.most.is_none_or(|most| number <= most)
+        self.violated(number).is_none()
     }
 
-    fn of(schema: &Json) -> Self {
+    /// The limit that a number violates, in words.
+    pub(super) fn violated(&self, number: f64) -> Option<String> {
+        if !number.is_finite() {
+            return Some("finite".to_owned());
+        }
+        if self.is_whole && number != libm::trunc(number) {
+            return Some("a whole number".to_owned());
+        }
+        let above = self.above.filter(|bound| number <= *bound);
+        let least = self.least.filter(|least| number < *least);
+        let most = self.most.filter(|most| number > *most);
+        let limits = [(">", above), (">=", least), ("<=", most)];
+        let mut limits = limits.into_iter();
+        limits.find_map(|(sign, limit)| Some(format!("{sign} {}", Number(limit?))))
+    }
+
+    /// Range that the schema of a number states.
+    pub(super) fn of(schema: &Json) -> Self {
         let limit = |key: &str| schema[key].as_f64();
         Self {
             above: limit("exclusiveMinimum"),

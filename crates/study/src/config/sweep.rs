@@ -1,11 +1,12 @@
 //! The `[[sweep]]` section: axes, each a list of rows of values for one or several fields.
 
-use super::error::{Fault, Span};
-use super::tree::{Node, Value};
+use super::error::Fault;
+use super::tree::{self, as_number, describe, number_text};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
+use toml::Value;
 
 /// One axis: a field (`path`) or fields that move together (`paths`), and either a list of `values` or a range
 /// (`from`, `to`, `count`, `spacing`); or quasi-random points (`sample`, `count`) in `ranges` of fields.
@@ -90,14 +91,6 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Spacing of a range, as far as it has one.
-    fn of(node: Option<&Node>) -> Self {
-        match node.and_then(Node::as_text) {
-            Some("log") => Self::Log,
-            _ => Self::Linear,
-        }
-    }
-
     /// Number at a share of the way from one end to the other, rounded to 12 digits.
     fn between(self, from: f64, to: f64, share: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
@@ -116,6 +109,10 @@ const MAX_CELLS: u64 = 1_000_000;
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
     rows: Rows,
+    /// Path of the axis in the config.
+    path: String,
+    /// Whether a row states a list of values, one per target.
+    is_joint: bool,
 }
 
 /// Rows of an axis, with one value per target.
@@ -126,14 +123,20 @@ enum Rows {
     Sampled(Points),
 }
 
+impl Rows {
+    fn len(&self) -> usize {
+        match self {
+            Self::Listed(rows) => rows.len(),
+            Self::Spaced(range) => range.steps + 1,
+            Self::Sampled(points) => points.count,
+        }
+    }
+}
+
 impl Axis {
     /// Number of rows.
     pub(super) fn len(&self) -> usize {
-        match &self.rows {
-            Rows::Listed(rows) => rows.len(),
-            Rows::Spaced(range) => range.steps + 1,
-            Rows::Sampled(points) => points.count,
-        }
+        self.rows.len()
     }
 
     /// Whether its values are numbers from one end to another.
@@ -145,8 +148,20 @@ impl Axis {
     pub(super) fn row(&self, index: usize) -> Cow<'_, [SweptValue]> {
         match &self.rows {
             Rows::Listed(rows) => Cow::Borrowed(&rows[index]),
-            Rows::Spaced(range) => Cow::Owned(vec![range.setting(index)]),
-            Rows::Sampled(points) => Cow::Owned(points.settings(index)),
+            Rows::Spaced(range) => Cow::Owned(vec![SweptValue::of_number(range.number(index))]),
+            Rows::Sampled(points) => Cow::Owned(points.row(index)),
+        }
+    }
+
+    /// Path of the part of the config that states a value.
+    pub(super) fn location(&self, row: usize, column: usize) -> String {
+        let path = &self.path;
+        match &self.rows {
+            Rows::Listed(_) if self.is_joint => format!("{path}.values.{row}.{column}"),
+            Rows::Listed(_) => format!("{path}.values.{row}"),
+            Rows::Spaced(_) if row == 0 => format!("{path}.from"),
+            Rows::Spaced(range) if row == range.steps => format!("{path}.to"),
+            Rows::Spaced(_) | Rows::Sampled(_) => format!("{path}.count"),
         }
     }
 
@@ -157,7 +172,7 @@ impl Axis {
         if !matches!(self.rows, Rows::Spaced(_)) {
             for column in 0..self.targets.len() {
                 let numbers = || {
-                    let number = |row| self.row(row)[column].node.as_number();
+                    let number = |row| as_number(&self.row(row)[column].value);
                     (0..=last).filter_map(move |row| Some((row, number(row)?)))
                 };
                 let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
@@ -172,290 +187,326 @@ impl Axis {
         extremes.dedup();
         extremes
     }
+
+    /// Refuses a row that stands twice.
+    fn check_rows(&self) -> Result<(), Fault> {
+        let twice = match &self.rows {
+            Rows::Listed(rows) => {
+                let mut seen = HashSet::new();
+                rows.iter().position(|row| {
+                    let texts = row.iter().map(SweptValue::text);
+                    !seen.insert(texts.collect::<Vec<_>>())
+                })
+            }
+            Rows::Sampled(_) => None,
+            // Numbers of a range follow each other.
+            Rows::Spaced(range) => {
+                (1..=range.steps).find(|&row| range.number(row) == range.number(row - 1))
+            }
+        };
+        let Some(row) = twice else { return Ok(()) };
+        let values = self.row(row);
+        let texts: Vec<_> = values.iter().map(SweptValue::text).collect();
+        Err(Fault {
+            path: self.path.clone(),
+            location: self.location(row, 0),
+            ..Fault::new(format!("{} stands twice on this axis", texts.join(", ")))
+        })
+    }
 }
 
-/// A field that an axis sets, and where its path is written.
+/// A field that an axis sets, and the path at which the config names it, as a value or as a key.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
-    pub(super) span: Span,
+    pub(super) location: String,
+    pub(super) is_key: bool,
+}
+
+impl Target {
+    /// Fault of the target itself.
+    pub(super) fn fault(&self, message: String) -> Fault {
+        Fault {
+            location: self.location.clone(),
+            is_key: self.is_key,
+            ..Fault::new(message)
+        }
+    }
 }
 
 /// A value of an axis.
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
-    pub(super) node: Node,
+    pub(super) value: Value,
     /// Label of a table.
     label: Option<String>,
 }
 
 impl SweptValue {
     /// Number that is made, not written. A whole one is an integer, so that it may also set a field that counts.
-    fn of_number(number: f64, span: &Span) -> Self {
+    fn of_number(number: f64) -> Self {
         let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
             true => Value::Integer(number as i64),
             false => Value::Float(number),
         };
-        let span = span.clone();
-        let node = Node { value, span };
-        Self { node, label: None }
+        Self { value, label: None }
+    }
+
+    /// A table gives up its label, which then stands for it.
+    fn new(value: &Value) -> Result<Self, Fault> {
+        let mut value = value.clone();
+        let Value::Table(table) = &mut value else {
+            return Ok(Self { value, label: None });
+        };
+        match table.remove("label") {
+            Some(Value::String(text)) if !text.is_empty() => {
+                let label = Some(text);
+                Ok(Self { value, label })
+            }
+            Some(label) => {
+                let found = describe(&label);
+                let message = format!("expected a text that is not empty, found {found}");
+                Err(Fault::new(message).under("label"))
+            }
+            None => Err(Fault::new(
+                "a table among swept values needs a `label`, which the results show",
+            )),
+        }
     }
 
     /// Text that stands for it in results.
     pub(super) fn text(&self) -> Cow<'_, str> {
         match &self.label {
             Some(label) => label.into(),
-            None => self.node.text().into(),
+            None => tree::text(&self.value).into(),
         }
     }
 }
 
-/// Reads the axes from a `sweep` section that has been validated against the schema.
-pub(super) fn axes(section: &Node) -> Result<Vec<Axis>, Fault> {
-    let under = |index: usize| move |fault: Fault| fault.under(index).under("sweep");
+/// Axes of a `sweep` section that has been validated against the schema.
+pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
     let mut cells = 1_u64;
     let mut first_beyond = None;
-    for (index, table) in section.items().iter().enumerate() {
-        cells = cells.saturating_mul(length(table).map_err(under(index))?);
+    let mut all_rows = Vec::new();
+    for (index, sweep) in section.iter().enumerate() {
+        let rows = sweep.rows();
+        let rows = rows.map_err(|fault| fault.under(index).under("sweep"))?;
+        cells = cells.saturating_mul(rows.len() as u64);
         if cells > MAX_CELLS {
-            first_beyond.get_or_insert((index, table));
+            first_beyond.get_or_insert(index);
         }
+        all_rows.push(rows);
     }
-    if let Some((index, table)) = first_beyond {
+    if let Some(index) = first_beyond {
         let message = format!("the axes make {cells} cells; at most {MAX_CELLS} are allowed");
-        return Err(under(index)(Fault::at(&table.span, message)));
+        return Err(Fault::new(message).under(index).under("sweep"));
     }
     let mut axes: Vec<Axis> = Vec::new();
-    for (index, table) in section.items().iter().enumerate() {
-        let axis = axis(table, &axes).map_err(under(index))?;
+    for (index, (sweep, rows)) in section.iter().zip(all_rows).enumerate() {
+        let path = format!("sweep.{index}");
+        let targets: Vec<Target> = sweep.located_targets(&path);
+        for (place, target) in targets.iter().enumerate() {
+            let earlier = axes.iter().flat_map(|axis| &axis.targets);
+            check_target(target, earlier.chain(&targets[..place])).map_err(|message| Fault {
+                path: path.clone(),
+                ..target.fault(message)
+            })?;
+        }
+        let is_joint = sweep.paths.is_some();
+        let axis = Axis {
+            targets,
+            rows,
+            path,
+            is_joint,
+        };
+        axis.check_rows()?;
         axes.push(axis);
     }
     Ok(axes)
 }
 
-/// The number of rows, without making them.
-fn length(table: &Node) -> Result<u64, Fault> {
-    let has = |key| table.get(key).is_some();
-    if has("ranges") || has("sample") {
-        return sampled_length(table);
+impl SweepConfig {
+    /// First of these keys that is given, or that is not.
+    fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
+        let has = |key: &str| match key {
+            "path" => self.path.is_some(),
+            "paths" => self.paths.is_some(),
+            "values" => self.values.is_some(),
+            "from" => self.from.is_some(),
+            "to" => self.to.is_some(),
+            "count" => self.count.is_some(),
+            "spacing" => self.spacing.is_some(),
+            "sample" => self.sample.is_some(),
+            _ => self.ranges.is_some(),
+        };
+        keys.iter().copied().find(|key| has(key) == is_given)
     }
-    let range = ["from", "to", "count"];
-    match (table.get("values"), range.iter().find(|key| !has(key))) {
-        (Some(values), _) => match range.iter().chain(&["spacing"]).find(|key| has(key)) {
-            None => Ok(values.items().len() as u64),
-            Some(key) => Err(Fault::at(
-                &table.span,
-                format!("has both `values` and `{key}`; keep one form"),
-            )),
-        },
-        (None, Some(missing)) if range.iter().any(|key| has(key)) => Err(Fault::at(
-            &table.span,
-            "missing key; a range needs `from`, `to` and `count`",
-        )
-        .under(missing)),
-        (None, Some(_)) => Err(Fault::at(
-            &table.span,
-            "is empty: needs `values`, or `from`, `to` and `count`",
-        )),
-        (None, None) => Ok(table.get("count").and_then(Node::as_number).unwrap_or(0.0) as u64),
-    }
-}
 
-/// The number of points of a sampled axis.
-fn sampled_length(table: &Node) -> Result<u64, Fault> {
-    let others = ["path", "paths", "values", "from", "to", "spacing"];
-    let both = others.iter().find(|key| table.get(key).is_some());
-    if let Some(key) = both {
-        let message = format!("has both `ranges` and `{key}`; keep one form");
-        return Err(Fault::at(&table.span, message));
-    }
-    for key in ["sample", "ranges", "count"] {
-        if table.get(key).is_none() {
-            let message = "missing key; points need `sample`, `ranges` and `count`";
-            return Err(Fault::at(&table.span, message).under(key));
+    /// The rows. Those of a range or of points are not made yet.
+    fn rows(&self) -> Result<Rows, Fault> {
+        let both = |form: &str, others: &[&'static str]| match self.first(others, true) {
+            Some(key) => Err(Fault::new(format!(
+                "has both `{form}` and `{key}`; keep one form"
+            ))),
+            None => Ok(()),
+        };
+        if self.ranges.is_some() || self.sample.is_some() {
+            let others = ["path", "paths", "values", "from", "to", "spacing"];
+            both("ranges", &others)?;
+            return match (&self.ranges, self.count, self.sample) {
+                (Some(ranges), Some(count), Some(_)) => points(ranges, count).map(Rows::Sampled),
+                _ => {
+                    let missing = self.first(&["sample", "ranges", "count"], false);
+                    let message = "missing key; points need `sample`, `ranges` and `count`";
+                    Err(Fault::new(message).under(missing.unwrap_or_default()))
+                }
+            };
+        }
+        match (self.path.is_some(), self.paths.is_some()) {
+            (true, true) => {
+                return Err(Fault::new("has both `path` and `paths`; keep one of them"));
+            }
+            (false, false) if self.values.is_some() || self.from.is_some() => {
+                return Err(Fault::new("needs `path` or `paths`"));
+            }
+            _ => {}
+        }
+        if let Some(values) = &self.values {
+            both("values", &["from", "to", "count", "spacing"])?;
+            return self.listed(values).map(Rows::Listed);
+        }
+        match (self.from, self.to, self.count) {
+            (Some(_), Some(_), Some(_)) if self.paths.is_some() => {
+                Err(Fault::new("a range sets one field; `paths` needs `values`"))
+            }
+            (Some(from), Some(to), Some(count)) => {
+                let spacing = self.spacing.unwrap_or_default();
+                range([from, to], count, spacing).map(Rows::Spaced)
+            }
+            (None, None, None) => {
+                let message = "is empty: needs `values`, or `from`, `to` and `count`";
+                Err(Fault::new(message))
+            }
+            _ => {
+                let missing = self.first(&["from", "to", "count"], false);
+                let message = "missing key; a range needs `from`, `to` and `count`";
+                Err(Fault::new(message).under(missing.unwrap_or_default()))
+            }
         }
     }
-    let count = table.get("count").and_then(Node::as_number).unwrap_or(0.0) as u64;
-    Ok(count)
+
+    /// Rows of listed values.
+    fn listed(&self, values: &[Value]) -> Result<Vec<Vec<SweptValue>>, Fault> {
+        let row = |value: &Value| match (&self.paths, value) {
+            (None, value) => Ok(vec![SweptValue::new(value)?]),
+            (Some(paths), Value::Array(items)) if items.len() == paths.len() => {
+                let items = items.iter().enumerate();
+                let values = items.map(|(column, item)| {
+                    SweptValue::new(item).map_err(|fault| fault.under(column))
+                });
+                values.collect()
+            }
+            (Some(paths), Value::Array(items)) => Err(Fault::new(format!(
+                "expected {} values, one for each of `paths`, found {}",
+                paths.len(),
+                items.len()
+            ))),
+            (Some(_), other) => Err(Fault::new(format!(
+                "expected an array with one value for each of `paths`, found {}",
+                describe(other)
+            ))),
+        };
+        let rows = values.iter().enumerate();
+        rows.map(|(index, value)| row(value).map_err(|fault| fault.under(index).under("values")))
+            .collect()
+    }
+
+    /// The fields that the axis sets, with the paths at which it names them.
+    fn located_targets(&self, axis: &str) -> Vec<Target> {
+        let targets = self.targets().enumerate();
+        targets
+            .map(|(index, path)| Target {
+                path: path.to_owned(),
+                location: match (&self.path, &self.paths) {
+                    (Some(_), _) => format!("{axis}.path"),
+                    (None, Some(_)) => format!("{axis}.paths.{index}"),
+                    (None, None) => format!("{axis}.ranges.{path}"),
+                },
+                is_key: self.ranges.is_some(),
+            })
+            .collect()
+    }
 }
 
 /// Quasi-random points in ranges.
 #[derive(Debug, Clone)]
 struct Points {
     count: usize,
-    /// Place where the count is written.
-    span: Span,
-    ranges: Vec<([f64; 2], Spacing)>,
+    ranges: Vec<RangeConfig>,
 }
 
 /// Most points and fields that Sobol's sequence is known for.
-const MOST_POINTS: f64 = 65_536.0;
+const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 
 impl Points {
-    fn settings(&self, index: usize) -> Vec<SweptValue> {
+    fn row(&self, index: usize) -> Vec<SweptValue> {
         let ranges = self.ranges.iter().enumerate();
-        let setting = |(dimension, ([from, to], spacing)): (usize, &([f64; 2], Spacing))| {
+        let value = |(dimension, range): (usize, &RangeConfig)| {
             let share = sobol_burley::sample(index as u32, dimension as u32, 0);
-            let number = spacing.between(*from, *to, f64::from(share));
-            SweptValue::of_number(number, &self.span)
+            let number = range
+                .spacing
+                .between(range.from, range.to, f64::from(share));
+            SweptValue::of_number(number)
         };
-        ranges.map(setting).collect()
+        ranges.map(value).collect()
     }
 }
 
-/// Targets and points of a sampled axis.
-fn points(table: &Node, ranges: &Node) -> Result<(Vec<Target>, Points), Fault> {
-    let count = table.get("count");
-    let span = count.map_or(&table.span, |count| &count.span);
-    let number = count.and_then(Node::as_number).unwrap_or(0.0);
-    if number > MOST_POINTS {
-        let message = format!("must be <= {MOST_POINTS} where points are sampled, is {number}");
-        return Err(Fault::at(span, message).under("count"));
+/// Points of a sampled axis.
+fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, Fault> {
+    if count > MOST_POINTS {
+        let message = format!("must be <= {MOST_POINTS} where points are sampled, is {count}");
+        return Err(Fault::new(message).under("count"));
     }
-    let mut entries: Vec<_> = ranges.entries().iter().collect();
-    entries.sort_by(|one, other| one.key.cmp(&other.key));
-    if entries.is_empty() || entries.len() > MOST_FIELDS {
-        let message = format!("needs 1 to {MOST_FIELDS} fields, has {}", entries.len());
-        return Err(Fault::at(&ranges.span, message).under("ranges"));
+    if ranges.is_empty() || ranges.len() > MOST_FIELDS {
+        let message = format!("needs 1 to {MOST_FIELDS} fields, has {}", ranges.len());
+        return Err(Fault::new(message).under("ranges"));
     }
-    let mut targets = Vec::new();
-    let mut all = Vec::new();
-    for entry in entries {
-        let range = &entry.node;
-        let end = |key| range.get(key).and_then(Node::as_number).unwrap_or(0.0);
-        let ends = [end("from"), end("to")];
-        let spacing = Spacing::of(range.get("spacing"));
-        let fault = |message: String| {
-            let fault = Fault::at(&range.span, message);
-            Err(fault.under(&entry.key).under("ranges"))
+    for (path, RangeConfig { from, to, spacing }) in ranges {
+        let message = if from >= to {
+            format!("`from` must be < `to`: {from} is not < {to}")
+        } else if *from <= 0.0 && *spacing == Spacing::Log {
+            format!("`from` must be > 0 where spacing = \"log\", is {from}")
+        } else {
+            continue;
         };
-        if ends[0] >= ends[1] {
-            return fault(format!(
-                "`from` must be < `to`: {} is not < {}",
-                ends[0], ends[1]
-            ));
-        }
-        if ends[0] <= 0.0 && spacing == Spacing::Log {
-            return fault(format!(
-                "`from` must be > 0 where spacing = \"log\", is {}",
-                ends[0]
-            ));
-        }
-        targets.push(Target {
-            path: entry.key.clone(),
-            span: entry.key_span.clone(),
-        });
-        all.push((ends, spacing));
+        return Err(Fault::new(message).under(path).under("ranges"));
     }
-    Ok((
-        targets,
-        Points {
-            count: number as usize,
-            span: span.clone(),
-            ranges: all,
-        },
-    ))
+    Ok(Points {
+        count: count as usize,
+        ranges: ranges.values().cloned().collect(),
+    })
 }
 
-fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
-    if let Some(ranges) = table.get("ranges") {
-        let (targets, points) = points(table, ranges)?;
-        check_targets(&targets, earlier)?;
-        let rows = Rows::Sampled(points);
-        return Ok(Axis { targets, rows });
-    }
-    let (targets, together) = match (table.get("path"), table.get("paths")) {
-        (Some(path), None) => (vec![target(path)], false),
-        (None, Some(paths)) => (paths.items().iter().map(target).collect::<Vec<_>>(), true),
-        (None, None) => return Err(Fault::at(&table.span, "needs `path` or `paths`")),
-        (Some(_), Some(_)) => {
-            return Err(Fault::at(
-                &table.span,
-                "has both `path` and `paths`; keep one of them",
-            ));
-        }
-    };
-    check_targets(&targets, earlier)?;
-    let rows = match table.get("values") {
-        Some(values) => {
-            let rows = list(values, &targets, together).map_err(|fault| fault.under("values"))?;
-            Rows::Listed(rows)
-        }
-        None if together => {
-            return Err(Fault::at(
-                &table.span,
-                "a range sets one field; `paths` needs `values`",
-            ));
-        }
-        None => Rows::Spaced(range(table)?),
-    };
-    let twice = match &rows {
-        Rows::Listed(rows) => {
-            let mut seen = HashSet::new();
-            let mut rows = rows.iter();
-            let twice = rows.find(|row| {
-                let texts = row.iter().map(SweptValue::text);
-                !seen.insert(texts.collect::<Vec<_>>())
-            });
-            twice.cloned()
-        }
-        Rows::Sampled(_) => None,
-        // Numbers of a range follow each other.
-        Rows::Spaced(range) => {
-            let mut last = range.number(0);
-            let twice = (1..=range.steps).find(|&index| {
-                let before = std::mem::replace(&mut last, range.number(index));
-                last == before
-            });
-            twice.map(|index| vec![range.setting(index)])
-        }
-    };
-    if let Some(row) = twice {
-        let texts: Vec<_> = row.iter().map(SweptValue::text).collect();
-        let span = row.first().map_or(&table.span, |one| &one.node.span);
-        let message = format!("{} stands twice on this axis", texts.join(", "));
-        return Err(Fault::at(span, message));
-    }
-    Ok(Axis { targets, rows })
-}
-
-fn target(path: &Node) -> Target {
-    Target {
-        path: path.as_text().unwrap_or_default().into(),
-        span: path.span.clone(),
-    }
-}
-
-/// Refuses targets that cannot be swept, or that those before them or of earlier axes set.
-fn check_targets(targets: &[Target], earlier: &[Axis]) -> Result<(), Fault> {
-    let of_axes = || earlier.iter().flat_map(|axis| &axis.targets);
-    targets
-        .iter()
-        .enumerate()
-        .try_for_each(|(index, target)| check_target(target, of_axes().chain(&targets[..index])))
-}
-
+/// Refuses a target that cannot be swept, or that an earlier target sets. The error is in words.
 fn check_target<'a>(
     target: &Target,
     mut before: impl Iterator<Item = &'a Target>,
-) -> Result<(), Fault> {
+) -> Result<(), String> {
     let path = target.path.as_str();
-    let fault = |message: String| Err(Fault::at(&target.span, message));
     if !matches!(path.split('.').next(), Some("scene" | "seed" | "trials")) {
-        return fault(format!(
+        return Err(format!(
             "cannot sweep `{path}`; a sweep sets fields of `scene`, `seed` or `trials`"
         ));
     }
     let covers = |part: &str| {
-        part == path
-            || part
-                .strip_prefix(path)
-                .is_some_and(|rest| rest.starts_with('.'))
+        part.strip_prefix(path)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
     match before.find(|earlier| covers(&earlier.path)) {
-        Some(earlier) if earlier.path == path => fault(format!("`{path}` is swept twice")),
-        Some(earlier) => fault(format!(
+        Some(earlier) if earlier.path == path => Err(format!("`{path}` is swept twice")),
+        Some(earlier) => Err(format!(
             "`{path}` would overwrite `{}`, which is swept before it",
             earlier.path
         )),
@@ -463,69 +514,10 @@ fn check_target<'a>(
     }
 }
 
-fn list(values: &Node, targets: &[Target], together: bool) -> Result<Vec<Vec<SweptValue>>, Fault> {
-    let row = |(index, value): (usize, &Node)| {
-        let row = match (&value.value, together) {
-            (_, false) => setting(value).map(|setting| vec![setting]),
-            (Value::Array(items), true) if items.len() == targets.len() => {
-                items.iter().map(setting).collect()
-            }
-            (Value::Array(items), true) => {
-                let message = format!(
-                    "expected {} values, one for each of `paths`, found {}",
-                    targets.len(),
-                    items.len()
-                );
-                Err(Fault::at(&value.span, message))
-            }
-            (_, true) => {
-                let message = format!(
-                    "expected an array with one value for each of `paths`, found {}",
-                    value.describe()
-                );
-                Err(Fault::at(&value.span, message))
-            }
-        };
-        row.map_err(|fault: Fault| fault.under(index))
-    };
-    values.items().iter().enumerate().map(row).collect()
-}
-
-/// A table gives up its label, which then stands for it.
-fn setting(value: &Node) -> Result<SweptValue, Fault> {
-    let mut node = value.clone();
-    let Value::Table(_) = node.value else {
-        return Ok(SweptValue { node, label: None });
-    };
-    match node.take("label").map(|entry| entry.node) {
-        Some(Node {
-            value: Value::Text(text),
-            ..
-        }) if !text.is_empty() => Ok(SweptValue {
-            node,
-            label: Some(text),
-        }),
-        Some(label) => {
-            let message = format!(
-                "expected a text that is not empty, found {}",
-                label.describe()
-            );
-            Err(Fault::at(&label.span, message).under("label"))
-        }
-        None => Err(Fault::at(
-            &value.span,
-            "a table among swept values needs a `label`, which the results show",
-        )),
-    }
-}
-
 /// Numbers from one end to another, made as they are asked for.
 #[derive(Debug, Clone)]
 struct Range {
-    /// Ends, and where they are written.
-    ends: [(f64, Span); 2],
-    /// Place where their count is written.
-    count: Span,
+    ends: [f64; 2],
     /// Number of steps between the ends.
     steps: usize,
     spacing: Spacing,
@@ -533,7 +525,7 @@ struct Range {
 
 impl Range {
     fn number(&self, index: usize) -> f64 {
-        let [first, last] = [self.ends[0].0, self.ends[1].0];
+        let [first, last] = self.ends;
         match index {
             0 => first,
             _ if index == self.steps => last,
@@ -542,49 +534,28 @@ impl Range {
                 .between(first, last, index as f64 / self.steps as f64),
         }
     }
-
-    fn setting(&self, index: usize) -> SweptValue {
-        let span = match index {
-            0 => &self.ends[0].1,
-            _ if index == self.steps => &self.ends[1].1,
-            _ => &self.count,
-        };
-        SweptValue::of_number(self.number(index), span)
-    }
 }
 
-fn range(table: &Node) -> Result<Range, Fault> {
-    let (Some(from), Some(to), Some(count)) =
-        (table.get("from"), table.get("to"), table.get("count"))
-    else {
-        return Err(Fault::at(&table.span, "needs `from`, `to` and `count`"));
-    };
-    let (Some(first), Some(last), Some(n)) = (from.as_number(), to.as_number(), count.as_number())
-    else {
-        return Err(Fault::at(&table.span, "needs numbers"));
-    };
-    let spacing = Spacing::of(table.get("spacing"));
-    if let Some((key, end)) = [("from", from), ("to", to)]
-        .into_iter()
-        .find(|(_, end)| end.as_number() <= Some(0.0))
-        && spacing == Spacing::Log
-    {
-        let message = format!("must be > 0 where spacing = \"log\", is {}", end.text());
-        return Err(Fault::at(&end.span, message).under(key));
+fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
+    let [from, to] = ends.map(number_text);
+    let not_positive = ends.iter().position(|end| *end <= 0.0);
+    if let Some(place) = not_positive.filter(|_| spacing == Spacing::Log) {
+        let end = [&from, &to][place];
+        let message = format!("must be > 0 where spacing = \"log\", is {end}");
+        return Err(Fault::new(message).under(["from", "to"][place]));
     }
-    if n == 1.0 && first != last {
-        let message = format!("1 value cannot reach from {} to {}", from.text(), to.text());
-        return Err(Fault::at(&count.span, message).under("count"));
+    if count == 1 && ends[0] != ends[1] {
+        let message = format!("1 value cannot reach from {from} to {to}");
+        return Err(Fault::new(message).under("count"));
     }
     Ok(Range {
-        ends: [(first, from.span.clone()), (last, to.span.clone())],
-        count: count.span.clone(),
-        steps: n as usize - 1,
+        ends,
+        steps: count as usize - 1,
         spacing,
     })
 }
 
 /// Number rounded to 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
-fn rounded(number: f64) -> f64 {
+pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

@@ -1,325 +1,159 @@
-//! A TOML document as a tree that knows where each key and value stands in the text.
+//! A config's text as a tree of values, and paths in it.
 
-use super::error::{Fault, Span};
+use super::error::Fault;
 use palpate_statistics::Number;
-use serde_json::Value as Json;
+use toml::Value;
 use toml::de::{DeTable, DeValue};
 
-/// A value and the bytes it was read from. Where a sweep has put it in, the bytes are those of the sweep.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
-    pub(super) value: Value,
-    pub(super) span: Span,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Value {
-    Text(String),
-    Integer(i64),
-    Float(f64),
-    Boolean(bool),
-    Datetime(toml::value::Datetime),
-    Array(Vec<Node>),
-    Table(Vec<Entry>),
-}
-
-/// A key of a table; entries keep the order of the text.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
-    pub(super) key: String,
-    pub(super) key_span: Span,
-    pub(super) node: Node,
-}
-
-/// Parses a document into its root table.
-pub(super) fn parse(text: &str) -> Result<Node, Fault> {
+/// Parses a text into its root table.
+pub(super) fn parse(text: &str) -> Result<Value, Fault> {
     let root = DeTable::parse(text).map_err(|error| Fault {
         span: error.span(),
-        path: String::new(),
-        message: error.message().trim_end().replace('\n', "; "),
+        ..Fault::new(error.message().trim_end().replace('\n', "; "))
     })?;
-    let span = root.span();
-    Ok(Node {
-        value: table(root.get_ref())?,
-        span,
+    value(&DeValue::Table(root.into_inner()))
+}
+
+fn value(value: &DeValue<'_>) -> Result<Value, Fault> {
+    Ok(match value {
+        DeValue::String(text) => Value::String(text.to_string()),
+        DeValue::Boolean(boolean) => Value::Boolean(*boolean),
+        DeValue::Datetime(datetime) => Value::Datetime(*datetime),
+        DeValue::Integer(integer) => {
+            let parsed = i64::from_str_radix(integer.as_str(), integer.radix());
+            let too_large =
+                |_| Fault::new(format!("the integer {integer} does not fit into 64 bits"));
+            Value::Integer(parsed.map_err(too_large)?)
+        }
+        // A literal like 1e999 becomes infinity here; it is refused where a number is expected.
+        DeValue::Float(float) => {
+            let no_number = |_| Fault::new(format!("{float} is not a number"));
+            Value::Float(float.as_str().parse().map_err(no_number)?)
+        }
+        DeValue::Array(items) => {
+            let items = items.iter().enumerate();
+            let items = items.map(|(index, item)| {
+                self::value(item.get_ref()).map_err(|fault| fault.under(index))
+            });
+            Value::Array(items.collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(entries) => {
+            let entries = entries.iter().map(|(key, item)| {
+                let key = key.get_ref().to_string();
+                let item = self::value(item.get_ref()).map_err(|fault| fault.under(&key))?;
+                Ok((key, item))
+            });
+            Value::Table(entries.collect::<Result<_, Fault>>()?)
+        }
     })
 }
 
-fn table(table: &DeTable<'_>) -> Result<Value, Fault> {
-    let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue<'_>>)| {
-        let key_span = key.span();
-        let key: &std::borrow::Cow<'_, str> = key.get_ref();
-        let node = node(value).map_err(|fault| fault.under(key))?;
-        Ok(Entry {
-            key: key.to_string(),
-            key_span,
-            node,
-        })
-    };
-    Ok(Value::Table(
-        table.iter().map(entry).collect::<Result<_, Fault>>()?,
-    ))
+/// Value of a table's key, or item of an array.
+pub(super) fn child<'a>(value: &'a Value, key: &str) -> Option<&'a Value> {
+    match value {
+        Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+        value => value.get(key),
+    }
 }
 
-fn node(value: &toml::Spanned<DeValue<'_>>) -> Result<Node, Fault> {
-    let span = value.span();
-    let value = match value.get_ref() {
-        DeValue::String(text) => Value::Text(text.to_string()),
-        DeValue::Boolean(boolean) => Value::Boolean(*boolean),
-        DeValue::Datetime(datetime) => Value::Datetime(*datetime),
-        DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
-            Ok(integer) => Value::Integer(integer),
-            Err(_) => {
-                return Err(Fault::at(
-                    &span,
-                    format!("the integer {integer} does not fit into 64 bits"),
-                ));
-            }
-        },
-        // A literal like 1e999 becomes infinity here; it is refused where a number is expected.
-        DeValue::Float(float) => match float.as_str().parse() {
-            Ok(float) => Value::Float(float),
-            Err(_) => return Err(Fault::at(&span, format!("{float} is not a number"))),
-        },
-        DeValue::Array(items) => {
-            let item = |(index, item)| node(item).map_err(|fault| fault.under(index));
-            Value::Array(
-                items
-                    .iter()
-                    .enumerate()
-                    .map(item)
-                    .collect::<Result<_, _>>()?,
-            )
-        }
-        DeValue::Table(entries) => table(entries)?,
-    };
-    Ok(Node { value, span })
+fn child_mut<'a>(value: &'a mut Value, key: &str) -> Option<&'a mut Value> {
+    match value {
+        Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
+        value => value.get_mut(key),
+    }
 }
 
-impl Node {
-    /// The entries of a table; none for anything else.
-    pub(super) fn entries(&self) -> &[Entry] {
-        match &self.value {
-            Value::Table(entries) => entries,
-            _ => &[],
-        }
-    }
+/// The value at a path, if there is one.
+pub(super) fn at<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
+    path.split('.').try_fold(tree, child)
+}
 
-    /// The items of an array; none for anything else.
-    pub(super) fn items(&self) -> &[Node] {
-        match &self.value {
-            Value::Array(items) => items,
-            _ => &[],
-        }
-    }
+/// Takes the value at a path out of its table, if there is one.
+pub(super) fn take(tree: &mut Value, path: &str) -> Option<Value> {
+    let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
+    let mut keys = parents.split('.').filter(|key| !key.is_empty());
+    keys.try_fold(tree, child_mut)?.as_table_mut()?.remove(key)
+}
 
-    pub(super) fn as_text(&self) -> Option<&str> {
-        match &self.value {
-            Value::Text(text) => Some(text),
-            _ => None,
-        }
-    }
-
-    pub(super) fn as_number(&self) -> Option<f64> {
-        match self.value {
-            Value::Integer(integer) => Some(integer as f64),
-            Value::Float(float) => Some(float),
-            _ => None,
-        }
-    }
-
-    /// The value of a table's key.
-    pub(super) fn get(&self, key: &str) -> Option<&Node> {
-        self.entries()
-            .iter()
-            .find(|entry| entry.key == key)
-            .map(|entry| &entry.node)
-    }
-
-    /// Takes a key and its value out of a table.
-    pub(super) fn take(&mut self, key: &str) -> Option<Entry> {
-        let Value::Table(entries) = &mut self.value else {
-            return None;
+/// Puts a value at a path of keys and array indices. Everything but the last key must exist. The error says what is in the
+/// way.
+pub(super) fn set(tree: &mut Value, path: &str, value: Value) -> Result<(), String> {
+    let (parents, last) = path.rsplit_once('.').unwrap_or(("", path));
+    let (mut node, mut walked) = (tree, String::new());
+    let missing = |node: &Value, walked: &str, key: &str| {
+        let walked = match walked {
+            "" => "the config".to_owned(),
+            walked => format!("`{walked}`"),
         };
-        let index = entries.iter().position(|entry| entry.key == key)?;
-        Some(entries.remove(index))
-    }
-
-    /// The node at a path, or the nearest of its parents that exists.
-    pub(super) fn nearest(&self, path: &str) -> &Node {
-        let child = |node: &'_ Self, key: &str| -> Option<usize> {
-            match &node.value {
-                Value::Table(entries) => entries.iter().position(|entry| entry.key == key),
-                Value::Array(items) => key.parse().ok().filter(|&index| index < items.len()),
-                _ => None,
-            }
-        };
-        let mut node = self;
-        for key in path.split('.') {
-            match (child(node, key), &node.value) {
-                (Some(index), Value::Table(entries)) => node = &entries[index].node,
-                (Some(index), Value::Array(items)) => node = &items[index],
-                _ => break,
-            }
-        }
-        node
-    }
-
-    /// A default of the schema, standing at a place of the text; `None` where a value in it has no counterpart in TOML.
-    pub(super) fn of_default(value: &Json, span: &Span) -> Option<Self> {
-        let value = match value {
-            Json::Null => return None,
-            Json::Bool(boolean) => Value::Boolean(*boolean),
-            Json::Number(number) => match number.as_i64() {
-                Some(integer) => Value::Integer(integer),
-                None => Value::Float(number.as_f64()?),
-            },
-            Json::String(text) => Value::Text(text.clone()),
-            Json::Array(items) => {
-                let items = items.iter().map(|item| Self::of_default(item, span));
-                Value::Array(items.collect::<Option<_>>()?)
-            }
-            Json::Object(object) => {
-                // What is null is left out, as it may be.
-                let entries = object.iter().filter(|(_, value)| !value.is_null());
-                let entries = entries.map(|(key, value)| {
-                    Some(Entry {
-                        key: key.clone(),
-                        key_span: span.clone(),
-                        node: Self::of_default(value, span)?,
-                    })
-                });
-                Value::Table(entries.collect::<Option<_>>()?)
-            }
-        };
-        let span = span.clone();
-        Some(Self { value, span })
-    }
-
-    /// The node at a path, if there is one.
-    pub(super) fn at(&self, path: &str) -> Option<&Node> {
-        path.split('.')
-            .try_fold(self, |node, key| match &node.value {
-                Value::Table(entries) => {
-                    let entry = entries.iter().find(|entry| entry.key == key)?;
-                    Some(&entry.node)
-                }
-                Value::Array(items) => items.get(key.parse::<usize>().ok()?),
-                _ => None,
-            })
-    }
-
-    /// Takes the node at a path out of its table, if there is one.
-    pub(super) fn take_at(&mut self, path: &str) -> Option<Entry> {
-        let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
-        let mut keys = parents.split('.').filter(|key| !key.is_empty());
-        let table = keys.try_fold(self, |node, key| match &mut node.value {
-            Value::Table(entries) => {
-                let entry = entries.iter_mut().find(|entry| entry.key == key)?;
-                Some(&mut entry.node)
-            }
-            Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
-            _ => None,
-        })?;
-        table.take(key)
-    }
-
-    /// Puts a value at a path of keys and array indices. Everything but the last key must exist; a new last key takes
-    /// `key_span`. The error says what is in the way.
-    pub(super) fn set(&mut self, path: &str, value: Node, key_span: &Span) -> Result<(), String> {
-        let mut node = self;
-        let mut walked = String::from("the config");
-        let mut keys = path.split('.').peekable();
-        while let Some(key) = keys.next() {
-            let last = keys.peek().is_none();
-            let kind = node.describe();
-            node = match &mut node.value {
-                Value::Table(entries) => match entries.iter().position(|entry| entry.key == key) {
-                    Some(index) => &mut entries[index].node,
-                    None if last => {
-                        entries.push(Entry {
-                            key: key.into(),
-                            key_span: key_span.clone(),
-                            node: value,
-                        });
-                        return Ok(());
-                    }
-                    None => {
-                        let known = entries.iter().map(|entry| entry.key.as_str());
-                        return Err(format!("{walked} has no `{key}`; {}", suggest(key, known)));
-                    }
-                },
-                Value::Array(items) => {
-                    let length = items.len();
-                    match key
-                        .parse::<usize>()
-                        .ok()
-                        .and_then(|index| items.get_mut(index))
-                    {
-                        Some(item) => item,
-                        None => {
-                            return Err(format!(
-                                "{walked} is an array of {length}, which has no item `{key}`"
-                            ));
-                        }
-                    }
-                }
-                _ => return Err(format!("{walked} is {kind}, which has no `{key}`")),
-            };
-            walked = match walked.strip_prefix('`') {
-                Some(parent) => format!("`{}.{key}`", parent.trim_end_matches('`')),
-                None => format!("`{key}`"),
-            };
-        }
-        *node = value;
-        Ok(())
-    }
-
-    /// The kind of the value, with the value itself where it is short.
-    pub(super) fn describe(&self) -> String {
-        match &self.value {
-            Value::Text(text) if text.chars().count() > 60 => "a string".into(),
-            Value::Text(text) => format!("the string {text:?}"),
-            Value::Integer(integer) => format!("the integer {integer}"),
-            Value::Float(float) => format!("the number {}", number_text(*float)),
-            Value::Boolean(boolean) => format!("the boolean {boolean}"),
-            Value::Datetime(_) => "a date or time".into(),
-            Value::Array(_) => "an array".into(),
-            Value::Table(_) => "a table".into(),
-        }
-    }
-
-    pub(super) fn to_toml(&self) -> toml::Value {
-        match &self.value {
-            Value::Text(text) => toml::Value::String(text.clone()),
-            Value::Integer(integer) => toml::Value::Integer(*integer),
-            Value::Float(float) => toml::Value::Float(*float),
-            Value::Boolean(boolean) => toml::Value::Boolean(*boolean),
-            Value::Datetime(datetime) => toml::Value::Datetime(*datetime),
-            Value::Array(items) => toml::Value::Array(items.iter().map(Self::to_toml).collect()),
-            Value::Table(entries) => toml::Value::Table(
-                entries
-                    .iter()
-                    .map(|entry| (entry.key.clone(), entry.node.to_toml()))
-                    .collect(),
-            ),
-        }
-    }
-
-    /// The value as a table of results shows it: strings as they are, numbers in the shortest form that reads back.
-    pub(super) fn text(&self) -> String {
-        match &self.value {
-            Value::Text(text) => text.clone(),
-            Value::Integer(integer) if (*integer as f64) as i128 == i128::from(*integer) => {
-                number_text(*integer as f64)
-            }
-            Value::Float(float) => number_text(*float),
+        match node {
+            Value::Table(_) => format!("{walked} has no `{key}`"),
             Value::Array(items) => {
-                let items: Vec<_> = items.iter().map(Self::text).collect();
-                format!("[{}]", items.join(", "))
+                format!(
+                    "{walked} is an array of {}, which has no item `{key}`",
+                    items.len()
+                )
             }
-            _ => self.to_toml().to_string(),
+            other => format!("{walked} is {}, which has no `{key}`", describe(other)),
         }
+    };
+    for key in parents.split('.').filter(|key| !key.is_empty()) {
+        if child(node, key).is_none() {
+            return Err(missing(node, &walked, key));
+        }
+        let dot = if walked.is_empty() { "" } else { "." };
+        walked = format!("{walked}{dot}{key}");
+        node = match child_mut(node, key) {
+            Some(child) => child,
+            None => return Ok(()),
+        };
+    }
+    match (child(node, last).is_some(), node) {
+        (_, Value::Table(table)) => drop(table.insert(last.to_owned(), value)),
+        (true, node) => {
+            if let Some(item) = child_mut(node, last) {
+                *item = value;
+            }
+        }
+        (false, node) => return Err(missing(node, &walked, last)),
+    }
+    Ok(())
+}
+
+pub(super) fn as_number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Integer(integer) => Some(*integer as f64),
+        Value::Float(float) => Some(*float),
+        _ => None,
+    }
+}
+
+/// The kind of the value, with the value itself where it is short.
+pub(super) fn describe(value: &Value) -> String {
+    match value {
+        Value::String(text) if text.chars().count() > 60 => "a string".into(),
+        Value::String(text) => format!("the string {text:?}"),
+        Value::Integer(integer) => format!("the integer {integer}"),
+        Value::Float(float) => format!("the number {}", number_text(*float)),
+        Value::Boolean(boolean) => format!("the boolean {boolean}"),
+        Value::Datetime(_) => "a date or time".into(),
+        Value::Array(_) => "an array".into(),
+        Value::Table(_) => "a table".into(),
+    }
+}
+
+/// The value as a table of results shows it: strings as they are, numbers in the shortest form that reads back.
+pub(super) fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Integer(integer) if (*integer as f64) as i128 == i128::from(*integer) => {
+            number_text(*integer as f64)
+        }
+        Value::Float(float) => number_text(*float),
+        Value::Array(items) => {
+            let items: Vec<_> = items.iter().map(text).collect();
+            format!("[{}]", items.join(", "))
+        }
+        other => other.to_string(),
     }
 }
 
@@ -341,10 +175,20 @@ pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// "did you mean `radius`?", or the known words when none is near.
+/// "did you mean `radius`? (known: kind, radius)", or only the known words if none is near.
 pub(super) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    match nearest(word, known.clone()) {
-        Some(nearest) => format!("did you mean `{nearest}`?"),
-        None => format!("known: {}", known.collect::<Vec<_>>().join(", ")),
+    let all = known.clone().collect::<Vec<_>>().join(", ");
+    match nearest(word, known) {
+        Some(nearest) => format!("did you mean `{nearest}`? (known: {all})"),
+        None => format!("known: {all}"),
+    }
+}
+
+/// Words in backquotes: "`a`, `b` or `c`".
+pub(super) fn quoted<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
+    match words.as_slice() {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        all => all.concat(),
     }
 }

@@ -2,8 +2,9 @@
 
 use super::config_output::to_toml;
 use super::error::{ConfigError, Source};
+use super::field_value::measure;
 use super::load::{Study, read};
-use super::schema::{SCHEMA, alternatives};
+use super::schema::{SCHEMA, alternatives, fields_at};
 use super::study::{Output, StudyConfig};
 use super::sweep::SweepConfig;
 use super::validate;
@@ -32,7 +33,7 @@ pub struct Vary {
     pub values: Varied,
 }
 
-/// Values of a field that is varied.
+/// Values of a field that is varied. A range whose ends have units is a single text until [`Study::resolve`] converts it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Varied {
     /// All numbers from one finite number to another that is no smaller.
@@ -99,6 +100,12 @@ impl FromStr for Vary {
 }
 
 fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
+    let has_unit = |end: &str| measure(end.trim()).is_some_and(|(_, unit)| !unit.is_empty());
+    if [from, to].iter().all(|end| measure(end.trim()).is_some())
+        && (has_unit(from) || has_unit(to))
+    {
+        return Ok(Varied::Listed(vec![range.into()]));
+    }
     let number = |end: &str| {
         let number = end.trim().parse().ok();
         number
@@ -118,8 +125,8 @@ fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
 /// Values as TOML writes them between brackets; where that is no TOML, words without quotation marks.
 fn listed(values: &str) -> Option<Vec<toml::Value>> {
     let parsed = |text: &str| -> Option<Vec<toml::Value>> {
-        let table: toml::Table = format!("values = [{text}]").parse().ok()?;
-        table.get("values")?.as_array().cloned()
+        let list: toml::Value = format!("[{text}]").parse().ok()?;
+        list.as_array().cloned()
     };
     let word = |text: &str| match parsed(text).as_deref() {
         Some([value]) => value.clone(),
@@ -170,7 +177,11 @@ impl Study {
     pub fn varied(&self, fields: &[(String, Vec<toml::Value>)]) -> Result<Study, ConfigError> {
         let is_varied = |path: &str| {
             let mut fields = fields.iter().map(|(field, _)| field);
-            fields.any(|field| field == path || alternatives(field).iter().any(|one| one == path))
+            fields.any(|field| {
+                let rest = path.strip_prefix(field.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+                    || alternatives(field).iter().any(|one| one == path)
+            })
         };
         let mut sweep: Vec<SweepConfig> = self.config.sweep.to_vec();
         sweep.retain_mut(|axis| {
@@ -195,7 +206,9 @@ impl Study {
 
     /// Kinds of values that a field of the first cell takes; `None` where there is no such field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
-        let schema = validate::at(&SCHEMA, &self.first_tree(), path)?;
+        let keys: Vec<&str> = path.split('.').collect();
+        let in_any_kind = || fields_at(&SCHEMA, &keys).into_iter().next();
+        let schema = validate::at(&SCHEMA, &self.first_tree(), path).or_else(in_any_kind)?;
         Some(match schema["type"].as_str() {
             Some("number") => Takes::Number,
             Some("integer") => Takes::Whole,

@@ -1,6 +1,7 @@
 //! Study configs, from text to cells.
 
 mod alternatives;
+mod arguments;
 mod cells;
 mod edited;
 mod every_field;

@@ -1,113 +1,102 @@
 //! Rules of plots that no schema states: which keys, tables and columns go together.
 
-use super::{PlotKind, STATISTICS, STD_BOUND};
+use super::{PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale};
 use crate::config::error::Fault;
 use crate::config::grid::Grid;
 use crate::config::study::Output;
-use crate::config::tree::{Entry, Node, Value, suggest};
-use serde::Deserialize;
-use serde::de::IntoDeserializer;
-use serde::de::value::StrDeserializer;
+use crate::config::tree::{suggest, text};
+use toml::Value;
 
 /// Checks that the plots of a `plot` section, which has been validated against the schema, stand for themselves, are
 /// drawn from tables that are written, and name columns that exist.
 pub(in crate::config) fn check(
-    section: &Node,
+    section: &Value,
+    plots: &[PlotConfig],
     grid: &Grid,
     outputs: &[Output],
 ) -> Result<(), Fault> {
-    each(section, |plot, kind| {
-        keys(plot, kind)?;
-        written(plot, kind, grid, outputs)?;
-        columns(plot, kind, grid)?;
-        points(plot, |set| places(set, plot, kind, grid))
+    each(section, plots, |keys, plot| {
+        check_keys(keys, plot)?;
+        check_output(keys, plot, grid, outputs)?;
+        check_columns(plot, grid)?;
+        check_points(plot, |points| check_place(points, plot, grid))
     })
 }
 
 /// Checks as much of the plots of a `plot` section, which has been validated against the schema, as they say alone: that
 /// they have the keys of their kind and names of their own, and that their points are pairs.
-pub(in crate::config) fn check_alone(section: &Node) -> Result<(), Fault> {
-    each(section, |plot, kind| {
-        keys(plot, kind)?;
-        points(plot, |_| Ok(()))
+pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> Result<(), Fault> {
+    each(section, plots, |keys, plot| {
+        check_keys(keys, plot)?;
+        check_points(plot, |_| Ok(()))
     })
 }
 
-/// Holds every plot against `rules`, and its name against those before it.
-fn each(section: &Node, rules: impl Fn(&Node, PlotKind) -> Result<(), Fault>) -> Result<(), Fault> {
-    let mut names = Vec::new();
-    for (index, plot) in section.items().iter().enumerate() {
+/// Applies `rules` to the given keys of every plot, and compares its name with those before it.
+fn each(
+    section: &Value,
+    plots: &[PlotConfig],
+    rules: impl Fn(&[&str], &PlotConfig) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let written = section.as_array().into_iter().flatten();
+    for (index, (written, plot)) in written.zip(plots).enumerate() {
         let under = |fault: Fault| fault.under(index).under("plot");
-        rules(plot, kind_of(plot)).map_err(under)?;
-        if let Some(name) = plot.get("name") {
-            if names.contains(&&name.value) {
-                return Err(under(
-                    Fault::at(&name.span, "another plot has this name").under("name"),
-                ));
-            }
-            names.push(&name.value);
+        let keys = written.as_table().into_iter().flat_map(toml::Table::keys);
+        let keys: Vec<&str> = keys.map(String::as_str).collect();
+        rules(&keys, plot).map_err(under)?;
+        let is_taken = |earlier: &PlotConfig| plot.name.is_some() && earlier.name == plot.name;
+        if plots[..index].iter().any(is_taken) {
+            return Err(under(
+                Fault::new("another plot has this name").under("name"),
+            ));
         }
     }
     Ok(())
 }
 
-fn kind_of(plot: &Node) -> PlotKind {
-    let kind = plot.get("kind").and_then(Node::as_text);
-    let named = |name: &str| {
-        let name: StrDeserializer<'_, serde::de::value::Error> = name.into_deserializer();
-        PlotKind::deserialize(name).ok()
-    };
-    kind.and_then(named).unwrap_or_default()
-}
-
-fn keys(plot: &Node, kind: PlotKind) -> Result<(), Fault> {
-    if kind == PlotKind::Lines
-        && let Some(key) = ["x", "y"].into_iter().find(|key| plot.get(key).is_none())
-    {
-        return Err(Fault::at(&plot.span, "missing key").under(key));
+fn check_keys(keys: &[&str], plot: &PlotConfig) -> Result<(), Fault> {
+    let is_lines = plot.kind == PlotKind::Lines;
+    let missing = ["x", "y"].into_iter().find(|key| !keys.contains(key));
+    if let Some(key) = missing.filter(|_| is_lines) {
+        return Err(Fault::new("missing key").under(key));
     }
-    let (name, known) = kind.keys();
-    let known = || known.iter().copied().chain(["kind"]);
-    let stray = |entry: &&Entry| known().all(|key| key != entry.key);
-    if let Some(entry) = plot.entries().iter().find(stray) {
-        let message = format!(
-            "unknown key for kind `{name}`; known: {}",
-            known().collect::<Vec<_>>().join(", ")
-        );
-        return Err(Fault::at(&entry.key_span, message).under(&entry.key));
+    let (name, known) = plot.kind.keys();
+    let is_stray = |key: &&&str| **key != "kind" && !known.contains(key);
+    if let Some(key) = keys.iter().find(is_stray) {
+        let known = known.join(", ");
+        let message = format!("unknown key for kind `{name}`; known: {known}, kind");
+        return Err(Fault::of_key(key, message));
     }
-    match plot
-        .get("scale")
-        .filter(|scale| kind != PlotKind::Lines && scale.as_text() != Some("linear"))
-    {
-        Some(scale) => {
-            Err(Fault::at(&scale.span, "only lines have another scale than linear").under("scale"))
-        }
-        None => Ok(()),
+    match !is_lines && plot.scale != Scale::Linear {
+        true => Err(Fault::new("only lines have another scale than linear").under("scale")),
+        false => Ok(()),
     }
 }
 
-fn written(plot: &Node, kind: PlotKind, grid: &Grid, outputs: &[Output]) -> Result<(), Fault> {
-    let (output, name) = kind.output();
-    let Some(node) = plot.get("kind") else {
+fn check_output(
+    keys: &[&str],
+    plot: &PlotConfig,
+    grid: &Grid,
+    outputs: &[Output],
+) -> Result<(), Fault> {
+    let (output, name) = plot.kind.output();
+    if !keys.contains(&"kind") {
         return Ok(());
-    };
-    if !outputs.contains(&output) {
-        let message =
-            format!("is drawn from the output \"{name}\", which `outputs` does not ask for");
-        return Err(Fault::at(&node.span, message).under("kind"));
     }
-    match (kind.scene(), scene_kind(grid)) {
-        (Some(wanted), Some(found)) if wanted != found => {
-            let message = format!("is drawn from a {wanted}, and this scene is a {found}");
-            Err(Fault::at(&node.span, message).under("kind"))
+    let message = match (plot.kind.scene(), scene_kind(grid)) {
+        _ if !outputs.contains(&output) => {
+            format!("is drawn from the output \"{name}\", which `outputs` does not ask for")
         }
-        _ => Ok(()),
-    }
+        (Some(wanted), Some(found)) if wanted != found => {
+            format!("is drawn from a {wanted}, and this scene is a {found}")
+        }
+        _ => return Ok(()),
+    };
+    Err(Fault::new(message).under("kind"))
 }
 
 fn scene_kind(grid: &Grid) -> Option<&str> {
-    grid.base.get("scene")?.get("kind")?.as_text()
+    grid.base.get("scene")?.get("kind")?.as_str()
 }
 
 /// The statistics that a table of this scene's cells has.
@@ -116,46 +105,45 @@ fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
     STATISTICS.into_iter().chain(bound.then_some(STD_BOUND))
 }
 
-fn columns(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
+fn check_columns(plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
+    let is_lines = plot.kind == PlotKind::Lines;
     let swept = || grid.targets().map(|target| target.path.as_str());
-    let of_lines = || statistics(grid).filter(|_| kind == PlotKind::Lines);
-    for key in ["y", "compare"] {
-        if let Some(node) = plot.get(key) {
-            known(node, of_lines()).map_err(|fault| fault.under(key))?;
-        }
+    let of_lines = || statistics(grid).filter(move |_| is_lines);
+    for (key, name) in [("y", &plot.y), ("compare", &plot.compare)] {
+        check_column(name.as_ref(), of_lines()).map_err(|fault| fault.under(key))?;
     }
-    let quantity = || (kind == PlotKind::Lines).then_some("quantity");
-    for (key, extra) in [("x", None), ("series", quantity()), ("panels", quantity())] {
-        if let Some(node) = plot.get(key) {
-            known(node, swept().chain(of_lines()).chain(extra))
-                .map_err(|fault| fault.under(key))?;
-        }
+    let quantity = || is_lines.then_some("quantity");
+    for (key, name, extra) in [
+        ("x", &plot.x, None),
+        ("series", &plot.series, quantity()),
+        ("panels", &plot.panels, quantity()),
+    ] {
+        let columns = swept().chain(of_lines()).chain(extra);
+        check_column(name.as_ref(), columns).map_err(|fault| fault.under(key))?;
     }
-    for entry in plot.get("where").map_or(&[][..], Node::entries) {
-        let under = |fault: Fault| fault.under(&entry.key).under("where");
-        let column = Node {
-            value: Value::Text(entry.key.clone()),
-            span: entry.key_span.clone(),
-        };
-        known(&column, swept().chain(of_lines())).map_err(under)?;
-        let values = std::iter::once(&entry.node)
-            .filter(|node| node.items().is_empty())
-            .chain(entry.node.items());
-        for value in values {
-            value_of(value, grid, &entry.key).map_err(under)?;
+    for (column, value) in &plot.where_ {
+        let under = |fault: Fault| fault.under(column).under("where");
+        check_column(Some(column), swept().chain(of_lines())).map_err(|fault| Fault {
+            is_key: true,
+            ..under(fault)
+        })?;
+        match value {
+            Value::Array(items) => items.iter().enumerate().try_for_each(|(index, item)| {
+                check_value(&text(item), grid, column).map_err(|fault| under(fault.at(index)))
+            })?,
+            value => check_value(&text(value), grid, column).map_err(under)?,
         }
     }
     Ok(())
 }
 
 /// Checks that a value is among those that a column of the sweep takes.
-fn value_of(value: &Node, grid: &Grid, path: &str) -> Result<(), Fault> {
+fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     const MOST_SHOWN: usize = 100;
     let Some((axis, place)) = grid.axis(path) else {
         return Ok(());
     };
     let text = |index: usize| axis.row(index)[place].text().into_owned();
-    let wanted = value.text();
     if (0..axis.len()).any(|index| axis.row(index)[place].text() == wanted) {
         return Ok(());
     }
@@ -164,53 +152,55 @@ fn value_of(value: &Node, grid: &Grid, path: &str) -> Result<(), Fault> {
         0 => String::new(),
         more => format!(" and {more} more, the last {}", text(axis.len() - 1)),
     };
-    let message = format!(
-        "no cell has {wanted}; the sweep has {}{more}",
-        shown.join(", ")
-    );
-    Err(Fault::at(&value.span, message))
+    let shown = shown.join(", ");
+    Err(Fault::new(format!(
+        "no cell has {wanted}; the sweep has {shown}{more}"
+    )))
 }
 
 /// Checks that points have as many y as x, and follow more `rules`.
-fn points(plot: &Node, rules: impl Fn(&Node) -> Result<(), Fault>) -> Result<(), Fault> {
-    let sets = plot.get("points").map_or(&[][..], Node::items);
-    for (index, set) in sets.iter().enumerate() {
-        let under = |fault: Fault| fault.under(index).under("points");
-        let length = |key: &str| set.get(key).map_or(0, |node| node.items().len());
-        if let Some(y) = set.get("y").filter(|_| length("x") != length("y")) {
-            let message = format!("has {} values, and `x` has {}", length("y"), length("x"));
-            return Err(under(Fault::at(&y.span, message).under("y")));
-        }
-        rules(set).map_err(under)?;
+fn check_points(
+    plot: &PlotConfig,
+    rules: impl Fn(&Points) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    for (index, points) in plot.points.iter().enumerate() {
+        let [x, y] = [points.x.len(), points.y.len()];
+        let checked = match x == y {
+            true => rules(points),
+            false => Err(Fault::new(format!("has {y} values, and `x` has {x}")).under("y")),
+        };
+        checked.map_err(|fault| fault.under(index).under("points"))?;
     }
     Ok(())
 }
 
 /// Checks that points belong to a series and a panel that the plot has. The lines of a profile have labels that only
 /// its table tells.
-fn places(set: &Node, plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
-    for (key, column) in [("series", "series"), ("panel", "panels")] {
-        let Some(value) = set.get(key) else { continue };
-        let under = |fault: Fault| fault.under(key);
-        match plot.get(column).and_then(Node::as_text) {
-            Some(path) => value_of(value, grid, path).map_err(under)?,
-            None if kind == PlotKind::Profile && key == "series" => {}
-            None => {
-                let message = format!("the plot has no `{column}`");
-                return Err(under(Fault::at(&value.span, message)));
-            }
-        }
+fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
+    for (key, value, column, path) in [
+        ("series", &points.series, "series", &plot.series),
+        ("panel", &points.panel, "panels", &plot.panels),
+    ] {
+        let Some(value) = value else { continue };
+        let checked = match path {
+            Some(path) => check_value(value, grid, path),
+            None if plot.kind == PlotKind::Profile && key == "series" => Ok(()),
+            None => Err(Fault::new(format!("the plot has no `{column}`"))),
+        };
+        checked.map_err(|fault| fault.under(key))?;
     }
     Ok(())
 }
 
-fn known<'a>(node: &Node, columns: impl Iterator<Item = &'a str> + Clone) -> Result<(), Fault> {
-    let name = node.as_text().unwrap_or_default();
-    match columns.clone().any(|column| column == name) {
-        true => Ok(()),
-        false => Err(Fault::at(
-            &node.span,
-            format!("no column `{name}`; {}", suggest(name, columns)),
-        )),
+fn check_column<'a>(
+    name: Option<&String>,
+    columns: impl Iterator<Item = &'a str> + Clone,
+) -> Result<(), Fault> {
+    match name {
+        Some(name) if !columns.clone().any(|column| column == name) => Err(Fault::new(format!(
+            "no column `{name}`; {}",
+            suggest(name, columns)
+        ))),
+        _ => Ok(()),
     }
 }

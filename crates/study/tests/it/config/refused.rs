@@ -8,7 +8,7 @@ use super::{BASE, error, refuses};
 const MESSAGES: &str = r#"
 radius = 5.0 } => radius = 5.0 ] | 7:42 | invalid inline table element, expected `,`
 5.0 => 99999999999999999999 | 7:38 scene.object.radius | the integer 99999999999999999999 does not fit into 64 bits
-radius = 5.0 => radus = 5.0 | 7:29 scene.object.radus | unknown key for kind `sphere`; did you mean `radius`?
+radius = 5.0 => radus = 5.0 | 7:29 scene.object.radus | unknown key for kind `sphere`; did you mean `radius`? (known: kind, radius)
 radius = 5.0 => radius = 5.0, colour = 1 | 7:43 scene.object.colour | unknown key for kind `sphere`; known: kind, radius
 [scene] => [scen] | 4:2 scen | unknown key; did you mean `scene`?
 "sphere", radius = 5.0 => "plane", radius = 5.0 | 7:28 scene.object.radius | unknown key for kind `plane`; known: kind; kinds sphere, dish, cylinder have it
@@ -32,6 +32,7 @@ duration_s = 1.0 => duration_s = 1.0, axis = "chart" | 8:59 scene.motion.axis | 
 [[sweep]]\npath = "name"\nvalues = ["b"] | 10:8 sweep.0 | cannot sweep `name`; a sweep sets fields of `scene`, `seed` or `trials`
 [[sweep]]\npath = "scene.objct.radius"\nvalues = [1] | 10:8 scene.objct.radius | the sweep path names nothing: `scene` has no `objct`; did you mean `object`?
 [[sweep]]\npath = "scene.object"\nvalues = [{ kind = "plane" }] | 11:11 sweep.0.values.0 | a table among swept values needs a `label`, which the results show
+[[sweep]]\npath = "scene.noise.rotatoin.std_deg"\nvalues = [1] | 10:8 scene.noise.rotatoin.std_deg | `scene.noise` has no `rotatoin`; did you mean `rotation`? (known: angular_velocity, encoder, rotation)
 [[plot]]\nx = "truth"\ny = "relative_rms" | 11:5 plot.0.y | no column `relative_rms`; did you mean `relative_rms_error`?
 [[plot]]\nkind = "class-map" | 10:8 plot.0.kind | is drawn from the output "map", which `outputs` does not ask for
 "#;
