@@ -98,6 +98,8 @@ def test_a_design_over_words_and_as_a_text():
         ({"set": {"scene.sensor.pitch": 1.0}}, palpate.ArgumentError, "set", "given twice"),
         ({"threads": 0}, palpate.ArgumentError, "threads", "at least 1"),
         ({"vary": {"scene.sensor.pich": (1, 2)}}, palpate.ConfigError, None, "pich"),
+        ({"vary": {"radius": (1, 2)}}, palpate.ConfigError, None, "may be `scene.object.radius` or `scene.probe.radius`"),
+        ({"set": {"object.radius": "1s"}}, palpate.ConfigError, None, "its unit may be m, cm, mm, um"),
         ({"set": {"scene.object.radius": -1.0}}, palpate.ConfigError, None, "must be > 0"),
     ],
 )

@@ -111,6 +111,22 @@ fn values_may_be_listed_and_fields_set() {
     );
 }
 
+/// Short names and units ask the same question as full paths with numbers in the config's units.
+#[test]
+fn fields_have_short_names_and_values_have_units() {
+    let desk = Desk::with(STUDY);
+    let answer =
+        |arguments: &str| desk.json(&format!("design c.toml {TARGET} --gap 1 {arguments}"));
+    let plain = answer(&format!("{NOISE} --set scene.object.radius=50"));
+    let short = answer("--vary fraction=0.1%..20% --set object.radius=5cm");
+    assert_eq!(plain["meets"], short["meets"]);
+    assert_eq!(plain["answer"], short["answer"]);
+    // A table that the config leaves out.
+    let more =
+        answer("--vary fraction=0.1%..20% --set object.radius=5cm --set rotation.std_deg=0.02rad");
+    assert_ne!(more["answer"], plain["answer"]);
+}
+
 #[test]
 fn nothing_is_random() {
     let desk = Desk::with(&noiseless());
@@ -168,7 +184,10 @@ const QUESTIONS: &str = "
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2 | --vary takes one
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2 | is set to one value, and here are 2
 --target rms_error(class)<=1 --vary scene.object.radius=1..2 | a roll has no quantity \"class\" (known: normal_curvature_u,
---target rms_error<=1 --vary scene.object.radios=1..2 | c.toml: scene.object.radios
+--target rms_error<=1 --vary scene.object.radios=1..2 | c.toml: scene.object.radios: `scene.object` has no `radios`; did you mean `radius`? (known: kind, radius)
+--target rms_error<=1 --vary radius=1..2 | c.toml: radius: may be `scene.object.radius` or `scene.probe.radius`; write one of them
+--target rms_error<=1 --vary object.radius=1s..2s | c.toml: scene.object.radius: \"1s\" has the unit \"s\"; its unit may be m, cm, mm, um
+--target rms_error<=1 --vary object.radius=1..2 --maximise radios | c.toml: radios: no field has this name
 --target rms_error<=1 --vary scene.object.radius=-1..2 | c.toml: scene.object.radius: must be > 0, is -1
 --target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind takes no numbers: list its values
 --target rms_error<=1 --vary title=a,b | cannot sweep `title`

@@ -118,6 +118,11 @@ const QUESTIONS: &str = "
 #[test]
 fn what_cannot_be_told_apart() {
     Desk::with(STUDY).refuses("distinguish c.toml", QUESTIONS);
+    // Tables need no label.
+    let shapes = "scene.object={kind=\"sphere\",radius=20},{kind=\"plane\"}";
+    Desk::with(STUDY)
+        .palpate(&format!("distinguish c.toml --trials 20 --vary {shapes}"))
+        .prints("plane and sphere: ");
     // Alike in the truth, and noiseless.
     let desk = Desk::with(&noiseless());
     desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls tell them apart (100 to 100); one is enough for 95 %.");

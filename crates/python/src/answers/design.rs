@@ -138,20 +138,27 @@ pub(crate) fn design<'py>(
         (Some(path), None) => ("maximise", Extreme::Largest, Some(path)),
         (None, path) => ("minimise", Extreme::Smallest, path),
     };
-    let sought = path.map(|path| Sought { path, extreme });
-    let question = Question::new(target, varied(vary)?, sought).map_err(|error| match error {
+    let study = study.get().with(None, seed)?;
+    let path = path.map(|name| study.path_of(&name)).transpose();
+    let sought = path
+        .map_err(error::config)?
+        .map(|path| Sought { path, extreme });
+    let vary = varied(vary)?.into_iter().map(|vary| study.resolve(&vary));
+    let vary: Result<Vec<_>, _> = vary.collect();
+    let question = Question::new(target, vary.map_err(error::config)?, sought);
+    let question = question.map_err(|error| match error {
         AnswerError::NotVaried(_) => error::argument(argument, &[], None, error.to_string()),
         error => unanswered(error, "target"),
     })?;
+    let set = study.resolve_each(&set_of(set.as_ref())?);
     let question = Question {
-        set: set_of(set.as_ref())?,
+        set: set.map_err(error::config)?,
         max_failures,
         gap,
         most_trials,
         budget: budget.map(Duration::from_secs_f64),
         ..question
     };
-    let study = study.get().with(None, seed)?;
     let runner = runner(threads)?;
     let found = watched_alone(py, progress.as_ref(), move |watch| {
         let start = Instant::now();

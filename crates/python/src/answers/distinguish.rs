@@ -118,6 +118,11 @@ pub(crate) fn distinguish<'py>(
     fields.extend(set.map(|(path, value)| (path, vec![value])));
     let mut study = study.get().with(trials, seed)?;
     if !fields.is_empty() {
+        let resolved = fields
+            .iter()
+            .map(|(name, values)| study.resolve_values(name, values));
+        let resolved: Result<Vec<_>, _> = resolved.collect();
+        let fields = resolved.map_err(error::config)?;
         study = study.varied(&fields).map_err(error::config)?;
     }
     let runner = runner(threads)?;

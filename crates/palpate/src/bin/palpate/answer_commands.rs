@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use palpate::config::Study;
-use palpate::{AnswerError, Extreme, Figure, Question, ReportError, Sought, load};
+use palpate::config::{Study, Vary};
+use palpate::{AnswerError, ConfigError, Extreme, Figure, Question, ReportError, Sought, load};
 use serde_json::Value;
 
 use crate::budget::runner;
@@ -27,8 +27,10 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     if let Some(seed) = args.answer.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
     }
-    let vary = args.vary.iter().map(|vary| vary.path.as_str());
-    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
+    let question = question(args, &study).map_err(failure)?;
+    let vary = question.grid.iter().chain([&question.searched]);
+    let vary = vary.map(|vary| vary.path.as_str());
+    let set = question.set.iter().map(|(path, _)| path.as_str());
     note_ignored_fields(&study, vary.chain(set));
     let mut folder = open_dir(&args.answer)?;
     let bar = progress::bar_of("trials");
@@ -38,7 +40,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
             bar.set_position(trials);
         }
     };
-    let question = question(args).map_err(failure)?;
     let (runner, clock) = (runner(args.answer.threads)?, || start.elapsed());
     let found = palpate::design(&study, &question, &runner, &clock, &show_progress);
     bar.finish_and_clear();
@@ -60,30 +61,39 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     print(&args.answer, lines, || found.to_json(&study))
 }
 
-/// Question of the arguments.
-fn question(args: &DesignArgs) -> Result<Question, AnswerError> {
-    let (path, extreme) = match &args.maximise {
-        Some(path) => (Some(path), Extreme::Largest),
-        None => (args.minimise.as_ref(), Extreme::Smallest),
+/// Question of the arguments about a study.
+fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
+    let sought = match (&args.maximise, &args.minimise) {
+        (Some(name), _) => Some((name, Extreme::Largest)),
+        (None, Some(name)) => Some((name, Extreme::Smallest)),
+        (None, None) => None,
     };
-    let sought = path.cloned().map(|path| Sought { path, extreme });
+    let sought = sought.map(|(name, extreme)| {
+        let path = study.path_of(name)?;
+        Ok::<_, ConfigError>(Sought { path, extreme })
+    });
+    let vary: Result<Vec<Vary>, _> = args.vary.iter().map(|vary| study.resolve(vary)).collect();
     Ok(Question {
         max_failures: args.max_failures,
-        set: args.answer.set.clone(),
+        set: study.resolve_each(&args.answer.set)?,
         gap: args.gap,
         most_trials: args.most_trials.get(),
         budget: Some(args.budget),
-        ..Question::new(args.target, args.vary.clone(), sought)?
+        ..Question::new(args.target, vary?, sought.transpose()?)?
     })
 }
 
 pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
     let study = overridden(&args.answer.config, args.answer.seed, args.trials, None)?;
-    let paths = args.vary.iter().map(|(path, _)| path.as_str());
-    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
-    note_ignored_fields(&study, paths.chain(set));
-    let vary = args.vary.iter().cloned();
-    let fields: Vec<_> = vary.chain(set_fields(&args.answer)).collect();
+    let set = args.answer.set.iter();
+    let set = set.map(|(name, value)| study.resolve_values(name, std::slice::from_ref(value)));
+    let vary = args
+        .vary
+        .iter()
+        .map(|(name, values)| study.resolve_values(name, values));
+    let fields: Result<Vec<_>, _> = vary.chain(set).collect();
+    let fields = fields.map_err(Failure::usage)?;
+    note_ignored_fields(&study, fields.iter().map(|(path, _)| path.as_str()));
     let study = match fields.is_empty() {
         true => study,
         false => study.varied(&fields).map_err(Failure::usage)?,
@@ -131,12 +141,6 @@ fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     let guard = Guard::new([&args.config], args.force);
     let out = args.out.as_ref();
     out.map(|dir| LockedDir::open(dir, guard)).transpose()
-}
-
-/// Fields of `--set`, with one value each.
-fn set_fields(args: &AnswerArgs) -> impl Iterator<Item = (String, Vec<toml::Value>)> {
-    let set = args.set.iter();
-    set.map(|(path, value)| (path.clone(), vec![value.clone()]))
 }
 
 /// Prints a note for each field that the config sets although it sweeps it, except for `paths`, which arguments set.

@@ -15,7 +15,8 @@ use crate::duration;
 pub(crate) struct AnswerArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
-    /// Field that gets one value, in place of what the config and its sweeps say of it.
+    /// Field that gets one value, in place of what the config and its sweeps say of it: scene.object.radius=42,
+    /// or radius=4.2cm if only one field has this name.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
     pub(crate) set: Vec<(String, toml::Value)>,
     /// Use this seed instead of the config's.
