@@ -33,16 +33,25 @@ impl ReadingWords<'_> {
                 estimated,
                 ..
             } => {
-                let quantity = match quantity {
-                    StatedQuantity::Noise => &format!("noise of {}", self.noise_of),
-                    StatedQuantity::Indentation => "indentation",
-                    StatedQuantity::Pitch => "pitch",
-                    StatedQuantity::Scale => "scale",
+                let (quantity, consequence) = match quantity {
+                    StatedQuantity::Noise if estimated > stated => (
+                        &*format!("noise of {}", self.noise_of),
+                        "; the intervals are too narrow",
+                    ),
+                    StatedQuantity::Noise => (
+                        &*format!("noise of {}", self.noise_of),
+                        "; the intervals are too wide",
+                    ),
+                    StatedQuantity::Indentation => {
+                        ("indentation", "; the curvature is not reliable")
+                    }
+                    StatedQuantity::Pitch => ("pitch", ""),
+                    StatedQuantity::Scale => ("scale", ""),
                 };
                 let [stated, estimated] = [*stated, *estimated].map(Number::rounded);
                 let unit = self.unit;
                 format!(
-                    "the {quantity} is stated as {stated} {unit}, but the readings show {estimated} {unit}"
+                    "the {quantity} is stated as {stated} {unit}, but the readings show {estimated} {unit}{consequence}"
                 )
             }
             Misfit::OtherBody { .. } => format!(

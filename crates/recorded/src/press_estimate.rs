@@ -170,7 +170,7 @@ pub fn estimate_press(
         indentation.is_some(),
     );
     let warnings = [
-        Warning::of("unit-or-sign", suspicion(recorded, options, unit)),
+        Warning::of("units", suspicion(recorded, options, unit)),
         Warning::of("unstated-depth", at_surface(options)),
         Warning::of("swapped-columns", mistake),
         unchecked,

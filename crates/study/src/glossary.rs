@@ -126,14 +126,12 @@ subjects! {
         "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";
         "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; of rolls, below 0.02 with residuals at least 1.65 times the noise; below 1e-6 always). The stated noise is too small, or the model does not hold.";
-        "outlier": "Warning: one reading contradicts the others. Its number among them, counted from 0, is in `numbers`.";
+        "outlier": "Warning: one reading contradicts the others. Its number among them, counted from 0, is in `numbers`. Markers of a press that contradict the others strongly are left out instead.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
         "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the one in the readings.";
-        "large-residuals": "Warning about presses: the residuals are larger than the stated noise explains.";
         "not-round": "Warning about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
-        "outlier": "Warning: one reading contradicts the others. Markers of a press that contradict them strongly are left out instead.";
     }
     "Warnings about readings, calibrations and runs" {
         "not-through-rest": "A line with an intercept fits the calibration far better than a line through rest: the points may not be changes from rest.";
@@ -147,13 +145,11 @@ subjects! {
         "failed-pilot": "All pilot trials of a cell failed, so the number of trials is chosen without it.";
         "heavy-tails": "A few trials determine the root mean square error, so its stated error is rough.";
         "failed-map": "The map lacks estimates of a cell, because its trial 0 failed.";
-        "small-residuals": "The residuals are smaller than the stated noise predicts, so the intervals are too wide.";
         "unknown-noise": "The noise is estimated from few readings, so its estimate is rough.";
         "unknown-fit": "The goodness of fit of the surface could not be computed.";
         "unexplained-readings": "The fit explains little of the variance of the readings.";
         "repeated-rows": "Some rows equal others to the last digit. Copied rows are not new readings, and make the stated uncertainty too small.";
-        "unit-or-sign": "The readings of a press seem to be in another unit, or to have the opposite sign.";
-        "units": "The readings, or a stated noise, seem to be in another unit.";
+        "units": "The readings, or a stated noise, seem to be in another unit, or displacements of a press to have the opposite sign.";
         "signs": "Readings seem to have the opposite sign, or their columns to be swapped: displacements that point outward, or normals that contradict the positions.";
         "unnamed-probes": "No column names the probes; they are counted by rows, blank lines or times.";
         "unnamed-fingers": "No column names the fingers; they are separated by blank lines or long steps.";

@@ -15,7 +15,7 @@ run c.toml --budget 1e-6s | one trial of each cell does not fit into 1e-6 s; the
 run c.toml --budget 5d | --budget
 run c.toml --target-error 2 | --target-error
 run c.toml --target-error 1e-6 | in cell 0: scene.object.radius = 50
-run c.toml --target-error 1e-6 | at most 1e8 are taken
+run c.toml --target-error 1e-6 | the maximum of 1e8
 run c.toml --target-error small | --target-error
 trace c.toml | --out
 trace c.toml --out o --cell 2 | --cell is 2; the study has cells 0 to 1
