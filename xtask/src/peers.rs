@@ -204,7 +204,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
     let text = peer_table::csv(&rows, &programs::machine(shell))?;
-    // A row compares times of one run on one machine, so rows of tasks that were not run stay as they are.
+    // A row compares times of one run on one machine. If only some tasks ran, the rows of the other tasks are kept.
     let text = match is_whole {
         true => text,
         false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,

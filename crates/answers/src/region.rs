@@ -145,7 +145,7 @@ impl Region {
         })
     }
 
-    /// Set fields and those of the grid, with the values of a place in the grid.
+    /// Values of the set fields, and of the grid's fields at one grid point.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));

@@ -27,8 +27,8 @@ impl Region {
         format!("{}.", capitalized(&text))
     }
 
-    /// Details of the sentence, a line each: the target, the numbers of values and trials, what is undecided, and the
-    /// answer at each combination of the grid.
+    /// Lines below the sentence: the target, the numbers of values and trials, notes on the limits of the searches, and
+    /// the answer at each combination of the grid.
     pub fn lines(&self) -> Vec<String> {
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
         let points = self.columns.iter().flat_map(|column| &column.points);

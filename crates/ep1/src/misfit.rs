@@ -238,7 +238,7 @@ impl<'r> Refit<'r> {
                 (self.chi_squared - explained.fall).max(0.0),
                 self.freedom.saturating_sub(explained.freedom),
             );
-            let p_value = match is_noise_stated && !others.is_doubted() {
+            let p_value = match is_noise_stated && !others.is_poor() {
                 true => explained.p_value(),
                 false => explained.p_value_beside(self.chi_squared, self.freedom),
             };

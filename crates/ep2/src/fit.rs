@@ -220,7 +220,7 @@ impl Fit {
         Ok((jet.lanes()[0], curvatures.at(0)))
     }
 
-    /// The polynomials in u of the posterior, if the method states one.
+    /// Values of the posterior's Chebyshev polynomials at `u`; `None` if the method computes no posterior.
     fn series(&self, u: [f64; LANES]) -> Option<Series> {
         let posterior = self.posterior.as_ref()?;
         Some(posterior.series(Lanes::from(u)))

@@ -271,7 +271,7 @@ impl Refit {
             (self.goodness.chi_squared - explained.fall).max(0.0),
             self.goodness.freedom.saturating_sub(explained.freedom),
         );
-        match is_noise_stated && !others.is_doubted() {
+        match is_noise_stated && !others.is_poor() {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
         }

@@ -2,7 +2,7 @@
 
 use crate::{Ep2Error, Patch, PatchFrame};
 
-/// Stated standard deviations of the contacts' errors; `None` if it shall be estimated from the contacts.
+/// Stated standard deviations of the contacts' errors. `None` means that the fit estimates the value from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a position along each axis, length.

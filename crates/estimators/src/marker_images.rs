@@ -78,7 +78,8 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacements of the markers: estimated from their own images, minus those of the estimated press.
+    /// Residual displacement of each marker: its displacement estimated from its own image, minus its displacement in
+    /// the estimated press.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,

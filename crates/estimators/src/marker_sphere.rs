@@ -167,7 +167,7 @@ fn layout_error(error: &LayoutError) -> FieldError {
     }
 }
 
-/// Converts an error of the markers or the camera to one at its config field.
+/// Converts an error of the markers or the camera to an error that names the config field.
 pub fn optics_error(error: &OpticsError) -> FieldError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

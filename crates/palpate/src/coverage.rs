@@ -168,7 +168,8 @@ impl Family {
         (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
     }
 
-    /// Family of a row; `None` if it is not measured, or if its readings contradict the estimator's model.
+    /// Family in a row of a table; `None` if the row has no measured coverage, or if its readings contradict
+    /// the estimator's model.
     fn of_row(cells: &[(&str, &str)]) -> Option<Self> {
         let cell = |name| {
             cells

@@ -61,7 +61,7 @@ pub(crate) trait LeastSquares {
     fn is_better(&self, fit: &Self::Fit, best: &Self::Fit) -> bool;
 }
 
-/// Least predicted decrease of chi-squared for a further step of an exact fit.
+/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this.
 pub(crate) const EXACTLY: f64 = 1e-8;
 const MAX_STEPS: usize = 200;
 /// Smallest relevant step, relative to the unknowns.

@@ -80,7 +80,7 @@ impl Noise {
     /// The stated noise, or the noise of the residuals if they are significantly larger: with too small a stated noise every
     /// pattern would be significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
-        match goodness.is_doubted() {
+        match goodness.is_poor() {
             true => Self::Found {
                 chi_squared: goodness.chi_squared,
                 freedom: goodness.freedom,

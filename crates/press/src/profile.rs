@@ -11,8 +11,9 @@ const MAX_TRIES: usize = 40;
 /// Largest ratio of a curvature to its estimate, or of the estimate to a curvature, in the search.
 const MAX_RATIO: f64 = 1e6;
 
-/// The interval in which chi-squared, minimised over all other unknowns, is less than `limit` above its minimum. The error is a
-/// state with a smaller chi-squared than the supposed best one.
+/// The interval of curvatures in which chi-squared, minimised over all other unknowns, is less than `limit` above its
+/// minimum. If the search finds a state with a clearly smaller chi-squared than `best`, it returns that state as the
+/// error.
 pub(crate) fn profile<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,

@@ -69,7 +69,7 @@ impl Model {
 pub struct Choice<M = Model> {
     /// Name of the rung and its setting: `closed form`, `meridian`, `RK4` or `DOP853`.
     pub rung: String,
-    /// The model that sets this rung: never `Auto`.
+    /// The chosen model with its setting: never `Auto`.
     pub model: M,
     /// Reason for the choice, in words.
     pub reason: String,

@@ -119,7 +119,8 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // The shifts make small uniform numbers, so long pairs, more frequent. The angles do not change.
+            // A pair is long if its first uniform number is small. The shifts make such numbers more frequent and keep
+            // the angles.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");

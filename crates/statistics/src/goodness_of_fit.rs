@@ -5,9 +5,6 @@ use crate::chi_squared_tail;
 /// Significance level of each test of an estimate: its probability of a false alarm if the model holds.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
-/// Significance level of the joint test of all patterns. If it fails, the most significant pattern is reported.
-pub const SIGNIFICANCE_LEVEL_OF_ALL: f64 = 0.02;
-
 /// The chi-squared of a fit, compared with the stated noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
@@ -32,7 +29,7 @@ impl GoodnessOfFit {
 
     /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. Then patterns must be compared with the residuals instead of the
     /// stated noise: with a stated noise that is too small, every pattern would be significant.
-    pub fn is_doubted(&self) -> bool {
+    pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }
 }

@@ -11,12 +11,12 @@ mod tails;
 pub mod work;
 
 pub use bad_setting::BadSetting;
-pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL};
+pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 pub use hue::hue_turns;
 pub use misfit::{Misfit, POOR_FIT_LEVEL, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::{Number, Percent};
-pub use score_test::{Explained, LEFT, doubted, least_likely};
+pub use score_test::{Explained, LEFT, least_likely};
 pub use tails::{chi_squared_tail, ratio_tail, student_half_width};
 
 #[cfg(doctest)]

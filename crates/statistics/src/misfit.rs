@@ -32,7 +32,7 @@ pub enum Misfit {
         /// P-value of the difference.
         p_value: f64,
     },
-    /// The displacements of a press do not depend on the distance from the contact as in the fitted body.
+    /// The displacements of a press vary with the distance from the contact differently than the fitted model predicts.
     OtherBody {
         /// P-value of the dependence that the body does not explain.
         p_value: f64,

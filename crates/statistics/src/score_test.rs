@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{SIGNIFICANCE_LEVEL, SIGNIFICANCE_LEVEL_OF_ALL, chi_squared_tail, ratio_tail};
+use crate::{chi_squared_tail, ratio_tail};
 
 /// A pattern is skipped if the fitted unknowns already explain all but this share of it; the rest would be due to the model's
 /// nonlinearity. Noisy patterns need a larger share.
@@ -89,37 +89,9 @@ pub fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64)
     (most, (least * count.max(1.0)).min(1.0))
 }
 
-/// The significant ones of possible contradictions: those with a p-value below [`SIGNIFICANCE_LEVEL`]. If the joint p-value
-/// `by_all` of the first `patterns` is below [`SIGNIFICANCE_LEVEL_OF_ALL`], the most significant of them is added, because a
-/// joint test may be significant although no single pattern is.
-pub fn doubted<D: Copy>(
-    doubts: &[D],
-    p_value: fn(D) -> f64,
-    patterns: usize,
-    by_all: f64,
-) -> Vec<D> {
-    let chances = doubts.iter().take(patterns).map(|doubt| p_value(*doubt));
-    let least = chances.fold(1.0, f64::min);
-    let is_joint = by_all < SIGNIFICANCE_LEVEL_OF_ALL && least < 1.0;
-    let is_doubted = |doubt: &&D| {
-        let chance = p_value(**doubt);
-        chance < SIGNIFICANCE_LEVEL || is_joint && chance == least
-    };
-    doubts.iter().filter(is_doubted).copied().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_best_pattern_is_reported_if_the_joint_test_is_significant() {
-        let reported = |by_all| doubted(&[0.3, 0.05, 0.004, 0.01], |one| one, 3, by_all);
-        assert_eq!(reported(0.5), [0.004]);
-        let of_two = |by_all| doubted(&[0.3, 0.05, 0.01], |one| one, 2, by_all);
-        assert_eq!((of_two(0.03), of_two(0.01)), (vec![], vec![0.05]));
-        assert_eq!(doubted(&[1.0, 1.0], |one| one, 2, 0.0), []);
-    }
 
     #[test]
     fn the_least_likely_of_many_is_likely() {

@@ -329,11 +329,11 @@ impl Planner<'_> {
                 quantity,
                 needed: need.trials,
                 reached: target * (need.trials / MAX_FOR_TARGET).sqrt(),
-                has_heavy_tails: need.is_doubtful,
+                has_heavy_tails: need.is_rough,
             });
         }
         plan.by_target = Some(rounded(need.trials, f64::ceil));
-        plan.heavy_tails = need.is_doubtful.then_some((cell, quantity));
+        plan.heavy_tails = need.is_rough.then_some((cell, quantity));
         Ok(())
     }
 

@@ -72,7 +72,7 @@ impl Observation {
 pub struct Observations<'a> {
     /// The estimates, one per trial.
     pub estimates: &'a [f64],
-    /// The true value in all of them.
+    /// The true value, the same in all trials.
     pub truth: f64,
     /// Standard deviations that the estimator reports, one per trial; `None` if it reports none.
     pub stds: Option<&'a [f64]>,

@@ -326,7 +326,8 @@ mod tests {
                 let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
-                // Area in the image over area on the sphere, with a difference along the radius.
+                // Ratio of an area in the image to its area on the sphere. The slope along the radius is a finite
+                // difference.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {

@@ -21,7 +21,7 @@ const WAVES: &str = "a*x*x + b*x*y + c*y*y + p*sin(k*x + l*y + f) + q*sin(m*x + 
 /// Smallest and largest wave number, per distance between the outermost fingers.
 const WAVE_NUMBERS: [f64; 2] = [1.2, 4.8];
 
-/// A random scene, and the quantities whose intervals are counted.
+/// A random scene, and its quantities whose interval coverage is measured.
 pub(super) struct RandomScene {
     scene: Scene,
     flaw: PressFlaw,

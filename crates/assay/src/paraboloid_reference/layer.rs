@@ -124,8 +124,8 @@ impl Layer {
         sum / weights
     }
 
-    /// Inward and outward displacements per unit relative curvature: those of a half-space under the same pressure, and the
-    /// effect of the core.
+    /// Inward (normal) and outward (radial) displacements per unit relative curvature. Each is the sum of the
+    /// displacement of a half-space under the same pressure and the effect of the core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);

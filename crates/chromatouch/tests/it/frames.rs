@@ -261,8 +261,8 @@ fn the_image_circle_is_cut_out_of_what_surrounds_it() {
         let sum: f64 = frame.pixels().map(|pixel| f64::from(pixel.0[1])).sum();
         let area = std::f64::consts::PI * f64::from(size_px).powi(2) / 4.0;
         let error = (sum / 240.0 - area) / f64::from(size_px);
-        // A circle in few pixels has a large error: a single pixel counts as whole, because its middle is in the
-        // circle.
+        // With few pixels, the area has a large error. For example, an image of one pixel counts fully, because the
+        // pixel's centre is in the circle.
         assert!(
             error.abs() < if size_px < 3 { 0.3 } else { 0.05 },
             "{size_px}: {error}"

@@ -295,7 +295,8 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         .collect();
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
-    // All shifts are within half a diameter of 0.2; a quarter of them lies within half that radius.
+    // The shifts are uniform over a circle. Its radius is half the disc diameter of 0.2, so all shifts are at most 0.1.
+    // A quarter of the shifts are shorter than 0.05.
     let within = |radius: f64| shifts.iter().filter(|shift| shift.norm() < radius).count() as f64;
     assert_eq!(within(0.1001), count);
     assert_relative_eq!(

@@ -130,7 +130,8 @@ fn departures_are_what_they_say() {
         }
         assert!((larger.size_px2 / before.size_px2 / (1.01 * 1.01) - 1.0).abs() < 1e-9);
     }
-    // A departure of depth and diameter is the same as an array made with these depths and diameters.
+    // Departures of depth and diameter give the same images as an array that is made with the changed depths and
+    // diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

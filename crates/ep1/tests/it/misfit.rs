@@ -72,7 +72,7 @@ fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     off.fold(0.0, f64::max) * count.sqrt()
 }
 
-/// Kolmogorov's distance that uniform numbers exceed once in a hundred.
+/// A large sample of uniform numbers exceeds this Kolmogorov statistic with a probability of 1 %.
 const ONE_IN_100: f64 = 1.628;
 
 #[test]

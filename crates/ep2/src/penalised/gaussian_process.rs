@@ -86,7 +86,7 @@ fn covariance(length: f64, degree: usize) -> DMatrix<f64> {
         libm::exp(-0.5 * distance * distance)
     });
     let polynomials = places.iter().flat_map(|&x| values(x, degree));
-    // The rule has one column for each node.
+    // The quadrature rule has one row for each polynomial and one column for each node.
     let mut rule = DMatrix::from_iterator(degree + 1, nodes, polynomials);
     rule *= 2.0 / nodes as f64;
     rule.row_mut(0).scale_mut(0.5);

@@ -167,8 +167,10 @@ impl Eliminated {
     }
 }
 
-/// The process of the most probable length, with the mean square amplitude of this length: the matrix of its coefficients
-/// after those of the quadrics, with a column for each independent factor of unit variance.
+/// The Gaussian process with the most probable correlation length, scaled to the mean square amplitude at this length.
+///
+/// Returns a matrix that maps independent factors of unit variance (columns) to coefficients (rows). The rows are all
+/// products of polynomials except those of the quadrics.
 ///
 /// # Errors
 /// Errors of [`posterior`].

@@ -16,8 +16,8 @@ fn methods() -> [Box<dyn Method>; 3] {
     ]
 }
 
-/// The name of the first error before the curvature at the centre, per method; "result" if there is no error. Such a
-/// result is checked to be finite.
+/// For each method: "result" if it computes all curvatures, otherwise the name of its first error. The curvatures must
+/// be finite.
 fn outcomes(contacts: &[Contact]) -> [&'static str; 3] {
     methods().map(|method| {
         let outcome = Patch::new(contacts, &Vector3::z())

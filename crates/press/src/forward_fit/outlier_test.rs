@@ -88,7 +88,7 @@ impl Problem<'_> {
         Some((others, state, sums))
     }
 
-    /// Slopes by the fitted unknowns; 0 for the others.
+    /// A copy of `slopes` with 0 for each unknown that is not fitted.
     pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
         Unknowns::from_fn(|unknown, _| match self.sought[unknown] {
             true => slopes[unknown],

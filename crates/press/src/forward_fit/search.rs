@@ -411,7 +411,7 @@ impl<'a> Search<'a> {
             };
             let unexplained = without.problem.unexplained(&there);
             let goodness = without.problem.goodness(&sums);
-            let is_good = goodness.is_some_and(|goodness| !goodness.is_doubted());
+            let is_good = goodness.is_some_and(|goodness| !goodness.is_poor());
             if is_good && unexplained < least {
                 least = unexplained;
                 best = Some((without, there, sums));

@@ -333,7 +333,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals without the part that departures of the sensor explain.
+    /// Residuals minus the part that the departures common to all markers explain.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }

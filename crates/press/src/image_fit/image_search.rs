@@ -122,7 +122,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
         let std = covariance[(CURVATURE, CURVATURE)].sqrt();
         let goodness = problem.goodness(&best);
         let noise = goodness.chi_squared / goodness.freedom.max(1) as f64;
-        if goodness.is_doubted() && (improvement < MIN_IMPROVEMENT * noise || std > MAX_LOG_STD) {
+        if goodness.is_poor() && (improvement < MIN_IMPROVEMENT * noise || std > MAX_LOG_STD) {
             return Err(PressError::OtherBody {
                 chi_squared: goodness.chi_squared,
                 freedom: goodness.freedom,

@@ -178,7 +178,7 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     };
     let is_left_out = |trial: &u64| told(0.01, *trial).wrong_markers == [apex];
     assert!((0..20).filter(is_left_out).count() >= 17);
-    // More noise hides how much it contradicts the others, but not that it does.
+    // With five times the noise, most intervals must still contain the true curvature, although one marker is wrong.
     let is_held = |trial: &u64| {
         let curvature = told(0.05, *trial).relative_curvature;
         curvature.interval.holds(contact.relative_curvature)

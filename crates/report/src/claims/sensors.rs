@@ -127,8 +127,8 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// For each hue line, the larger of two relative deviations from the published slopes: that of the hue line, and the
-/// smallest one among the centroid lines of the same sensor.
+/// For each hue line, the larger of two relative deviations from the published slopes. The first deviation is that of
+/// the hue line. The second is the smallest deviation of the centroid lines of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);

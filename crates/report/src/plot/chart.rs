@@ -87,7 +87,7 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Width of a panel in which every word of the names along x fits, at most `LARGEST_WIDTH`; 0 without names.
+    /// Panel width that has room for the widest word of the names along x, at most `LARGEST_WIDTH`; 0 without names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());

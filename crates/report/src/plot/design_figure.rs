@@ -51,7 +51,7 @@ pub enum DesignChart {
     Map(DesignMap),
 }
 
-/// Statistic over the searched field.
+/// Plot of the target's statistic against the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignCurve {
     /// Label and unit of the statistic.
@@ -97,7 +97,7 @@ pub struct DesignMap {
     pub best: Option<String>,
 }
 
-/// Map at some values of further fields.
+/// Map of the searched field over the other field, at fixed values of the further fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPanel {
     /// Values of the further fields; may be empty.

@@ -145,7 +145,7 @@ enum Kind {
     Plane,
     /// Offset of a sphere or dish, whose normals point away from or to a centre.
     Round,
-    /// Offset of a cylinder, whose normals point away from an axis.
+    /// Offset of a cylinder, with the direction of its axis. The normals point away from the axis.
     Cylinder(Vector2<f64>),
 }
 

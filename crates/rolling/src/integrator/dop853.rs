@@ -162,7 +162,8 @@ fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Factor from this step to the next, at most `most`, for `excess` as in [`accepts`].
+/// Ratio of the next step size to this one, at most `most`. `excess` is the squared error of the step, divided by the
+/// squared tolerance.
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)

@@ -121,7 +121,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
     Ok([distance * cosine, distance * sine])
 }
 
-/// Soft body of a sensor in one model, which displaces points at one depth under the skin.
+/// A model of the sensor's soft body. It computes the displacements of points at one depth under the skin.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,

@@ -156,8 +156,8 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the ladder's integrators: that of the config's model, or otherwise the chart in which the motion holds its
-/// axis.
+/// Chart of the ladder's integrators: the chart of the config's model if it sets one. Otherwise the axis of the motion
+/// selects it: `Free` for a transported axis, `Montana` for an axis that is held in the chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {

@@ -48,7 +48,7 @@ pub(super) struct Figure {
     /// The relative variance v of a trial's squared error, increased by [`MARGIN`] of its own standard errors.
     variance: f64,
     /// Whether a few trials determine v, as with heavy-tailed errors.
-    pub(super) is_doubtful: bool,
+    pub(super) is_rough: bool,
 }
 
 /// The error figure that needs the most trials, and their number.
@@ -59,7 +59,7 @@ pub(super) struct Need {
     pub(super) quantity: usize,
     /// Number of trials needed, including those that will fail.
     pub(super) trials: f64,
-    pub(super) is_doubtful: bool,
+    pub(super) is_rough: bool,
 }
 
 impl Pilot {
@@ -113,7 +113,7 @@ impl Pilot {
                 cell,
                 quantity,
                 trials,
-                is_doubtful: figure.is_doubtful,
+                is_rough: figure.is_rough,
             })
         });
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
@@ -169,7 +169,7 @@ fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Fi
     Some(Figure {
         rms_error,
         variance: estimate.value + MARGIN * std,
-        is_doubtful: std > MAX_RELATIVE_ERROR * estimate.value,
+        is_rough: std > MAX_RELATIVE_ERROR * estimate.value,
     })
 }
 

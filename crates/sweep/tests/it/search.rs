@@ -331,7 +331,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // All attempts fail, so the run that meets the target is dropped.
+    // No value meets the target in fresh trials, so the search drops the range of values that seemed to meet it.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
     assert_eq!(lost.runs[0].side, Side::Misses);

@@ -222,7 +222,7 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
-        // More observations than are stored until the end of a block.
+        // Nine observations per trial. They are summed up after each trial, not stored until the block ends.
         (9, 1_000_000, 0.02),
         // The rule ends no cell. The last trial is at the end of a block, within a later block, or within the first
         // block.

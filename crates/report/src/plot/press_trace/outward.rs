@@ -5,7 +5,8 @@ const STEPS: u32 = 60;
 const REFINEMENTS: u32 = 60;
 /// Largest curvature of the skin times the largest distance. At π, the distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Ridge of the least squares, relative to the trace of the matrix. It determines directions that the places do not.
+/// Regularisation of the least squares, added to the diagonal of the matrix, relative to its trace. It makes the
+/// solution unique even if the places do not determine all unknowns.
 const RIDGE: f64 = 1e-13;
 /// Largest distance of a marker at the contact, relative to the largest distance of all.
 const AT_CONTACT: f64 = 1e-6;

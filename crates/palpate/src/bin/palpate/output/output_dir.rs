@@ -106,7 +106,8 @@ impl OutputDir {
         if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
             return Ok(());
         }
-        // A run may read the config of an earlier run, which it then replaces.
+        // A run may read the config that an earlier run wrote and then overwrite it, so the config is not protected
+        // as an input.
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
