@@ -37,7 +37,7 @@ def test_errors_name_the_wrong_field():
 
     refused({"scene.object.radius": -5}, "scene.object.radius", "must be > 0, is -5")
     refused({"scene.sensr.pitch": 0.2}, "scene.sensr", "unknown")
-    refused({"name.first": 1}, "name.first", "no table")
+    refused({"name.first": 1}, "name.first", "which has no `first`")
     refused({"seed": -1}, "seed", "")
     for source, says in [("name = [", "study"), ({}, "empty"), ({"name": "x"}, "scene")]:
         with pytest.raises(palpate.ConfigError, match=says):

@@ -91,7 +91,7 @@ fn curvature(object: &Json) -> Option<f64> {
     }
 }
 
-/// A roll has a number of directions and an angle.
+/// Replaces a roll's directions by their number, and its arc length or duration by its angle, so that rolls compare.
 fn name_roll(roll: &mut Json) {
     let object = curvature(&roll["object"]);
     let motion = &mut roll["motion"];
