@@ -71,7 +71,7 @@ const REFINEMENTS: usize = 3;
 /// ```
 ///
 /// # Errors
-/// [`DesignError`].
+/// [`AnswerError`].
 pub fn design(
     study: &Study,
     question: &Question,
