@@ -198,13 +198,3 @@ fn press_fit_error(body: Body) -> Result<f64> {
     }
     Ok(rms(errors))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn root_of_the_mean_square() {
-        assert_eq!(rms([3.0, -4.0, 0.0, 0.0]), 2.5);
-    }
-}

@@ -6,6 +6,7 @@ mod extremes;
 mod fingertip;
 mod glide;
 mod image_press;
+mod inverse_quantities;
 mod ladder;
 mod marker_errors;
 mod names;
