@@ -96,7 +96,7 @@ fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
 /// Page that lists every bench target.
 const PAGE: &str = "crates/assay/BENCHES.md";
 
-/// Fails unless the page lists exactly the bench targets of the workspace.
+/// Fails unless BENCHES.md lists exactly the bench targets of the workspace.
 fn check_page(shell: &Shell) -> Result<()> {
     let existing = targets(&programs::packages(shell)?)?;
     let listed = listed(&shell.read_file(PAGE)?);

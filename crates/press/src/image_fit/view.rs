@@ -112,7 +112,8 @@ pub struct Steps<'a> {
     pub radius: f64,
 }
 
-/// Pictures of all markers with their slopes: four rows per marker, in the order of a picture's numbers.
+/// Images of all markers with their derivatives (slopes): four rows per marker, in the order of the four numbers of
+/// its image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSlopes {
     /// Picture of each marker, see [`View::pictures`].

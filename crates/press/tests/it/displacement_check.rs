@@ -6,7 +6,7 @@ use crate::sensor::{DEPTH, Readings, at, fit_of, half_space, misfit_share, publi
 
 const STD: f64 = 0.03;
 const TRIALS: u64 = 60;
-const TOLD: Measured = Measured {
+const STATED: Measured = Measured {
     value: 1.0,
     std: 0.02,
 };
@@ -48,7 +48,7 @@ fn no_change(_: &mut Readings, _: u64) {}
 fn sound_readings_seldom_have_a_misfit() {
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     for body in [&half_space(), &layer] {
-        let codes = codes([body; 2], TOLD, no_change);
+        let codes = codes([body; 2], STATED, no_change);
         // Of 60 presses 3 are expected at 5 %; more than 6 have a chance of 3 %.
         assert!(misfit_share(&codes, None) <= 0.1, "{codes:?}");
     }
@@ -58,7 +58,7 @@ fn sound_readings_seldom_have_a_misfit() {
 fn another_body_is_found() {
     let (half_space, layer) = (half_space(), Body::bonded_layer(5.0, DEPTH).unwrap());
     for bodies in [[&half_space, &layer], [&layer, &half_space]] {
-        let codes = codes(bodies, TOLD, no_change);
+        let codes = codes(bodies, STATED, no_change);
         assert!(misfit_share(&codes, None) >= 0.9, "{codes:?}");
         assert!(misfit_share(&codes, Some("other-body")) >= 0.9, "{codes:?}");
     }
@@ -67,7 +67,7 @@ fn another_body_is_found() {
 /// The noise is three times the stated one. Patterns are compared with the residuals.
 #[test]
 fn larger_noise_than_stated_is_found() {
-    let codes = codes([&half_space(); 2], TOLD, |readings, trial| {
+    let codes = codes([&half_space(); 2], STATED, |readings, trial| {
         *readings = readings.noisy(8.0_f64.sqrt() * STD, 1000 + trial);
     });
     for code in ["poor-fit", "stated-noise"] {
@@ -107,11 +107,11 @@ fn another_indentation_than_stated_is_found() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
     let alone = fit_of(&body, STD).estimate(&exact.reading(&markers, None));
-    let std = libm::hypot(alone.unwrap().indentation.std, TOLD.std);
+    let std = libm::hypot(alone.unwrap().indentation.std, STATED.std);
     for off in [-5.0, 5.0] {
         let stated = Measured {
             value: 1.0 + off * std,
-            ..TOLD
+            ..STATED
         };
         let codes = codes([&body; 2], stated, no_change);
         let share = misfit_share(&codes, Some("stated-indentation"));
@@ -123,7 +123,7 @@ fn another_indentation_than_stated_is_found() {
 /// An outlier of 8 standard deviations.
 #[test]
 fn an_outlier_is_found() {
-    let codes = codes([&half_space(); 2], TOLD, |readings, trial| {
+    let codes = codes([&half_space(); 2], STATED, |readings, trial| {
         readings.normal[trial as usize] += 8.0 * STD;
     });
     assert!(misfit_share(&codes, None) >= 0.9, "{codes:?}");
@@ -134,7 +134,7 @@ fn an_elongated_press_is_not_round() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
-    let codes = codes([&body; 2], TOLD, |readings, _| {
+    let codes = codes([&body; 2], STATED, |readings, _| {
         // Two more contacts at either side, half as deep.
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
@@ -200,7 +200,7 @@ fn nearest(count: usize) -> Vec<usize> {
 fn one_marker_among_sound_ones_is_named_where_it_matters() {
     let order = nearest(61);
     let named = |outlier: usize| {
-        let codes = codes([&half_space(); 2], TOLD, |readings, _| {
+        let codes = codes([&half_space(); 2], STATED, |readings, _| {
             readings.normal[outlier] += 4.6 * STD;
         });
         misfit_share(&codes, Some("outlier"))
@@ -221,7 +221,7 @@ fn an_interval_holds_what_the_others_tell_where_one_marker_contradicts_them() {
     let interval = |slip: f64| {
         let mut readings = exact.noisy(0.0, 0);
         readings.normal[marker] += slip * STD;
-        let reading = readings.reading(&markers, Some(TOLD));
+        let reading = readings.reading(&markers, Some(STATED));
         let found = fit.estimate(&reading).unwrap();
         assert!(found.wrong_markers.is_empty());
         let Interval { low, high } = found.relative_curvature.interval;
@@ -278,7 +278,7 @@ fn estimates_of_no_press_are_refused() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let fit = fit_of(&half_space(), STD);
     let readings = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0)).noisy(STD, 1);
-    let reading = readings.reading(&markers, Some(TOLD));
+    let reading = readings.reading(&markers, Some(STATED));
     let sound = fit.estimate(&reading).unwrap();
     assert!(fit.misfits(&reading, &sound).is_ok());
     for number in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e300, 1e-300] {

@@ -97,7 +97,7 @@ fn frames_of_a_trial_have_the_estimate_of_the_trial() {
         let [of_trial, of_trial_std] = simulated(&scene, trial);
         let curvature = &report["object_curvature"];
         let (value, std) = (number(&curvature["value"]), number(&curvature["std"]));
-        // The finder must estimate the image circle and background of recorded frames, so the values differ slightly.
+        // From recorded frames, the image circle and the background are estimated too, so the values differ slightly.
         let off = (value - of_trial) / of_trial_std;
         assert!(off.abs() < 0.1, "{off}");
         assert!((std / of_trial_std - 1.0).abs() < 0.02, "{std}");

@@ -8,7 +8,7 @@ use crate::sensor::{distance_from_uniform, misfit_share};
 
 const PRESSES: u64 = 120;
 const AT: [f64; 2] = [2.5, -1.0];
-const TOLD: Measured = Measured {
+const STATED: Measured = Measured {
     value: 1.0,
     std: 0.02,
 };
@@ -35,16 +35,16 @@ impl Press {
         Self { fit, rest, seen }
     }
 
-    fn estimate(&self, told: Option<Measured>) -> Result<PressEstimate, PressError> {
-        self.fit.estimate(&self.rest, &self.seen, told)
+    fn estimate(&self, given: Option<Measured>) -> Result<PressEstimate, PressError> {
+        self.fit.estimate(&self.rest, &self.seen, given)
     }
 
     /// Codes of the misfits.
-    fn codes(&self, told: Option<Measured>) -> Result<Vec<&'static str>, PressError> {
+    fn codes(&self, given: Option<Measured>) -> Result<Vec<&'static str>, PressError> {
         let Self { fit, rest, seen } = self;
-        let estimate = self.estimate(told)?;
-        let indentation = fit.check_indentation(rest, seen, told)?;
-        let misfits = fit.misfits(rest, seen, told, &estimate)?;
+        let estimate = self.estimate(given)?;
+        let indentation = fit.check_indentation(rest, seen, given)?;
+        let misfits = fit.misfits(rest, seen, given, &estimate)?;
         let misfits = indentation.into_iter().chain(misfits);
         Ok(misfits.map(|misfit| misfit.code()).collect())
     }
@@ -53,17 +53,17 @@ impl Press {
 /// Kolmogorov's distance from the uniform distribution, of which 120 draws pass 0.149 once in a hundred times.
 #[test]
 fn p_values_are_uniform_where_the_model_holds() {
-    for told in [None, Some(TOLD)] {
+    for given in [None, Some(STATED)] {
         let p_value = |number| {
             let mut stream = Stream::new(5, number, Channel::Indentation);
-            let told = told.map(|told| Measured {
-                value: told.value + told.std * stream.standard_normal(),
-                ..told
+            let given = given.map(|given| Measured {
+                value: given.value + given.std * stream.standard_normal(),
+                ..given
             });
             let press = Press::of(number, fit(None, ROUGHLY), |_| {});
-            let goodness = press.estimate(told).unwrap().goodness.unwrap();
+            let goodness = press.estimate(given).unwrap().goodness.unwrap();
             // Four numbers of each marker, less curvature, place and an indentation of which nothing is known.
-            let unknowns = 4 - usize::from(told.is_some());
+            let unknowns = 4 - usize::from(given.is_some());
             assert_eq!(goodness.freedom, 4 * 81 - unknowns);
             goodness.p_value
         };
@@ -86,16 +86,16 @@ fn goodness_knows_what_is_thought_exact() {
 fn codes(
     trials: u64,
     fit: impl Fn() -> ImageFit<Ideal>,
-    told: Option<Measured>,
+    given: Option<Measured>,
     change: impl Fn(&mut [[MarkerDisplacement; 2]]),
 ) -> Vec<Vec<&'static str>> {
-    let of_trial = |number| Press::of(number, fit(), &change).codes(told).ok();
+    let of_trial = |number| Press::of(number, fit(), &change).codes(given).ok();
     (0..trials).filter_map(of_trial).collect()
 }
 
 #[test]
 fn sound_images_seldom_have_a_misfit() {
-    let codes = codes(PRESSES, || fit(None, ROUGHLY), Some(TOLD), |_| {});
+    let codes = codes(PRESSES, || fit(None, ROUGHLY), Some(STATED), |_| {});
     assert_eq!(codes.len() as u64, PRESSES);
     // Of 120 presses 6 are expected at 5 %; more than 11 have a chance of 2 %.
     assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
@@ -109,7 +109,7 @@ fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
 
 #[test]
 fn another_body_is_found() {
-    let codes = codes(20, || fit(Some(10.0), ROUGHLY), Some(TOLD), |_| {});
+    let codes = codes(20, || fit(Some(10.0), ROUGHLY), Some(STATED), |_| {});
     assert!(codes.len() > 15, "{}", codes.len());
     for code in ["poor-fit", "other-body"] {
         assert!(misfit_share(&codes, Some(code)) > 0.9, "{codes:?}");
@@ -121,7 +121,7 @@ fn another_body_is_found() {
 fn what_no_press_does_is_refused_by_that_name() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
         let press = Press::of(1, fit(None, ROUGHLY), change);
-        [None, Some(TOLD)].map(|told| press.estimate(told).unwrap_err().name())
+        [None, Some(STATED)].map(|given| press.estimate(given).unwrap_err().name())
     };
     let outward = refused(|moved| {
         for disc in moved.iter_mut().flatten() {
@@ -171,7 +171,7 @@ fn an_elongated_press_is_not_round() {
 
 #[test]
 fn another_indentation_than_stated_is_found() {
-    for std in [TOLD.std, 0.0] {
+    for std in [STATED.std, 0.0] {
         let stated = Measured { value: 1.15, std };
         let codes = codes(20, || fit(None, ROUGHLY), Some(stated), |_| {});
         assert!(codes.len() > 15, "{}", codes.len());

@@ -111,7 +111,7 @@ impl OutputDir {
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        // Recorded readings have the same header as simulated ones.
+        // Readings that a user recorded have the same header: it does not show that palpate wrote the file.
         let is_lone = self.manifest.is_none() && name != names::READINGS;
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
