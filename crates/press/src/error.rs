@@ -140,30 +140,6 @@ pub enum PressError {
         /// Distance along the skin, length.
         distance: f64,
     },
-    /// Markers of a calibration press contradict the frame at rest and the other presses; there are too many to be outliers.
-    #[error(
-        "calibrating press {press} (counting from 0) contradicts the frame at rest and the other presses: at least {markers} of \
-         its markers do, and at most {most} may; its object, place or indentation is another, or the sensor"
-    )]
-    ContradictingPress {
-        /// Number of the press, counted from 0.
-        press: usize,
-        /// Least number of its markers that contradict.
-        markers: usize,
-        /// Largest allowed number of outliers.
-        most: usize,
-    },
-    /// Markers at rest contradict the calibration presses; there are too many to be outliers.
-    #[error(
-        "the frame at rest contradicts the presses that calibrate the sensor: at least {markers} of its markers do, and at most \
-         {most} may; it is of another sensor"
-    )]
-    ContradictingRest {
-        /// Least number of its markers that contradict.
-        markers: usize,
-        /// Largest allowed number of outliers.
-        most: usize,
-    },
     /// A marker has a reading at rest, although it is hidden from the camera of the sensor that fits the other markers.
     #[error(
         "marker {marker} (counting from 0) was seen at rest, but no camera that the others allow sees it; the layout or the \

@@ -6,7 +6,6 @@
 //! determines the contact. Departures that remain uncertain are common to all markers. They are parameters of the fit with a
 //! covariance, so that the interval includes their uncertainty.
 
-mod calibration_press;
 mod curvature_posterior;
 mod departure_prior;
 mod descent;
@@ -20,7 +19,6 @@ mod rest;
 mod sensor_update;
 mod view;
 
-pub use calibration_press::CalibrationPress;
 pub use departure_prior::DeparturePrior;
 pub use rest::Rest;
 pub use view::{PictureSlopes, Seen, SensorState, Steps, View};

@@ -31,7 +31,7 @@ pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
 pub use image_fit::{
-    CalibrationPress, DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
+    DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};

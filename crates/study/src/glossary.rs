@@ -209,8 +209,6 @@ subjects! {
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. Where nothing touches, noise passes for a press in fewer than 5 of 100. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
         "other-body": "The kind of the fitted body, its thickness or the depth of the markers is wrong. This is an error if no press fits, and a warning if the fit is bad.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
-        "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
-        "contradicting-rest": "Markers at rest contradict the presses that calibrate a camera sensor, more than one in eight: the frame is of another sensor.";
         "hidden-marker": "A marker was seen in the frame at rest where no camera like the one that is meant sees it: the layout or the camera is another.";
     }
     "Failures of cameras and frames" {

@@ -1,8 +1,7 @@
-//! Least-squares search for the sensor that fits its frames.
+//! Least-squares search for the sensor that fits its frame at rest.
 
 use nalgebra::DVector;
 
-use super::calibration_press::CalibrationFrame;
 use super::image_search::WRONG;
 use super::rest::{Pictures, Rest, Resting, State};
 use super::view::{NUMBERS, View};
@@ -46,14 +45,6 @@ impl Cost {
             false => f64::INFINITY,
         }
     }
-
-    /// Sum of all squares; infinite if a marker with a reading is hidden in the model.
-    fn sum(self) -> f64 {
-        match self.hidden {
-            0 => self.squares,
-            _ => f64::INFINITY,
-        }
-    }
 }
 
 impl<V: View> Resting<'_, V> {
@@ -80,16 +71,22 @@ impl<V: View> Resting<'_, V> {
             }
         }
         let (minimum, _) = least.ok_or(PressError::OutOfRange)?;
-        let Minimum { state, cost, .. } = minimum;
+        let Minimum {
+            state,
+            pictures,
+            cost,
+        } = minimum;
+        let mut readings = self.frame.weights.iter().zip(&pictures);
+        let is_hidden =
+            |(weight, picture): (&Option<_>, &Option<_>)| weight.is_some() && picture.is_none();
+        if let Some(marker) = readings.position(is_hidden) {
+            return Err(PressError::HiddenMarker { marker });
+        }
         let slopes = self.slopes(&state).ok_or(PressError::OutOfRange)?;
         let equations = self.equations(&state, &slopes, 0.0);
-        let rest = self.result(
-            state,
-            equations.ok_or(PressError::OutOfRange)?,
-            slopes,
-            cost.sum(),
-        );
-        rest.ok_or(PressError::OutOfRange)
+        let equations = equations.filter(|_| cost.squares.is_finite());
+        let equations = equations.ok_or(PressError::OutOfRange)?;
+        Ok(self.result(state, equations, slopes, cost.squares))
     }
 
     /// Finds the minimum by a search that starts with the variances multiplied by a factor and decreases it to 1. Far from the
@@ -115,32 +112,26 @@ impl<V: View> Resting<'_, V> {
 
     /// Sum of the squares of each marker: infinite if it has a reading but is hidden in the model, `None` without a reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
-        let square =
-            |marker: usize, frame: &CalibrationFrame, pictures: &[Option<[f64; NUMBERS]>]| {
-                let weight = frame.weights[marker].as_ref()?;
-                let residual = frame.residual(marker, pictures);
-                // A marker with a reading cannot be hidden.
-                Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
-            };
         let own = |marker: usize| {
-            let frames = self.frames.iter().zip(pictures);
-            let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
-            let squares = squares.reduce(|sum, square| sum + square)?;
+            let weight = self.frame.weights[marker].as_ref()?;
+            let residual = self.frame.residual(marker, pictures);
+            // A marker with a reading cannot be hidden.
+            let square =
+                residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual)));
             let [x, y] = state.misalignments[marker];
             let known = match self.fit.misalignment_std {
                 0.0 => 0.0,
                 std => (x * x + y * y) / (std * std),
             };
-            Some(squares + known)
+            Some(square + known)
         };
         (0..self.markers()).map(own).collect()
     }
 
     /// Sum of the squares, each limited to the least value of an outlier.
     fn robust(&self, minimum: &Minimum) -> f64 {
-        let most = WRONG * self.frames.len() as f64;
         let own = self.own_costs(&minimum.state, &minimum.pictures);
-        let own = own.into_iter().flatten().map(|square| square.min(most));
+        let own = own.into_iter().flatten().map(|square| square.min(WRONG));
         minimum.state.common.norm_squared() + own.sum::<f64>()
     }
 
@@ -150,20 +141,18 @@ impl<V: View> Resting<'_, V> {
         let costs = self.own_costs(state, &pictures);
         let mut squares: Vec<f64> = costs.into_iter().flatten().collect();
         squares.sort_by(f64::total_cmp);
-        let numbers = NUMBERS * self.frames.len();
         let middle = squares.get(squares.len() / 2)?;
-        Some((middle / numbers as f64).min(MAX_VARIANCE))
+        Some((middle / NUMBERS as f64).min(MAX_VARIANCE))
     }
 
     /// The fit with the variances of all readings multiplied by a factor.
     fn noisier(&self, variance: f64) -> Self {
-        let mut frames = self.frames.to_vec();
-        let weights = frames.iter_mut().flat_map(|frame| &mut frame.weights);
-        for weight in weights.flatten() {
+        let mut frame = (*self.frame).clone();
+        for weight in frame.weights.iter_mut().flatten() {
             *weight /= variance;
         }
         Self {
-            frames: frames.into(),
+            frame: frame.into(),
             free: self.free.clone(),
             known: self.known.clone(),
             fit: self.fit,

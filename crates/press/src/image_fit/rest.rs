@@ -1,14 +1,15 @@
-//! Fit of the sensor to its markers at rest and to calibration presses.
+//! Fit of the sensor to its markers at rest.
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector2, Vector4};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector2, Vector4};
 
 use super::ImageFit;
-use super::calibration_press::CalibrationFrame;
 use super::departure_prior::FreePrior;
-use super::view::{MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View};
-use crate::{GoodnessOfFit, PressError};
+use super::view::{
+    MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View, difference,
+};
+use crate::{GoodnessOfFit, MarkerDisplacement, PressError};
 
 /// The sensor fitted to its markers at rest: misalignments, and departures common to all markers.
 #[derive(Clone, Debug)]
@@ -17,7 +18,7 @@ pub struct Rest {
     pub common: Vec<f64>,
     /// The most likely misalignment of each marker's discs, rad at the sensor's centre.
     pub misalignments: Vec<[f64; 2]>,
-    /// Whether each marker was visible at rest and is no outlier.
+    /// Whether each marker was visible at rest.
     pub seen: Vec<bool>,
     /// Chi-squared, including the priors: about `freedom` if the model holds.
     pub chi_squared: f64,
@@ -29,8 +30,8 @@ pub struct Rest {
     pub(super) local: Vec<Option<Local>>,
     /// Pictures at rest with their slopes, at the sensor where the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The fitted frames.
-    pub(super) frames: Arc<[CalibrationFrame]>,
+    /// The fitted frame.
+    pub(super) frame: Arc<RestFrame>,
 }
 
 impl Rest {
@@ -42,7 +43,7 @@ impl Rest {
         }
     }
 
-    /// Goodness of fit of the sensor to its frames; the p-value is small if they contradict each other or the priors.
+    /// Goodness of fit of the sensor to its frame; the p-value is small if the frame contradicts the priors.
     pub fn goodness(&self) -> GoodnessOfFit {
         GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
@@ -69,28 +70,47 @@ impl<V: View> ImageFit<V> {
     /// without a marker; [`PressError::HiddenMarker`] if a marker has a reading but is hidden in the model;
     /// [`PressError::OutOfRange`] if no sensor fits.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
-        self.calibrated(seen, &[])
+        self.validate()?;
+        let frame = RestFrame {
+            weights: self.weights(seen)?,
+            seen: seen.to_vec(),
+        };
+        if frame.markers() == 0 {
+            return Err(PressError::TooFewMarkers {
+                markers: 0,
+                equations: 0,
+                needed: 1,
+            });
+        }
+        self.resting(frame.into())?.rest()
     }
 
-    /// Fits the sensor to all frames together.
-    pub(super) fn fit_frames(&self, frames: Vec<CalibrationFrame>) -> Result<Rest, PressError> {
-        Resting {
+    /// Inverse covariance of each marker's reading.
+    fn weights(&self, seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
+        let good = seen.len() == self.markers.places().len();
+        PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
+        let weight = |(marker, seen): (usize, &Option<Seen>)| {
+            let Some(seen) = seen else { return Ok(None) };
+            seen.check(marker)?;
+            let factor = seen.errors().cholesky();
+            let factor = factor.ok_or(PressError::NotFinite { marker })?;
+            Ok(Some(factor.inverse()))
+        };
+        seen.iter().enumerate().map(weight).collect()
+    }
+
+    fn resting(&self, frame: Arc<RestFrame>) -> Result<Resting<'_, V>, PressError> {
+        Ok(Resting {
             fit: self,
             free: self.free(),
             known: self.known()?.map(Arc::new),
-            frames: frames.into(),
-        }
-        .rest()
+            frame,
+        })
     }
 
     /// The fit of the frame at rest, linearised at a sensor; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
-        let resting = Resting {
-            fit: self,
-            free: self.free(),
-            known: self.known().ok()?.map(Arc::new),
-            frames: Arc::clone(&rest.frames),
-        };
+        let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
         let common = free.map(|&number| sensor.common[number] / self.common_stds[number]);
         let state = State {
@@ -100,18 +120,42 @@ impl<V: View> ImageFit<V> {
         let slopes = resting.slopes(&state)?;
         let equations = resting.equations(&state, &slopes, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
-        resting.result(likeliest, equations, slopes, rest.chi_squared)
+        Some(resting.result(likeliest, equations, slopes, rest.chi_squared))
     }
 }
 
-/// The fit of a sensor to frames: at rest, and in calibration presses.
+/// Readings of the markers at rest.
+#[derive(Clone, Debug)]
+pub(super) struct RestFrame {
+    seen: Vec<Option<Seen>>,
+    /// Inverse covariances of the readings; `None` for markers without a reading.
+    pub(super) weights: Vec<Option<Matrix4<f64>>>,
+}
+
+impl RestFrame {
+    /// Number of the used markers.
+    fn markers(&self) -> usize {
+        self.weights.iter().flatten().count()
+    }
+
+    /// Difference between the reading of a marker and its predicted picture.
+    pub(super) fn residual(
+        &self,
+        marker: usize,
+        pictures: &[Option<[f64; NUMBERS]>],
+    ) -> Option<Vector4<f64>> {
+        let (seen, picture) = (self.seen[marker]?, pictures[marker]?);
+        Some(Vector4::from(difference(&seen.picture, &picture)))
+    }
+}
+
+/// The fit of a sensor to its frame at rest.
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
     /// Prior of free departures, if there is one.
     pub(super) known: Option<Arc<FreePrior>>,
-    /// The first frame is at rest.
-    pub(super) frames: Arc<[CalibrationFrame]>,
+    pub(super) frame: Arc<RestFrame>,
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
@@ -121,8 +165,8 @@ pub(super) struct State {
     pub(super) misalignments: Vec<[f64; 2]>,
 }
 
-/// Pictures of the markers in each frame.
-pub(super) type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
+/// Pictures of the markers.
+pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
 /// Equations of one step, with the misalignments eliminated.
 pub(super) struct Equations {
@@ -180,21 +224,21 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// The fitted sensor from equations with the solution `state`, and from the slopes of all frames.
+    /// The fitted sensor from equations with the solution `state`.
     pub(super) fn result(
         &self,
         state: State,
         equations: Equations,
-        slopes: Vec<PictureSlopes>,
+        slopes: PictureSlopes,
         chi_squared: f64,
-    ) -> Option<Rest> {
+    ) -> Rest {
         let Equations {
             information, local, ..
         } = equations;
-        Some(Rest {
+        Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
-            seen: self.frames[0].weights.iter().map(Option::is_some).collect(),
+            seen: self.frame.weights.iter().map(Option::is_some).collect(),
             chi_squared,
             freedom: self.freedom(),
             information,
@@ -207,19 +251,14 @@ impl<V: View> Resting<'_, V> {
                     })
                 })
                 .collect(),
-            slopes: Arc::new(slopes.into_iter().next()?),
-            frames: Arc::clone(&self.frames),
-        })
+            slopes: Arc::new(slopes),
+            frame: Arc::clone(&self.frame),
+        }
     }
 
     /// Degrees of freedom: the number of readings, because each unknown has a prior.
     pub(super) fn freedom(&self) -> usize {
-        NUMBERS
-            * self
-                .frames
-                .iter()
-                .map(CalibrationFrame::markers)
-                .sum::<usize>()
+        NUMBERS * self.frame.markers()
     }
 
     fn common(&self, state: &State) -> Vec<f64> {
@@ -240,66 +279,62 @@ impl<V: View> Resting<'_, V> {
             common: &common,
             misalignments: &state.misalignments,
         };
-        let frames = self.frames.iter();
-        frames
-            .map(|frame| self.fit.pictures(&sensor, &frame.moved_at(&common)))
-            .collect()
+        self.fit.pictures(&sensor, &self.still())
     }
 
-    pub(super) fn slopes(&self, state: &State) -> Option<Vec<PictureSlopes>> {
+    pub(super) fn slopes(&self, state: &State) -> Option<PictureSlopes> {
         let common = self.common(state);
         let sensor = SensorState {
             common: &common,
             misalignments: &state.misalignments,
         };
-        let of_frame = |frame: &CalibrationFrame| {
-            let moved = frame.moved_at(&common);
-            self.fit.slopes(&sensor, &moved, frame.per_depth.as_deref())
-        };
-        self.frames.iter().map(of_frame).collect()
+        self.fit.slopes(&sensor, &self.still(), None)
+    }
+
+    /// No displacement of any disc.
+    fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
+        vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }
 
     /// The equations of a step from a state; `damping` is relative to the information of the priors.
     pub(super) fn equations(
         &self,
         state: &State,
-        slopes: &[PictureSlopes],
+        slopes: &PictureSlopes,
         damping: f64,
     ) -> Option<Equations> {
         let count = self.free.len();
         let mut information = DMatrix::<f64>::identity(count, count) * (1.0 + damping);
         let mut right = -state.common.clone();
         let mut owns: Vec<Option<Own>> = vec![None; self.markers()];
-        for (frame, slopes) in self.frames.iter().zip(slopes) {
-            let mut weighted = slopes.common.clone();
-            let mut residuals = DVector::zeros(weighted.nrows());
-            for (marker, own) in owns.iter_mut().enumerate() {
-                let first = NUMBERS * marker;
-                let residual = frame.residual(marker, &slopes.pictures);
-                let parts = frame.weights[marker].as_ref().zip(residual);
-                let Some((weight, residual)) = parts else {
-                    weighted.rows_mut(first, NUMBERS).fill(0.0);
-                    continue;
-                };
-                let own = own.get_or_insert_with(|| Own::new(count));
-                let by_local = &slopes.misalignments[marker];
-                let local_weighted = by_local.transpose() * weight;
-                residuals
-                    .fixed_rows_mut::<NUMBERS>(first)
-                    .copy_from(&residual);
-                for column in 0..count {
-                    let mut rows = weighted.fixed_view_mut::<NUMBERS, 1>(first, column);
-                    let by_common: Vector4<f64> = rows.clone_owned();
-                    rows.copy_from(&(weight * by_common));
-                    let mut across = own.across.fixed_view_mut::<2, 1>(0, column);
-                    across += local_weighted * by_common;
-                }
-                own.square += local_weighted * by_local;
-                own.right += local_weighted * residual;
+        let mut weighted = slopes.common.clone();
+        let mut residuals = DVector::zeros(weighted.nrows());
+        for (marker, own) in owns.iter_mut().enumerate() {
+            let first = NUMBERS * marker;
+            let residual = self.frame.residual(marker, &slopes.pictures);
+            let parts = self.frame.weights[marker].as_ref().zip(residual);
+            let Some((weight, residual)) = parts else {
+                weighted.rows_mut(first, NUMBERS).fill(0.0);
+                continue;
+            };
+            let own = own.insert(Own::new(count));
+            let by_local = &slopes.misalignments[marker];
+            let local_weighted = by_local.transpose() * weight;
+            residuals
+                .fixed_rows_mut::<NUMBERS>(first)
+                .copy_from(&residual);
+            for column in 0..count {
+                let mut rows = weighted.fixed_view_mut::<NUMBERS, 1>(first, column);
+                let by_common: Vector4<f64> = rows.clone_owned();
+                rows.copy_from(&(weight * by_common));
+                let mut across = own.across.fixed_view_mut::<2, 1>(0, column);
+                across += local_weighted * by_common;
             }
-            information += products(&slopes.common, &weighted);
-            right += weighted.tr_mul(&residuals);
+            own.square += local_weighted * by_local;
+            own.right += local_weighted * residual;
         }
+        information += products(&slopes.common, &weighted);
+        right += weighted.tr_mul(&residuals);
         let mut across = DMatrix::zeros(2 * owns.len(), count);
         let mut taken = across.clone();
         let mut taken_right = DVector::zeros(across.nrows());

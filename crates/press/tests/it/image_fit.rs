@@ -10,7 +10,6 @@ use proptest::prelude::*;
 
 use crate::ideal::{Ideal, RADIUS, ROUGHLY, STDS};
 
-mod calibration_press;
 mod departure_prior;
 mod image_check;
 mod limits;
@@ -343,6 +342,69 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
             ..fit.clone()
         };
         assert_eq!(wrong.at_rest(&good).unwrap_err().name(), "bad-setting");
+    }
+}
+
+/// A camera with a hidden marker, or one that returns another number of markers.
+#[derive(Clone)]
+struct Partial {
+    whole: Ideal,
+    hidden: Option<usize>,
+    count: usize,
+}
+
+impl View for Partial {
+    fn pictures(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<Vec<Option<[f64; 4]>>> {
+        let mut pictures = self.whole.pictures(sensor, moved)?;
+        if let Some(hidden) = self.hidden {
+            pictures[hidden] = None;
+        }
+        pictures.resize(self.count, None);
+        Some(pictures)
+    }
+}
+
+fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
+    let fit = fit(None, ROUGHLY);
+    ImageFit {
+        view: Partial {
+            whole: fit.view,
+            hidden,
+            count,
+        },
+        markers: fit.markers,
+        bodies: fit.bodies,
+        deeper: fit.deeper,
+        common_stds: fit.common_stds,
+        departure_prior: fit.departure_prior,
+        misalignment_std: fit.misalignment_std,
+        shift_std: fit.shift_std,
+    }
+}
+
+#[test]
+fn a_reading_of_a_hidden_marker_is_named() {
+    let at_rest = Truth::drawn(2, ROUGHLY).at_rest(None);
+    let error = partial(Some(30), 81).at_rest(&at_rest).map(|_| ());
+    assert_eq!(error, Err(PressError::HiddenMarker { marker: 30 }));
+}
+
+#[test]
+fn camera_models_with_another_number_of_markers_are_refused() {
+    let truth = Truth::drawn(2, ROUGHLY);
+    let (at_rest, seen) = (
+        truth.at_rest(None),
+        truth.seen(&truth.moved(None, [0.0; 2], 0.5), None),
+    );
+    let rest = partial(None, 81).at_rest(&at_rest).unwrap();
+    for count in [0, 80, 82] {
+        let fit = partial(None, count);
+        assert!(fit.at_rest(&at_rest).is_err(), "{count}");
+        assert!(fit.estimate(&rest, &seen, None).is_err(), "{count}");
     }
 }
 

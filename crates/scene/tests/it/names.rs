@@ -116,7 +116,7 @@ fn names_in_tables_do_not_change() {
         too-few-contacts not-finite bad-weight bad-normal missing-normal coincident collinear folded no-plane no-side tip-too-large \
         undetermined bad-setting out-of-range\n\
         bad-setting not-finite off-skin no-indentation conforming edge-contact too-deep too-wide layer-too-thin \
-        too-few-markers no-contact other-body off-markers contradicting-press contradicting-rest hidden-marker undetermined out-of-range\n\
+        too-few-markers no-contact other-body off-markers hidden-marker undetermined out-of-range\n\
         bad-setting folded-lens bad-depth off-the-skin too-many-markers discs-overlap wrong-count impossible-motion\n\
         empty-image too-small too-large mask-outside marker-diameter no-markers too-many";
     assert_eq!(names.map(|names| names.join(" ")).join("\n"), expected);

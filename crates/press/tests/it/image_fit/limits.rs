@@ -1,6 +1,6 @@
 //! Sensors of any size, presses at the resolution limit of pictures, and the names of errors.
 
-use palpate_press::{CalibrationPress, Rest};
+use palpate_press::Rest;
 
 use super::*;
 
@@ -96,21 +96,17 @@ impl Press {
         (1.0 + self.object) / (RADIUS * self.unit)
     }
 
-    /// The press with its true parameters, for these errors of the camera model.
-    fn known(&self, common: &[f64; 5]) -> CalibrationPress {
-        CalibrationPress {
-            seen: self.seen(common, &self.moved()),
-            relative_curvature: self.relative_curvature(),
-            at: [self.x * self.unit, 0.0],
-            indentation: self.depth * RADIUS * self.unit,
-        }
-    }
-
     /// Cramér–Rao bound of the curvature, relative to the sensor's.
     fn bound(&self) -> f64 {
-        let press = self.known(&EXACT);
-        let at = (press.relative_curvature, press.at, press.indentation);
-        let bound = self.fit().std_bound(&self.rest(), &press.seen, None, at);
+        let at = [self.x * self.unit, 0.0];
+        let press = (
+            self.relative_curvature(),
+            at,
+            self.depth * RADIUS * self.unit,
+        );
+        let bound = self
+            .fit()
+            .std_bound(&self.rest(), &self.pressed(), None, press);
         bound.unwrap() * RADIUS * self.unit
     }
 }
@@ -261,13 +257,10 @@ fn camera_errors_are_estimated_on_sensors_of_any_size() {
         };
         let still = [[MarkerDisplacement::default(); 2]; MARKERS];
         let seen = press.seen(&DEPARTED, &still);
-        let alone = press.fit().at_rest(&seen).unwrap();
-        let by_press = press.fit().calibrated(&seen, &[press.known(&DEPARTED)]);
-        for rest in [alone, by_press.unwrap()] {
-            for number in 2..5 {
-                let off = (rest.common[number] - DEPARTED[number]) / ROUGHLY[number];
-                assert!(off.abs() < 1e-4, "{unit:e}: {off:e}");
-            }
+        let rest = press.fit().at_rest(&seen).unwrap();
+        for number in 2..5 {
+            let off = (rest.common[number] - DEPARTED[number]) / ROUGHLY[number];
+            assert!(off.abs() < 1e-4, "{unit:e}: {off:e}");
         }
     }
 }
@@ -284,42 +277,6 @@ fn bounds_are_in_proportion_to_units_and_errors() {
         .bound();
         assert!((bound / stated / usual - 1.0).abs() < 1e-9);
     }
-}
-
-#[test]
-fn impossible_known_presses_have_named_errors() {
-    let by = |change: &dyn Fn(&mut CalibrationPress)| {
-        let mut known = PRESS.known(&EXACT);
-        change(&mut known);
-        let press = Press {
-            known: ROUGHLY,
-            ..PRESS
-        };
-        press.fit().calibrated(&PRESS.at_rest(), &[known])
-    };
-    for bad in [f64::NAN, 0.0, -1.0, 1e51] {
-        let found = by(&|press| press.relative_curvature = bad);
-        assert_eq!(name(found), "bad-setting");
-    }
-    for bad in [f64::NAN, 1e51] {
-        assert_eq!(name(by(&|press| press.at[0] = bad)), "out-of-range");
-    }
-    for (bad, expected) in [
-        (f64::NAN, "out-of-range"),
-        (-1.0, "out-of-range"),
-        (0.0, "no-indentation"),
-        (RADIUS, "too-deep"),
-    ] {
-        assert_eq!(name(by(&|press| press.indentation = bad)), expected);
-    }
-    assert_eq!(name(by(&|press| press.seen.truncate(80))), "bad-setting");
-    let found = by(&|press| press.seen[7].as_mut().unwrap().picture[2] = f64::NAN);
-    assert_eq!(name(found), "not-finite");
-    let found = by(&|press| press.relative_curvature *= 2.0);
-    assert_eq!(name(found), "contradicting-press");
-    // A press without visible markers does not change the calibration.
-    let rest = by(&|press| press.seen = few(0)).unwrap();
-    assert!(rest.common.iter().all(|more| more.abs() < 1e-6));
 }
 
 #[test]
