@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};
 use palpate_press::Body;
 use palpate_rolling::HeldAxis;
-use palpate_tracking::{Finder, FinderSettings};
+use palpate_tracking::Finder;
 
 use crate::paraboloid_reference::{self, ParaboloidPress, largest_error};
 use crate::workloads::camera_frames::{self, Disc};
@@ -126,7 +126,7 @@ fn ep2_errors() -> Result<Figures> {
 /// Errors of the markers that the tracker finds in a frame with a dark background and in a rendered frame.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
-    let dark = camera_frames::errors(&camera_frames::finder(640)?.find(&frame)?.markers, &discs);
+    let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
     let (optics, motions) = (camera_frames::optics(640)?, camera_frames::motions());
     let frame = optics.render(&motions, None)?;
     let discs = optics.project(&motions)?.into_iter().flatten();
@@ -134,7 +134,7 @@ fn frame_errors() -> Result<Figures> {
         centroid_px: disc.centroid_px,
         hue_turns: disc.hue_turns,
     });
-    let mut finder = Finder::new(FinderSettings::default())?;
+    let mut finder = Finder::default();
     let rendered = camera_frames::errors(&finder.find(&frame)?.markers, &discs.collect::<Vec<_>>());
     let named = |frame, [px, turns]: [f64; 2]| {
         [

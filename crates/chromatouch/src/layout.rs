@@ -9,7 +9,7 @@ use palpate_statistics::BadSetting;
 use crate::LayoutError;
 
 /// Largest number of markers of a layout.
-pub const MOST_MARKERS: usize = 100_000;
+pub(crate) const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
 ///

@@ -7,16 +7,12 @@ mod optics;
 mod pattern;
 
 pub use error::LayoutError;
-pub use layout::{Layout, MOST_MARKERS};
+pub use layout::Layout;
 pub use optics::{
-    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, LARGEST_FRAME, Lens,
-    MarkerArray, MarkerMotion, MarkerSlopes, OddTerms, Optics, OpticsError, Pose, Seams,
-    SeenMarker,
+    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, Lens, MarkerArray, MarkerMotion,
+    MarkerSlopes, OddTerms, Optics, OpticsError, Pose, Seams, SeenMarker,
 };
-pub use pattern::{
-    CuttingSheet, Discs, FEWEST_GORES, FlatPlace, FoldStrain, MOST_GORES, MOST_SAMPLES, Pattern,
-    PatternError,
-};
+pub use pattern::{CuttingSheet, Discs, FoldStrain, Pattern, PatternError};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

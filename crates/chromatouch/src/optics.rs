@@ -16,7 +16,7 @@ mod sines;
 mod slopes;
 
 pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
-pub use camera::{Camera, LARGEST_FRAME};
+pub use camera::Camera;
 pub use colours::Colours;
 pub use departure::Departure;
 pub use error::OpticsError;
@@ -117,11 +117,6 @@ impl Optics {
         &self.camera
     }
 
-    /// The blemishes of the image.
-    pub const fn blemishes(&self) -> &Blemishes {
-        &self.blemishes
-    }
-
     /// The markers of the sensor.
     pub const fn array(&self) -> &MarkerArray {
         &self.array
@@ -133,10 +128,10 @@ impl Optics {
         motions: &'a [Option<MarkerMotion>],
     ) -> Result<impl Iterator<Item = Result<Option<MarkerSight>, OpticsError>> + 'a, OpticsError>
     {
-        if motions.len() != self.array.len() {
+        if motions.len() != self.array.places().len() {
             return Err(OpticsError::WrongCount {
                 motions: motions.len(),
-                markers: self.array.len(),
+                markers: self.array.places().len(),
             });
         }
         let motions = motions.iter().enumerate();

@@ -83,7 +83,7 @@ impl ImageFitSetup<'_> {
             _ => None,
         };
         let missing = || FieldError::at(ESTIMATOR, "no layer at the depths of the discs");
-        let aligned = vec![[0.0; 2]; self.optics.array().len()];
+        let aligned = vec![[0.0; 2]; self.optics.array().places().len()];
         let optics = self.optics.misaligned(&aligned);
         Ok(Some(ImageFit {
             view: ImageModel {

@@ -119,7 +119,7 @@ impl<'a> MarkerSphere<'a> {
         match self.discs()?.misalignment {
             0.0 => Ok(array),
             most => array
-                .misaligned(most, seed)
+                .misaligned(most, seed, 0)
                 .map_err(|error| optics_error(&error)),
         }
     }

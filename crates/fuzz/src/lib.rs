@@ -14,7 +14,7 @@ use palpate_recorded::{
     CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
 };
 use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig};
-use palpate_tracking::{Finder, FinderSettings};
+use palpate_tracking::Finder;
 
 /// A reader under test.
 #[derive(Clone, Copy, Debug)]
@@ -166,9 +166,7 @@ pub fn frame(bytes: &[u8]) -> Outcome {
     if frame.image.width().saturating_mul(frame.image.height()) > MAX_PIXELS {
         return Ok(());
     }
-    let finder = Finder::new(FinderSettings::default());
-    let mut finder = finder.expect("the default settings are valid");
-    check_finite(&with_message(finder.find(&frame.image))?);
+    check_finite(&with_message(Finder::default().find(&frame.image))?);
     Ok(())
 }
 

@@ -174,7 +174,7 @@ impl CameraReading {
     /// about the frames.
     pub(super) fn pressed_by(&self, mut object: PressReport) -> TrackedPress {
         object.warnings.extend(self.warnings.iter().cloned());
-        let outward = self.field.outward().mean.filter(|_| self.has_tangential);
+        let outward = self.field.outward().filter(|_| self.has_tangential);
         TrackedPress {
             frames: self.fates,
             outward_displacement: outward

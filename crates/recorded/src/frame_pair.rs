@@ -4,7 +4,7 @@ use std::num::NonZeroU8;
 
 use image::RgbImage;
 use palpate_tracking::{
-    Change, Finder, FinderSettings, Found, Marker, Status, Track, TrackingError, difference,
+    Change, Finder, Found, Marker, Status, Track, TrackingError, difference,
     match_markers,
 };
 use serde::Serialize;
@@ -95,10 +95,7 @@ pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
         file: frame.file.clone(),
         message: error.to_string(),
     };
-    let finder = Finder::new(FinderSettings::default());
-    finder
-        .and_then(|mut finder| finder.find(&frame.image))
-        .map_err(refused)
+    Finder::default().find(&frame.image).map_err(refused)
 }
 
 /// Finds the markers of both frames and matches them.

@@ -224,7 +224,6 @@ subjects! {
         "too-small": "The frame, or what its mask leaves, is too small to hold a marker.";
         "too-large": "The frame is larger than is read.";
         "mask-outside": "The image circle is not a circle, or lies outside of the frame.";
-        "marker-diameter": "The diameter of the markers is not a length of at least a pixel.";
         "no-markers": "Nothing stands out from the ground as a marker does.";
         "too-many": "More shapes than a sensor has markers: noise, or no frame of a sensor.";
     }

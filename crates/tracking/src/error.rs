@@ -4,7 +4,7 @@ use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reason why a frame, or the settings of the search, give no markers.
+/// Reason why no markers can be found in a frame.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum TrackingError {
@@ -50,18 +50,6 @@ pub enum TrackingError {
         /// Radius.
         radius_px: f64,
     },
-    /// The markers' diameter is not a length of at least a pixel.
-    #[strum(serialize = "marker-diameter")]
-    #[error(
-        "a marker's diameter of {diameter_px} px: it must be at least {least} px and finite",
-        diameter_px = Number(*diameter_px)
-    )]
-    Diameter {
-        /// Requested diameter, px.
-        diameter_px: f64,
-        /// Smallest allowed diameter, px.
-        least: f64,
-    },
     /// No shape in the frame has the size, form and colour of a marker.
     #[error(
         "no markers: {shapes} shape(s) differ from the ground, none with the size, form and colour \
@@ -79,11 +67,4 @@ pub enum TrackingError {
         /// Largest allowed number.
         most: usize,
     },
-}
-
-impl TrackingError {
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }

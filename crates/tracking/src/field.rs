@@ -2,7 +2,6 @@
 
 use palpate_statistics::Number;
 use spade::{DelaunayTriangulation, FloatTriangulation, HasPosition, Point2, Triangulation};
-use strum::IntoStaticStr;
 use thiserror::Error;
 
 use crate::camera::great_circle;
@@ -19,8 +18,7 @@ pub struct Displaced {
 }
 
 /// Reason why a field of displacement is impossible.
-#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
-#[strum(serialize_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FieldError {
     /// There are no markers.
     #[error("a field needs at least one marker")]
@@ -48,13 +46,6 @@ pub enum FieldError {
         /// Standard deviation, rad.
         value: f64,
     },
-}
-
-impl FieldError {
-    /// The stable name.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }
 
 /// Field of displacements: those of the markers, and natural-neighbour interpolation between them over the map of
@@ -95,19 +86,6 @@ impl HasPosition for Site {
     fn position(&self) -> Point2<f64> {
         self.at
     }
-}
-
-/// Outward displacement of the skin around a contact. Skin that moves outward under a press slips on the object, or is
-/// pushed aside by it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outward {
-    /// Index of the marker with the largest normal displacement; outward is away from this marker.
-    pub centre: usize,
-    /// Component of each marker's tangential displacement away from `centre`, length; 0 for the centre itself.
-    pub of_marker: Vec<f64>,
-    /// Mean of `of_marker` over the other markers, weighted by their inward displacement, so that it covers the
-    /// contact. `None` if no other marker was displaced inward.
-    pub mean: Option<f64>,
 }
 
 impl Field {
@@ -264,10 +242,12 @@ impl Field {
         }
     }
 
-    /// Outward displacements, away from the marker with the largest normal displacement.
-    pub fn outward(&self) -> Outward {
+    /// Mean outward displacement of the skin around a contact: away from the marker with the largest normal displacement,
+    /// over the other markers, weighted by their inward displacement. Skin that moves outward under a press slips on the
+    /// object, or is pushed aside by it. `None` if no other marker was displaced inward.
+    pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
-        let (centre, _) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
+        let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
             if one.1 > best.1 { one } else { best }
         });
         let away = |marker: &Displaced| {
@@ -279,19 +259,13 @@ impl Field {
             let [along_x, along_y] = marker.tangential;
             -(along_x * (x / distance) + along_y * (y / distance))
         };
-        let of_marker: Vec<f64> = self.markers.iter().map(away).collect();
-        let largest = self.markers[centre].normal;
-        let weight = |marker: usize| (self.markers[marker].normal / largest).max(0.0);
-        let others = || (0..of_marker.len()).filter(|&marker| marker != centre && largest > 0.0);
-        let total: f64 = others().map(weight).sum();
-        let sum: f64 = others()
-            .map(|marker| weight(marker) * of_marker[marker])
-            .sum();
-        Outward {
-            centre,
-            mean: (total > 0.0).then(|| sum / total),
-            of_marker,
-        }
+        let markers = self.markers.iter().enumerate();
+        let others = markers.filter(|(marker, _)| *marker != centre && largest > 0.0);
+        let (sum, total) = others.fold((0.0, 0.0), |(sum, total), (_, marker)| {
+            let weight = (marker.normal / largest).max(0.0);
+            (sum + weight * away(marker), total + weight)
+        });
+        (total > 0.0).then(|| sum / total)
     }
 }
 
@@ -306,53 +280,21 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A 5 x 5 grid of places, each with the displacement of a linear field.
-    fn linear() -> Vec<Displaced> {
+    /// A 5 x 5 grid of places with equal displacements.
+    fn still() -> Vec<Displaced> {
+        let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
         (0..25)
-            .map(|index| {
-                [
-                    f64::from(index % 5) * 0.1 - 0.2,
-                    f64::from(index / 5) * 0.1 - 0.2,
-                ]
+            .map(|index| Displaced {
+                place: place(index),
+                tangential: [0.1, -0.2],
+                normal: 0.3,
             })
-            .map(of_linear)
             .collect()
-    }
-
-    fn of_linear([x, y]: [f64; 2]) -> Displaced {
-        Displaced {
-            place: [x, y],
-            tangential: [x + 2.0 * y, -y],
-            normal: 1.0 - x + 0.5 * y,
-        }
-    }
-
-    /// Natural-neighbour interpolation is exact for a linear field.
-    #[test]
-    fn a_linear_field_is_itself() {
-        let field = Field::new(&linear()).expect("sound markers");
-        let found = field.grid(13);
-        assert_eq!(found.len(), 13 * 13);
-        for found in found {
-            let expected = of_linear(found.place);
-            assert_relative_eq!(found.normal, expected.normal, epsilon = 1e-12);
-            for axis in 0..2 {
-                let [found, expected] = [found, expected].map(|one| one.tangential[axis]);
-                assert_relative_eq!(found, expected, epsilon = 1e-12);
-            }
-        }
-        assert_eq!(field.at([0.21, 0.0]), None);
-        assert_eq!(field.at([f64::NAN, 0.0]), None);
     }
 
     #[test]
     fn a_filter_takes_noise_and_leaves_a_constant() {
-        let still = linear().into_iter().map(|marker| Displaced {
-            tangential: [0.1, -0.2],
-            normal: 0.3,
-            ..marker
-        });
-        let still: Vec<Displaced> = still.collect();
+        let still = still();
         let smooth = Field::new(&still).and_then(|field| field.smoothed(0.1));
         for marker in smooth.expect("sound markers").markers() {
             assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
@@ -391,12 +333,8 @@ mod tests {
             marker(north, [0.0, -0.1], 0.25),
             marker([0.3, 0.0], [1.0, 0.0], -0.1),
         ]);
-        let outward = field.expect("sound markers").outward();
-        assert_eq!(outward.centre, 1);
-        for (found, expected) in outward.of_marker.iter().zip([0.2, 0.0, -0.1, 1.0]) {
-            assert_relative_eq!(*found, expected, epsilon = 1e-12);
-        }
-        let mean = outward.mean.expect("others were displaced");
+        let mean = field.expect("sound markers").outward();
+        let mean = mean.expect("others were displaced");
         assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
     }
 
@@ -424,7 +362,7 @@ mod tests {
             for count in [0, 1, 2, 7] {
                 assert!(smooth.grid(count).len() <= count * count);
             }
-            assert!(field.outward().of_marker.iter().all(|one| one.is_finite()));
+            assert!(field.outward().is_none_or(f64::is_finite));
             assert!(field.at(markers[0].place).is_some());
         }
     }

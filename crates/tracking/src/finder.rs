@@ -6,28 +6,11 @@ use crate::binning::LARGEST_BIN;
 use crate::ground_mask::GroundMask;
 use crate::image_circle::Rim;
 use crate::lighting::Lighting;
-use crate::marker_features::{HueWindow, MarkerErrors, errors, marker};
+use crate::marker_features::{MarkerErrors, errors, marker};
 use crate::measure::Scene;
 use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::{Ground, Marker, Mask, TrackingError};
-
-/// Settings of the search. The default values estimate everything from the frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FinderSettings {
-    /// The image circle. `None` uses the rim where the colour of the frame's corners ends, if it is at least roughly a circle,
-    /// otherwise the whole frame.
-    pub mask: Option<Mask>,
-    /// Background of the markers. `None` compares the darkest green and blue with the brightest colours: the ground is bright
-    /// if the darkest are farther from their median.
-    pub ground: Option<Ground>,
-    /// Hues of the markers.
-    pub hues: HueWindow,
-    /// A marker's diameter, px; for a marker of two separate discs, the length of both. It determines the size of the
-    /// top-hat, 2.2 diameters a side, and the resolution of the search. `None` finds markers from a fiftieth to an eighth
-    /// of the circle's diameter.
-    pub marker_diameter_px: Option<f64>,
-}
 
 /// The markers of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,18 +39,13 @@ impl Found {
 const MIN_SIDE: u32 = 16;
 /// Largest side of a frame, px.
 const MAX_SIDE: u32 = 32_768;
-/// Smallest diameter of a marker, px.
-const MIN_DIAMETER_PX: f64 = 3.0;
 /// Number of squares across the image circle that is enough to find markers.
 const SQUARES_PER_CIRCLE: f64 = 256.0;
-/// Number of squares across a marker that is enough to find it.
-const SQUARES_PER_MARKER: f64 = 6.0;
-/// Smallest radius of an image circle, in diameters of a marker.
-const MIN_CIRCLE: f64 = 1.5;
 /// Largest number of shapes.
 const MAX_SHAPES: usize = 16_384;
 
-/// Finds the markers of frames. It reuses its memory for frames of the same size.
+/// Finds the markers of frames, from a fiftieth to an eighth of the image circle's diameter wide. It reuses its memory for
+/// frames of the same size.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
@@ -86,33 +64,21 @@ const MAX_SHAPES: usize = 16_384;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
-    settings: FinderSettings,
+    circle: Option<Mask>,
+    ground: Option<Ground>,
     mask: GroundMask,
 }
 
 impl Finder {
-    /// A finder with these settings.
-    ///
-    /// # Errors
-    /// [`TrackingError::Diameter`] for a diameter that is not a finite length of at least 3 px.
-    pub fn new(settings: FinderSettings) -> Result<Self, TrackingError> {
-        if let Some(diameter_px) = settings.marker_diameter_px
-            && !(MIN_DIAMETER_PX..=f64::from(MAX_SIDE)).contains(&diameter_px)
-        {
-            return Err(TrackingError::Diameter {
-                diameter_px,
-                least: MIN_DIAMETER_PX,
-            });
-        }
-        Ok(Self {
-            settings,
+    /// A finder for this image circle and this background. The default estimates both from the frame: the circle is the rim
+    /// where the colour of the frame's corners ends, if it is at least roughly a circle, otherwise the whole frame; the ground
+    /// is bright if the darkest green and blue are farther from their median than the brightest colours.
+    pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
+        Self {
+            circle,
+            ground,
             ..Self::default()
-        })
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &FinderSettings {
-        &self.settings
+        }
     }
 
     /// Finds the markers of a frame.
@@ -126,28 +92,23 @@ impl Finder {
     pub fn find(&mut self, frame: &RgbImage) -> Result<Found, TrackingError> {
         let (width, height) = frame.dimensions();
         check(width, height)?;
-        let given = self.settings.mask;
-        let given = given.map(|mask| mask.check(width, height)).transpose()?;
+        let given = self.circle.map(|mask| mask.check(width, height));
+        let given = given.transpose()?;
         let circle = given.map_or(f64::INFINITY, |mask| 2.0 * mask.radius_px);
         self.mask
             .frame
-            .read(frame, self.bin(circle.min(f64::from(width.min(height)))));
-        let diameter = self.settings.marker_diameter_px.unwrap_or(0.0);
+            .read(frame, bin(circle.min(f64::from(width.min(height)))));
         let rim = match given {
             Some(_) => None,
             None => Rim::find(&self.mask.frame),
         };
-        let rim = rim.and_then(|rim| {
-            let circle = Mask::fit(&rim, &self.mask.frame, MIN_CIRCLE * diameter)?;
-            Some((circle, rim))
-        });
+        let rim = rim.and_then(|rim| Some((Mask::fit(&rim, &self.mask.frame)?, rim)));
         let mask = given
             .or(rim.as_ref().map(|(circle, _)| *circle))
             .unwrap_or_else(|| Mask::whole(width, height));
         self.mask
             .set_inside(&mask, rim.as_ref().map(|(_, rim)| rim));
-        let ground = self.settings.ground;
-        let ground = ground.unwrap_or_else(|| self.mask.estimate_ground());
+        let ground = self.ground.unwrap_or_else(|| self.mask.estimate_ground());
         self.mask
             .set_top_hat(ground, &mask, self.half(&mask, frame));
         let Some(classes) = self.mask.classes() else {
@@ -169,23 +130,10 @@ impl Finder {
         Ok(found)
     }
 
-    /// Side of the squares of the search, px.
-    fn bin(&self, circle_px: f64) -> usize {
-        let bin = match self.settings.marker_diameter_px {
-            Some(diameter_px) => diameter_px / SQUARES_PER_MARKER,
-            None => circle_px / SQUARES_PER_CIRCLE,
-        };
-        (bin as usize).clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))
-    }
-
     /// Half the side of the top-hat's structuring element, in squares.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
-        let side = self
-            .settings
-            .marker_diameter_px
-            .map_or(circle / 8.0, |diameter| 2.2 * diameter);
-        let half = (0.5 * side / self.mask.frame.bin as f64).ceil() as usize;
+        let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;
         half.clamp(2, self.mask.frame.width.max(self.mask.frame.height))
     }
 
@@ -219,14 +167,13 @@ impl Finder {
             diameter_px: selection.diameter * self.mask.frame.bin as f64,
         };
         let shapes: Vec<Shape> = selection.shapes().cloned().collect();
-        let hues = self.settings.hues;
         let pixels = self.mask.frame.pixels();
         let markers: Vec<Option<(Marker, MarkerErrors)>> = scene
             .measure(&shapes)
             .iter()
             .zip(&shapes)
             .map(|(sums, shape)| {
-                let marker = marker(sums, ground, hues, shape.area() * pixels)?;
+                let marker = marker(sums, ground, shape.area() * pixels)?;
                 Some((marker, errors(sums, ground, &marker)))
             })
             .collect();
@@ -249,6 +196,12 @@ impl Finder {
             cut: ordered(cut).0,
         }
     }
+}
+
+/// Side of the squares of the search, px.
+fn bin(circle_px: f64) -> usize {
+    ((circle_px / SQUARES_PER_CIRCLE) as usize)
+        .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))
 }
 
 fn check(width: u32, height: u32) -> Result<(), TrackingError> {

@@ -87,9 +87,8 @@ impl Mask {
         }
     }
 
-    /// The circle of at least `least_px` radius on which the rim lies, if the rim is visible nearly all around. A ring of
-    /// markers has gaps and is no rim.
-    pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame, least_px: f64) -> Option<Self> {
+    /// The circle on which the rim lies, if the rim is visible nearly all around. A ring of markers has gaps and is no rim.
+    pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
         let [x, y] = circle.centre;
@@ -98,7 +97,6 @@ impl Mask {
         let fits = (0.0..width).contains(&x)
             && (0.0..height).contains(&y)
             && circle.radius > 0.2 * width.min(height)
-            && circle.radius * bin > least_px
             && circle.radius < 0.75 * width.max(height)
             && circle.visible_share(&points, [width, height]) > MIN_VISIBLE;
         fits.then(|| Self {

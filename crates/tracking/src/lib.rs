@@ -25,12 +25,12 @@ pub use calibration::{
 pub use camera::Equidistant;
 pub use difference::{SizesDiffer, difference};
 pub use error::TrackingError;
-pub use field::{Displaced, Field, FieldError, Outward};
-pub use finder::{Finder, FinderSettings, Found};
+pub use field::{Displaced, Field, FieldError};
+pub use finder::{Finder, Found};
 pub use ground_mask::Ground;
 pub use image_circle::Mask;
 pub use marker::{Change, Marker, Status, Track};
-pub use marker_features::{HueWindow, MarkerErrors};
+pub use marker_features::MarkerErrors;
 pub use matching::match_markers;
 
 #[cfg(doctest)]

@@ -4,22 +4,10 @@ use crate::measure::{PixelErrors, Sums};
 use crate::{Ground, Marker};
 use palpate_statistics::hue_turns;
 
-/// Hues of the markers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum HueWindow {
-    /// [`Self::MagentaToYellow`] on a bright ground, [`Self::Any`] on a dark one.
-    #[default]
-    ByGround,
-    /// All hues, including grey.
-    Any,
-    /// Hues from magenta over red to yellow (0.75 to 0.22 turns) with enough chroma, which excludes grey dust.
-    MagentaToYellow,
-}
-
-/// The first and the last hue of [`HueWindow::MagentaToYellow`], turns.
+/// The first and the last hue of markers on a bright ground, turns: from magenta over red to yellow.
 const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
-/// Smallest chroma, relative to the absorbed green and blue light. Pure magenta and pure yellow have 1, magenta over yellow has
-/// 1/2.
+/// Smallest chroma of markers on a bright ground, relative to the absorbed green and blue light; it excludes grey dust. Pure
+/// magenta and pure yellow have 1, magenta over yellow has 1/2.
 const MIN_CHROMA: f64 = 0.2;
 /// Relative standard deviation of the light of a pixel on a marker's edge, times the marker's radius in px. The pixel grid
 /// crosses the edge differently at every place, and a pixel's light counts at its middle. The value was measured on
@@ -29,12 +17,7 @@ const EDGE_PX: f64 = 0.067;
 const COMMON_SHARE: f64 = 0.5;
 
 /// The marker with these sums; `None` if its hue or a number is out of range.
-pub(crate) fn marker(
-    sums: &Sums,
-    ground: Ground,
-    hues: HueWindow,
-    pixels: usize,
-) -> Option<Marker> {
+pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
     let size_px2 = match ground {
@@ -47,13 +30,7 @@ pub(crate) fn marker(
     let (hue_turns, chroma) = hue(sums.hue_light, ground);
     let coloured = chroma >= MIN_CHROMA * light;
     let [first, last] = MAGENTA_TO_YELLOW;
-    let has_hue = match (hues, ground) {
-        (HueWindow::Any, _) | (HueWindow::ByGround, Ground::Dark) => true,
-        (HueWindow::MagentaToYellow, Ground::Dark) => hue_turns >= first || hue_turns <= last,
-        (HueWindow::MagentaToYellow | HueWindow::ByGround, Ground::Bright) => {
-            coloured && (hue_turns >= first || hue_turns <= last)
-        }
-    };
+    let has_hue = ground == Ground::Dark || coloured && (hue_turns >= first || hue_turns <= last);
     let finite =
         centroid_px.iter().all(|at| at.is_finite()) && hue_turns.is_finite() && size_px2 > 0.0;
     (has_hue && finite && size_px2.is_finite()).then_some(Marker {

@@ -8,7 +8,7 @@ use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
     MarkerMotion, Optics,
 };
-use palpate_tracking::{Finder, FinderSettings, Marker, Mask, match_markers};
+use palpate_tracking::{Finder, Marker, Mask, match_markers};
 
 use super::marker_presses::SKIN;
 use crate::accuracy::rms;
@@ -31,7 +31,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
         yellow: 1.0,
     };
     let places = Layout::published().places(SKIN)?;
-    let array = MarkerArray::new(SKIN, &places, discs, depths)?.misaligned(0.3, 1)?;
+    let array = MarkerArray::new(SKIN, &places, discs, depths)?.misaligned(0.3, 1, 0)?;
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0)?;
     Ok(Optics::new(
         array,
@@ -75,17 +75,12 @@ pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
 
 /// A finder with the image circle of [`frame`].
 ///
-/// # Errors
-/// If the circle is invalid.
-pub fn finder(size_px: usize) -> Result<Finder> {
+pub fn finder(size_px: usize) -> Finder {
     let mask = Mask {
         centre_px: [0.5 * size_px as f64; 2],
         radius_px: 0.48 * size_px as f64,
     };
-    Ok(Finder::new(FinderSettings {
-        mask: Some(mask),
-        ..FinderSettings::default()
-    })?)
+    Finder::new(Some(mask), None)
 }
 
 /// Root mean square errors of the centroid (px) and the hue (turns) of the markers nearest to the discs; infinite without a
@@ -136,7 +131,7 @@ pub fn rendering(name: &str, size_px: u32) -> Result<Evaluation> {
 /// If they are not found.
 pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
     let (frame, _) = frame(size_px);
-    let mut finder = finder(size_px)?;
+    let mut finder = finder(size_px);
     finder.find(&frame)?;
     Ok(Evaluation::new(name, move || {
         finder.find(black_box(&frame))
@@ -148,7 +143,7 @@ pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
 /// # Errors
 /// If they are not found.
 pub fn matching(name: &str, size_px: usize) -> Result<Evaluation> {
-    let found = finder(size_px)?.find(&frame(size_px).0)?.markers;
+    let found = finder(size_px).find(&frame(size_px).0)?.markers;
     Ok(Evaluation::new(name, move || {
         match_markers(black_box(&found), black_box(&found))
     }))

@@ -8,8 +8,8 @@ use palpate_sensing::{Channel, Stream};
 use super::OpticsError;
 use super::pose::Pose;
 use super::sines::sinc_and_cosine;
-use crate::layout::too_close;
-use crate::{Discs, MOST_MARKERS};
+use crate::Discs;
+use crate::layout::{MOST_MARKERS, too_close};
 
 /// Allowed lengths: products of a few of them neither overflow nor underflow.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
@@ -164,21 +164,13 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments from manufacture. The yellow disc of each marker is displaced
-    /// along the skin from the magenta one by a vector that is uniform over a circle; the radius of the circle is
-    /// `most` times the yellow diameter. An earlier misalignment is replaced.
+    /// Returns the markers with random misalignments from manufacture, those of trial number `trial`. The yellow disc of each
+    /// marker is displaced along the skin from the magenta one by a vector that is uniform over a circle; the radius of the
+    /// circle is `most` times the yellow diameter. An earlier misalignment is replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
-    pub fn misaligned(self, most: f64, seed: u64) -> Result<Self, OpticsError> {
-        self.misaligned_in(most, seed, 0)
-    }
-
-    /// Returns the markers with the misalignments of trial number `trial`.
-    ///
-    /// # Errors
-    /// [`OpticsError::BadSetting`] for `misalignment`, as in [`MarkerArray::misaligned`].
-    pub fn misaligned_in(mut self, most: f64, seed: u64, trial: u64) -> Result<Self, OpticsError> {
+    pub fn misaligned(mut self, most: f64, seed: u64, trial: u64) -> Result<Self, OpticsError> {
         let good = (0.0..=1.0).contains(&most);
         OpticsError::unless(good, "misalignment", most, "from 0 to 1")?;
         let most_rad = most * 2.0 * self.yellow.half_width;
@@ -205,7 +197,10 @@ impl MarkerArray {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.
-    pub fn with_misalignments(mut self, misalignments: &[[f64; 2]]) -> Result<Self, OpticsError> {
+    pub(super) fn with_misalignments(
+        mut self,
+        misalignments: &[[f64; 2]],
+    ) -> Result<Self, OpticsError> {
         for (stand, misalignment) in self.stands.iter_mut().zip(misalignments) {
             for component in misalignment {
                 let good = component.abs() <= 1.0;
@@ -221,7 +216,7 @@ impl MarkerArray {
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] as [`MarkerArray::new`].
-    pub fn remade(mut self, deeper: [f64; 2], wider: [f64; 2]) -> Result<Self, OpticsError> {
+    pub(super) fn remade(mut self, deeper: [f64; 2], wider: [f64; 2]) -> Result<Self, OpticsError> {
         let radius = self.radius;
         let layers = [&mut self.magenta, &mut self.yellow];
         for ((layer, deeper), wider) in layers.into_iter().zip(deeper).zip(wider) {
@@ -243,16 +238,6 @@ impl MarkerArray {
             layer.half_width = half_width;
         }
         Ok(self)
-    }
-
-    /// Number of markers.
-    pub fn len(&self) -> usize {
-        self.places.len()
-    }
-
-    /// Whether the array has no markers.
-    pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
     }
 
     /// Chart coordinates of the markers on the skin, length.

@@ -2,14 +2,14 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use nalgebra::{UnitVector3, Vector3};
+use nalgebra::Vector3;
 
 use super::lens::{Lens, Local, cap};
 use super::sines::sinc_and_cosine;
 use super::{OddTerms, OpticsError};
 
 /// Largest number of pixels along a side of a frame.
-pub const LARGEST_FRAME: u32 = 8192;
+const LARGEST_FRAME: u32 = 8192;
 
 /// A camera in the sensor's centre, looking at the apex, with a square image.
 ///
@@ -26,8 +26,6 @@ pub const LARGEST_FRAME: u32 = 8192;
 /// let place = camera.image(&Vector3::new(sine, 0.0, cosine)).ok_or("outside the image circle")?;
 /// assert!((place[0] - (319.5 + 160.0)).abs() < 1e-9);
 /// assert!((place[1] - 319.5).abs() < 1e-9);
-/// let direction = camera.direction(place).ok_or("outside the image circle")?;
-/// assert!((direction.x - sine).abs() < 1e-12 && (direction.z - cosine).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +55,7 @@ impl Camera {
     /// its rim shows the directions `field_deg` from the apex.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to [`LARGEST_FRAME`], for `field_deg` unless it is
+    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to 8192, for `field_deg` unless it is
     /// from 1e-6 to 180, or to 89.9999 through a pinhole, and for `k3` and `k5` unless each is from -100 to 100.
     /// [`OpticsError::FoldedLens`] if the distance from the image's centre does not grow with the angle over the whole
     /// field.
@@ -136,7 +134,7 @@ impl Camera {
     /// # Errors
     /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to 100, and
     /// for `px_per_rad` unless the image grows up to its rim.
-    pub fn with_odd_terms(self, terms: OddTerms) -> Result<Self, OpticsError> {
+    pub(super) fn with_odd_terms(self, terms: OddTerms) -> Result<Self, OpticsError> {
         let is_fisheye = self.lens != Lens::Pinhole;
         OpticsError::unless(
             is_fisheye,
@@ -196,29 +194,6 @@ impl Camera {
             [1.0, 0.0]
         };
         Some([column + radius * x, row - radius * y])
-    }
-
-    /// Direction from the sensor's centre of the image point (column, row); `None` outside the image circle.
-    pub fn direction(&self, [column, row]: [f64; 2]) -> Option<UnitVector3<f64>> {
-        let centre = self.centre_px();
-        let (x, y) = (column - centre[0], centre[1] - row);
-        let radius = libm::hypot(x, y);
-        let inside = radius <= self.rim_px();
-        if !inside {
-            return None;
-        }
-        let polar = match self.lens {
-            Lens::Fisheye => radius / self.px_per_rad,
-            Lens::Odd(terms) => terms.angle(radius / self.px_per_rad, self.rim_rad),
-            Lens::Pinhole => libm::atan(radius / self.px_per_rad),
-        };
-        let (sine, cosine) = libm::sincos(polar);
-        let along = if radius > 0.0 { sine / radius } else { 0.0 };
-        Some(UnitVector3::new_normalize(Vector3::new(
-            x * along,
-            y * along,
-            cosine,
-        )))
     }
 
     /// Image area, px², of a disc of this angular radius whose middle lies at this polar angle, rad. `None` unless the

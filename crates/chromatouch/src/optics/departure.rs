@@ -120,11 +120,12 @@ impl Optics {
         }
     }
 
-    /// Returns the optics of this sensor with other misalignments of its markers, see
-    /// [`MarkerArray::with_misalignments`](super::MarkerArray::with_misalignments).
+    /// Returns the optics of this sensor with other misalignments of its markers, rad, see
+    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments). If there are fewer misalignments than markers, the
+    /// remaining markers keep theirs.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `misalignment`.
+    /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.
     pub fn misaligned(&self, misalignments: &[[f64; 2]]) -> Result<Self, OpticsError> {
         Ok(Self {
             array: self.array.clone().with_misalignments(misalignments)?,

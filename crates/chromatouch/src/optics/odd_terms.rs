@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_be_right_is_right() {
+    fn the_advised_k3_is_valid() {
         for (k3, k5) in [
             (-0.6, 0.0),
             (-0.6, 0.05),

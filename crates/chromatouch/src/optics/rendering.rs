@@ -44,14 +44,31 @@ impl Optics {
         motions: &[Option<MarkerMotion>],
         pixels: Option<&mut Stream>,
     ) -> Result<RgbImage, OpticsError> {
-        let size = self.camera.size_px();
-        let mut frame = RgbImage::new(size, size);
-        let mut rows = frame.chunks_exact_mut(3 * size as usize);
-        self.each_row(motions, pixels, |row| {
-            if let Some(bytes) = rows.next() {
-                row.write(bytes);
+        let mut markers = Vec::new();
+        for sight in self.sights(motions)? {
+            if let Some(sight) = sight? {
+                markers.extend(MarkerRaster::new(&self.camera, &sight));
             }
-        })?;
+        }
+        markers.sort_by_key(|marker: &MarkerRaster| marker.rows.start);
+        palpate_statistics::work::painted(1);
+        let side = self.camera.size_px();
+        let size = side as usize;
+        let mut frame = RgbImage::new(side, side);
+        let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
+        let mut rows = Rows::new(self, &markers);
+        let mut blur = Blur::new(self.blemishes.blur_px, size);
+        let mut row = Row::new(size);
+        for (number, bytes) in frame.chunks_exact_mut(3 * size).enumerate() {
+            match &mut blur {
+                None => rows.paint(number, &mut row),
+                Some(blur) => blur.blur(number, &mut row, |number, row| rows.paint(number, row)),
+            }
+            if let Some(stream) = noise.as_deref_mut() {
+                row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
+            }
+            row.write(bytes);
+        }
         Ok(frame)
     }
 
@@ -68,49 +85,5 @@ impl Optics {
     ) -> Result<RgbImage, OpticsError> {
         let mut pixels = Stream::new(seed, frame, Channel::Pixel);
         self.render(motions, Some(&mut pixels))
-    }
-
-    /// Levels of the frame of [`Optics::render`] before rounding and without noise: red, green and blue, from 0 to 255, of
-    /// each pixel, row by row.
-    ///
-    /// # Errors
-    /// The errors of [`Optics::project`].
-    pub fn levels(&self, motions: &[Option<MarkerMotion>]) -> Result<Vec<f32>, OpticsError> {
-        let mut levels = Vec::new();
-        self.each_row(motions, None, |row| levels.extend_from_slice(row.levels()))?;
-        Ok(levels)
-    }
-
-    /// Renders the rows of a frame, from the first to the last.
-    fn each_row(
-        &self,
-        motions: &[Option<MarkerMotion>],
-        pixels: Option<&mut Stream>,
-        mut use_row: impl FnMut(&Row),
-    ) -> Result<(), OpticsError> {
-        let mut markers = Vec::new();
-        for sight in self.sights(motions)? {
-            if let Some(sight) = sight? {
-                markers.extend(MarkerRaster::new(&self.camera, &sight));
-            }
-        }
-        markers.sort_by_key(|marker: &MarkerRaster| marker.rows.start);
-        palpate_statistics::work::painted(1);
-        let size = self.camera.size_px() as usize;
-        let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
-        let mut rows = Rows::new(self, &markers);
-        let mut blur = Blur::new(self.blemishes.blur_px, size);
-        let mut row = Row::new(size);
-        for number in 0..size {
-            match &mut blur {
-                None => rows.paint(number, &mut row),
-                Some(blur) => blur.blur(number, &mut row, |number, row| rows.paint(number, row)),
-            }
-            if let Some(stream) = noise.as_deref_mut() {
-                row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
-            }
-            use_row(&row);
-        }
-        Ok(())
     }
 }

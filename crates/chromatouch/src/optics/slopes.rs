@@ -57,7 +57,7 @@ impl Optics {
     /// a kink there.
     ///
     /// # Errors
-    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `asked` unless each requested
+    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `requested` unless each
     /// number is less than [`Departure::NUMBERS`].
     pub fn slopes(
         &self,
@@ -67,7 +67,12 @@ impl Optics {
     ) -> Result<Vec<Option<MarkerSlopes>>, OpticsError> {
         for &number in requested {
             let good = number < Departure::NUMBERS;
-            OpticsError::unless(good, "asked", number as f64, "the number of a departure")?;
+            OpticsError::unless(
+                good,
+                "requested",
+                number as f64,
+                "the number of a departure",
+            )?;
         }
         let optics = self.departed(departure)?;
         let is_colour = |number: &&usize| (COLOURS..ODD_TERMS).contains(*number);

@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Discs, Layout, Lens, MarkerArray, MarkerMotion,
-    OddTerms, Optics, OpticsError, SeenMarker,
+    OddTerms, Optics, SeenMarker,
 };
 
 use crate::optics::{DISCS, depths};
@@ -33,12 +33,12 @@ fn optics(camera: Camera) -> Optics {
 }
 
 fn at_rest(optics: &Optics) -> Vec<Option<SeenMarker>> {
-    let motions = vec![Some(MarkerMotion::default()); optics.array().len()];
+    let motions = vec![Some(MarkerMotion::default()); optics.array().places().len()];
     optics.project(&motions).unwrap()
 }
 
 #[test]
-fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
+fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
@@ -60,14 +60,6 @@ fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
                 camera.px_per_rad() * map(polar.to_radians()),
                 epsilon = 1e-10
             );
-            // The rim itself may round to outside the circle.
-            if step < 130 {
-                let back = camera.direction(place).unwrap();
-                assert!(
-                    (back.into_inner() - direction).norm() < 1e-12,
-                    "{k3} {k5} {polar}"
-                );
-            }
         }
     }
 }
@@ -101,10 +93,14 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
         // The circle keeps its size and its pixels per radian, so that the angle at its rim changes.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
-        let rim = other.direction([639.4, 319.5]).unwrap();
-        let polar = libm::atan2(rim.x, rim.z);
-        let map = polar + k3 * polar.powi(3) + k5 * polar.powi(5);
-        assert_relative_eq!(other.px_per_rad() * map, 319.9, max_relative = 1e-12);
+        let (sine, cosine) = libm::sincos(0.9_f64);
+        let [column, _] = other.image(&Vector3::new(sine, 0.0, cosine)).unwrap();
+        let map = 0.9 + k3 * 0.9_f64.powi(3) + k5 * 0.9_f64.powi(5);
+        assert_relative_eq!(
+            column - 319.5,
+            other.px_per_rad() * map,
+            max_relative = 1e-12
+        );
         for (marker, (seen, place)) in at_rest(&departed)
             .iter()
             .zip(known.array().places())
@@ -186,24 +182,14 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
         assert!(said.contains(word), "{word}: {said}");
     }
     made(-0.2563, 0.0, 65.0).unwrap();
-    for (k3, k5) in [
-        (f64::NAN, 0.0),
-        (0.0, f64::INFINITY),
-        (-101.0, 0.0),
-        (0.0, 1e300),
-    ] {
-        assert!(
-            matches!(made(k3, k5, 65.0), Err(OpticsError::BadSetting(_))),
-            "{k3} {k5}"
-        );
-    }
-    let pinhole = Camera::new(Lens::Pinhole, 640, 65.0).unwrap();
-    assert!(
-        pinhole
-            .with_odd_terms(OddTerms { k3: 0.1, k5: 0.0 })
-            .is_err()
-    );
+    let departed = |lens, field, k3| {
+        let departure = Departure {
+            odd_terms: [k3, 0.0],
+            ..Departure::default()
+        };
+        optics(Camera::new(lens, 640, field).unwrap()).departed(&departure)
+    };
+    assert!(departed(Lens::Pinhole, 65.0, 0.1).is_err());
     // With these terms, the image radius stops growing before it reaches the rim.
-    let wide = Camera::new(Lens::Fisheye, 640, 120.0).unwrap();
-    assert!(wide.with_odd_terms(OddTerms { k3: -0.2, k5: 0.0 }).is_err());
+    assert!(departed(Lens::Fisheye, 120.0, -0.2).is_err());
 }

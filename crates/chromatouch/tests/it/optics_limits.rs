@@ -44,7 +44,7 @@ fn impossible_arrays_are_named() {
 
     let misaligned = MarkerArray::new(20.0, &one, DISCS, good).unwrap();
     for most in [-0.1, 1.1, nan] {
-        let error = misaligned.clone().misaligned(most, 1).unwrap_err();
+        let error = misaligned.clone().misaligned(most, 1, 0).unwrap_err();
         assert_eq!(error.setting(), Some("misalignment"));
     }
 }
@@ -64,7 +64,7 @@ fn discs_that_cover_each_other_are_found_among_many() {
         };
         MarkerArray::new(20.0, places, discs, depths(1.0, 1.0))
     };
-    assert_eq!(array(&places, 0.1).unwrap().len(), places.len());
+    assert_eq!(array(&places, 0.1).unwrap().places().len(), places.len());
     let [x, y] = places[70_000];
     places.push([x + 0.05, y]);
     let Err(OpticsError::DiscsOverlap {

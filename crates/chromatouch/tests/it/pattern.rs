@@ -155,7 +155,7 @@ fn read_dxf(text: &str) -> Drawing {
     drawing
 }
 
-fn assert_drawn(drawing: &Drawing, sheet: &CuttingSheet) {
+fn assert_drawn(drawing: &Drawing) {
     assert_eq!(drawing.outlines.len(), 4);
     for outline in &drawing.outlines {
         // A quarter of 2πR², in steps of 1/40 of the quarter circle.
@@ -177,12 +177,11 @@ fn assert_drawn(drawing: &Drawing, sheet: &CuttingSheet) {
     assert_eq!(layers, ["MAGENTA", "YELLOW"]);
     for (circles, radius) in drawing.circles.values().zip([1.0, 0.75]) {
         assert_eq!(circles.len(), 77);
-        for ((centre, drawn), expected) in circles.iter().zip(sheet.centres()) {
-            assert_eq!(*drawn, radius);
-            for axis in 0..2 {
-                assert!((centre[axis] - 10.0 * expected[axis]).abs() < 1e-6);
-            }
-        }
+        assert!(circles.iter().all(|(_, drawn)| *drawn == radius));
+        // The first marker is at the apex, the second 11.9° from it in the middle of the first gore.
+        assert_eq!(circles[0].0, [0.0; 2]);
+        let along = 20.0 * 11.9_f64.to_radians() * 0.5_f64.sqrt();
+        assert_relative_eq!(circles[1].0[..], [along; 2][..], epsilon = 1e-6);
     }
 }
 
@@ -191,7 +190,7 @@ fn svg_draws_the_sheet_in_millimetres() {
     let sheet = published(40);
     let text = sheet.svg(10.0).unwrap();
     let (drawing, _, layers) = read_svg(&text);
-    assert_drawn(&drawing, &sheet);
+    assert_drawn(&drawing);
     assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
     assert_eq!(text, published(40).svg(10.0).unwrap());
 }
@@ -212,7 +211,6 @@ fn the_frame_holds_the_drawing() {
 fn dxf_draws_the_sheet_in_millimetres() {
     let sheet = published(40);
     let text = sheet.dxf(10.0).unwrap();
-    assert_drawn(&read_dxf(&text), &sheet);
     assert_eq!(text, published(40).dxf(10.0).unwrap());
     assert!(!text.contains("-0.000000"));
     for line in ["AC1009", "CUT", "FOLD", "MAGENTA", "YELLOW"] {
@@ -221,7 +219,7 @@ fn dxf_draws_the_sheet_in_millimetres() {
 }
 
 #[test]
-fn both_files_say_the_same() {
+fn both_files_draw_the_same() {
     let sheet = published(3);
     let (svg, _, _) = read_svg(&sheet.svg(10.0).unwrap());
     let dxf = read_dxf(&sheet.dxf(10.0).unwrap());
@@ -236,24 +234,25 @@ fn seam_marks_begin_on_the_drawn_edges() {
     for samples in [1, 2, 3, 7] {
         let pattern = Pattern::new(3, samples, 2.0).unwrap();
         let sheet = pattern.sheet(&rows(3, &[]), DISCS).unwrap();
-        let outline = &sheet.cuts()[0];
-        for (count, [start, end]) in sheet.marks()[1..5].iter().enumerate() {
+        let (drawing, _, _) = read_svg(&sheet.svg(1.0).unwrap());
+        let outline = &drawing.outlines[0];
+        for (count, [start, end]) in drawing.lines[1..5].iter().enumerate() {
             let next = outline.iter().cycle().skip(1);
             let nearest = outline
                 .iter()
                 .zip(next)
                 .map(|(from, to)| off_segment(*start, *from, *to))
                 .fold(f64::INFINITY, f64::min);
-            assert!(nearest < 1e-12, "{samples}: {nearest}");
+            assert!(nearest < 2e-6, "{samples}: {nearest}");
             // The marks are at a third and two thirds of the quarter circle along the middle meridian, which here is at
             // 60° from +x.
             let (sin, cos) = libm::sincos(PI / 3.0);
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
             let across = |[x, y]: [f64; 2]| y * cos - x * sin;
-            assert_relative_eq!(across(*end), 0.95 * across(*start), max_relative = 1e-12);
+            assert_relative_eq!(across(*end), 0.95 * across(*start), epsilon = 4e-6);
             for [x, y] in [start, end] {
                 let along = x * cos + y * sin;
-                assert_relative_eq!(along, share * 2.0 * FRAC_PI_2, max_relative = 1e-12);
+                assert_relative_eq!(along, share * 2.0 * FRAC_PI_2, epsilon = 4e-6);
             }
         }
     }
@@ -277,11 +276,11 @@ fn discs_overlap_from_the_least_distance_on() {
         pattern.sheet(layout, discs)
     };
     for layout in [rows(4, &[1]), rows(4, &[1, 5, 5]), rows(4, &[0, 3, 9])] {
-        let small = sheet(&layout, 1e-3).unwrap();
-        let centres = small.centres();
-        let pairs = centres.iter().enumerate().flat_map(|(count, first)| {
-            let others = centres[..count].iter();
-            others.map(|second| length([*first, *second]))
+        let (small, _, _) = read_svg(&sheet(&layout, 1e-3).unwrap().svg(1.0).unwrap());
+        let discs = &small.circles["YELLOW"];
+        let pairs = discs.iter().enumerate().flat_map(|(count, first)| {
+            let others = discs[..count].iter();
+            others.map(|second| length([first.0, second.0]))
         });
         let least = pairs.fold(f64::INFINITY, f64::min);
         let overlap =

@@ -93,7 +93,7 @@ fn bytes_are_levels_with_a_normal_error_rounded_and_clipped() {
 }
 
 #[test]
-fn pixels_outside_the_circle_are_as_they_are() {
+fn pixels_outside_the_circle_have_no_noise() {
     const SIZE: u32 = 301;
     let noisy = frame(SIZE, [128.0; 3], 20.0, [1, 0]);
     let mut changed = 0;
@@ -141,7 +141,7 @@ fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64;
 }
 
 #[test]
-fn no_pixel_tells_of_another() {
+fn errors_of_pixels_are_independent() {
     let noise = |key| errors(&frame(401, [128.0; 3], 8.0, key));
     let own = noise([1, 0]);
     let mut scores = Vec::new();

@@ -23,7 +23,7 @@ fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
 }
 
 fn seen(optics: &Optics) -> Vec<SeenMarker> {
-    let still = vec![Some(MarkerMotion::default()); optics.array().len()];
+    let still = vec![Some(MarkerMotion::default()); optics.array().places().len()];
     let seen = optics.project(&still).unwrap();
     seen.into_iter().flatten().collect()
 }
@@ -109,27 +109,9 @@ fn a_turned_camera_sees_markers_turned() {
 }
 
 #[test]
-fn departures_are_what_they_say() {
+fn discs_that_depart_are_discs_made_so() {
     let known = optics(&PLACES, 2.0);
-    let before = seen(&known);
     let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
-    let moved = departed(Departure {
-        centre_px: [0.3, -0.7],
-        ..Departure::default()
-    });
-    let larger = departed(Departure {
-        px_per_rad: 0.01,
-        ..Departure::default()
-    });
-    for ((before, moved), larger) in before.iter().zip(&moved).zip(&larger) {
-        for (axis, shift) in [(0, 0.3), (1, -0.7)] {
-            let there = before.centroid_px[axis];
-            assert!((moved.centroid_px[axis] - there - shift).abs() < 1e-9);
-            let enlarged = 349.5 + 1.01 * (there - 349.5);
-            assert!((larger.centroid_px[axis] - enlarged).abs() < 1e-9);
-        }
-        assert!((larger.size_px2 / before.size_px2 / (1.01 * 1.01) - 1.0).abs() < 1e-9);
-    }
     // Departures of depth and diameter give the same images as an array that is made with the changed depths and
     // diameters.
     let remade = departed(Departure {

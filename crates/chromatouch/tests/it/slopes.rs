@@ -185,30 +185,6 @@ fn slopes_are_those_of_the_pictures() {
     }
 }
 
-#[test]
-fn slopes_that_are_not_asked_for_are_none() {
-    let scene = Scene::new(Lens::Fisheye, None, 0.0);
-    let departure = Departure::of(scene.departure);
-    let slopes = scene
-        .known()
-        .slopes(&departure, &scene.motions(), &[4])
-        .unwrap();
-    let beyond = scene
-        .known()
-        .slopes(&departure, &scene.motions(), &[Departure::NUMBERS]);
-    assert!(beyond.is_err(), "{beyond:?}");
-    for slopes in slopes.iter().flatten() {
-        for number in 0..Departure::NUMBERS {
-            let expected = if number == 4 {
-                Vector4::x()
-            } else {
-                Vector4::zeros()
-            };
-            assert_eq!(slopes.by_departure.column(number), expected);
-        }
-    }
-}
-
 /// Optics of markers at these places on a skin of this radius. The discs are small and do not touch.
 fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     let discs = Discs {

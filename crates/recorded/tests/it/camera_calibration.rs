@@ -84,7 +84,7 @@ impl Truth {
             yellow: 1.0,
         };
         let array = MarkerArray::new(20.0, &places, Discs { magenta, yellow }, depths);
-        let array = array.and_then(|array| array.misaligned(self.misalignment, seed));
+        let array = array.and_then(|array| array.misaligned(self.misalignment, seed, 0));
         let camera = self.lens();
         let camera = camera.adjusted([0.0; 2], camera.px_per_rad() * (1.0 + self.scale));
         let blemishes = Blemishes {

@@ -202,7 +202,7 @@ impl RestFrames {
 
     /// Number of markers.
     pub(crate) fn size(&self) -> usize {
-        self.camera.optics.array().len()
+        self.camera.optics.array().places().len()
     }
 
     /// Images of the markers; `None` for markers that are not visible.

@@ -11,8 +11,7 @@ use palpate_study::config::{
     CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressNoiseConfig, SizeNoise,
 };
 use palpate_tracking::{
-    Equidistant, Finder, FinderSettings, Found, Ground, Marker, MarkerErrors, Mask, Status, Track,
-    match_markers,
+    Equidistant, Finder, Found, Ground, Marker, MarkerErrors, Mask, Status, Track, match_markers,
 };
 
 use super::PressFailure;
@@ -184,7 +183,7 @@ impl SimulatedCamera {
         &self,
         trial: Option<u64>,
     ) -> Result<Vec<Option<MarkerMeasurement>>, PressFailure> {
-        let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
+        let motions = vec![Some(MarkerMotion::default()); self.optics.array().places().len()];
         let images = self.optics.project(&motions)?;
         match self.model {
             CameraModel::Projected(noise) => {
@@ -312,14 +311,11 @@ impl SimulatedCamera {
         trial: Option<u64>,
     ) -> Result<Found, PressFailure> {
         let camera = self.optics.camera();
-        let mut finder = Finder::new(FinderSettings {
-            mask: Some(Mask {
-                centre_px: camera.centre_px(),
-                radius_px: camera.rim_px(),
-            }),
-            ground: Some(Ground::Bright),
-            ..FinderSettings::default()
-        })?;
+        let circle = Mask {
+            centre_px: camera.centre_px(),
+            radius_px: camera.rim_px(),
+        };
+        let mut finder = Finder::new(Some(circle), Some(Ground::Bright));
         Ok(finder.find(&self.render(motions, trial)?)?)
     }
 }

@@ -87,7 +87,7 @@ impl SensorVariation {
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
         // Number 0 seeds the misalignments of scenes whose trials share one sensor.
-        let array = array.misaligned_in(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
+        let array = array.misaligned(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
         let camera = SimulatedCamera {
             optics: optics.misaligned(&array.misalignments())?,
             ..nominal.clone()

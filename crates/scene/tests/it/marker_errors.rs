@@ -4,7 +4,7 @@ use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
 };
 use palpate_sensing::{Channel, Stream};
-use palpate_tracking::{Finder, FinderSettings, Found, Ground, Marker, Mask};
+use palpate_tracking::{Finder, Found, Ground, Marker, Mask};
 
 /// Renders frames of a sensor at rest, and finds the markers in them.
 struct Look {
@@ -23,7 +23,7 @@ impl Look {
             yellow: 1.0,
         };
         let array = MarkerArray::new(20.0, &places, Discs { magenta, yellow }, depths);
-        let array = array.and_then(|array| array.misaligned(misalignment, 3));
+        let array = array.and_then(|array| array.misaligned(misalignment, 3, 0));
         let camera = Camera::new(Lens::Fisheye, size_px, 65.0).expect("a camera");
         let camera = camera
             .adjusted(offset_px, camera.px_per_rad())
@@ -37,15 +37,10 @@ impl Look {
             centre_px: camera.centre_px(),
             radius_px: camera.rim_px(),
         };
-        let settings = FinderSettings {
-            mask: Some(mask),
-            ground: Some(Ground::Bright),
-            ..FinderSettings::default()
-        };
         Self {
             optics: Optics::new(array, camera, Colours::default(), blemishes).expect("optics"),
             motions: vec![Some(MarkerMotion::default()); places.len()],
-            finder: Finder::new(settings).expect("a finder"),
+            finder: Finder::new(Some(mask), Some(Ground::Bright)),
         }
     }
 

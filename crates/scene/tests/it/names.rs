@@ -118,7 +118,7 @@ fn names_in_tables_do_not_change() {
         bad-setting not-finite off-skin no-indentation conforming edge-contact too-deep too-wide layer-too-thin \
         too-few-markers no-contact other-body off-markers hidden-marker undetermined out-of-range\n\
         bad-setting folded-lens bad-depth off-the-skin too-many-markers discs-overlap wrong-count impossible-motion\n\
-        empty-image too-small too-large mask-outside marker-diameter no-markers too-many";
+        empty-image too-small too-large mask-outside no-markers too-many";
     assert_eq!(names.map(|names| names.join(" ")).join("\n"), expected);
     let off = SurfaceError::OffDomain { x: 0.0, y: 0.0 };
     assert_eq!(RollFault::Surface(off).name(), "off-domain");

@@ -73,9 +73,4 @@ impl CalibrationError {
             needed,
         }
     }
-
-    /// The stable name.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }

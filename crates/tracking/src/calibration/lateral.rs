@@ -28,7 +28,6 @@ pub struct LateralPoint {
 /// });
 /// let lateral = LateralCalibration::fit(&points)?;
 /// assert!((lateral.px_per_length - 12.0).abs() < 1e-9);
-/// assert!((lateral.slope(0.3) - 12.0).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +110,7 @@ impl LateralCalibration {
     }
 
     /// Slope, px per length, for a marker with the inward displacement `normal`.
-    pub fn slope(&self, normal: f64) -> f64 {
+    fn slope(&self, normal: f64) -> f64 {
         let [low, high] = self.normal_range;
         let normal = normal.max(low).min(high);
         self.px_per_length + self.per_indentation.unwrap_or(0.0) * normal

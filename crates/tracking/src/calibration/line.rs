@@ -6,17 +6,6 @@ use super::CalibrationError;
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal (hue in turns, shift in px, …) as a function of the given displacement.
-///
-/// ```
-/// use palpate_tracking::Line;
-///
-/// // Points (displacement, signal): the hue turns by 0.02 per unit of length.
-/// let line = Line::through_rest(&[[0.0, 0.0], [1.0, 0.02], [2.0, 0.04]])?;
-/// assert!((line.slope - 0.02).abs() < 1e-12);
-/// assert!((line.r_squared - 1.0).abs() < 1e-12);
-/// assert_eq!((line.intercept, line.count), (None, 3));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Signal per length.
@@ -45,34 +34,8 @@ pub(super) struct Words {
     pub(super) signal: &'static str,
 }
 
-impl Line {
-    /// The line through points (displacement, signal), with an intercept, as in Fig. 6b and c of the 2020 paper.
-    ///
-    /// # Errors
-    /// [`CalibrationError`]: fewer than two points, all of one displacement, a signal that never changes.
-    pub fn with_intercept(points: &[[f64; 2]]) -> Result<Self, CalibrationError> {
-        fit(points, true, Words::default())
-    }
-
-    /// The line through rest: without a change of the signal there is no displacement.
-    ///
-    /// # Errors
-    /// Errors of [`Line::with_intercept`].
-    pub fn through_rest(points: &[[f64; 2]]) -> Result<Self, CalibrationError> {
-        fit(points, false, Words::default())
-    }
-}
-
-impl Default for Words {
-    fn default() -> Self {
-        Self {
-            displacement: "known",
-            signal: "the signal",
-        }
-    }
-}
-
-/// Fits a line to points (displacement, signal).
+/// Fits a line to points (displacement, signal), with an intercept as in Fig. 6b and c of the 2020 paper, or through rest:
+/// without a change of the signal there is no displacement.
 pub(super) fn fit(
     points: &[[f64; 2]],
     has_intercept: bool,

@@ -119,7 +119,7 @@ impl NormalCalibration {
             line,
             with_intercept: Some(fit(&signals, true, from.words())?),
             range: range(signals.iter().map(|point| point[0])),
-            gains: gains(points, &signals, line.slope),
+            gains: gains(points, &signals, line.slope, from.words()),
             uses_gains: false,
         };
         calibration.checked()
@@ -223,7 +223,12 @@ fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
 /// Number of different displacements that a marker needs for a slope of its own.
 const DIFFERENT_DISPLACEMENTS: usize = 3;
 
-fn gains(points: &[NormalPoint], signals: &[[f64; 2]], slope: f64) -> Vec<MarkerGain> {
+fn gains(
+    points: &[NormalPoint],
+    signals: &[[f64; 2]],
+    slope: f64,
+    words: Words,
+) -> Vec<MarkerGain> {
     let mut of_marker: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
     for (point, signal) in points.iter().zip(signals) {
         if let Some(marker) = point.marker {
@@ -239,7 +244,7 @@ fn gains(points: &[NormalPoint], signals: &[[f64; 2]], slope: f64) -> Vec<Marker
             if displacements.len() < DIFFERENT_DISPLACEMENTS {
                 return None;
             }
-            let line = Line::through_rest(&signals).ok()?;
+            let line = fit(&signals, false, words).ok()?;
             let gain = slope / line.slope;
             let is_clear = line
                 .slope_std
@@ -298,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn markers_have_slopes_of_their_own_only_when_asked() {
+    fn markers_have_slopes_of_their_own_only_if_requested() {
         let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Hue).expect("a slope");
         assert_relative_eq!(fitted.line.slope, 0.03, max_relative = 1e-12);
         let sight = change(0.03, 0.0);
@@ -317,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn both_take_what_each_tells() {
+    fn both_features_have_their_weights() {
         // u = 10 hue + 5 nearness, with displacements that determine both weights.
         let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
             .map(|(hue, nearness): (f64, f64)| {

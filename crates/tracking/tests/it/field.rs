@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use palpate_tracking::{Displaced, Field};
+use palpate_tracking::{Displaced, Field, FieldError};
 
 /// Markers with displacements from -1 to 1.
 fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
@@ -112,15 +112,21 @@ fn impossible_fields_have_named_errors() {
         normal,
     };
     for (markers, expected) in [
-        (vec![], "no-markers"),
-        (vec![at(0.1, 1.0); 2], "coincident"),
-        (vec![at(1e-40, 1.0), at(0.0, 1.0)], "coincident"),
-        (vec![at(3.2, 1.0)], "out-of-range"),
-        (vec![at(0.0, f64::NAN)], "out-of-range"),
+        (vec![], FieldError::NoMarkers),
+        (vec![at(0.1, 1.0); 2], FieldError::Coincident { marker: 1 }),
+        (
+            vec![at(1e-40, 1.0), at(0.0, 1.0)],
+            FieldError::Coincident { marker: 1 },
+        ),
+        (vec![at(3.2, 1.0)], FieldError::OutOfRange { marker: 0 }),
+        (
+            vec![at(0.0, f64::NAN)],
+            FieldError::OutOfRange { marker: 0 },
+        ),
     ] {
-        let error = Field::new(&markers).unwrap_err();
-        assert_eq!(error.name(), expected, "{markers:?}");
+        assert_eq!(Field::new(&markers).unwrap_err(), expected, "{markers:?}");
     }
     let one = Field::new(&[at(0.0, 1.0)]).unwrap();
-    assert_eq!(one.smoothed(-1.0).unwrap_err().name(), "bad-filter");
+    let error = FieldError::BadFilter { value: -1.0 };
+    assert_eq!(one.smoothed(-1.0).unwrap_err(), error);
 }

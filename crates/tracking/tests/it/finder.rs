@@ -1,12 +1,12 @@
 //! Search for markers in frames whose true markers are given.
 
 use image::{Rgb, RgbImage};
-use palpate_tracking::{Finder, FinderSettings, Ground, HueWindow, Marker, Mask, TrackingError};
+use palpate_tracking::{Finder, Ground, Marker, Mask, TrackingError};
 
 use crate::frames::{self, Bright, Truth};
 
-fn find(frame: &RgbImage, settings: FinderSettings) -> palpate_tracking::Found {
-    Finder::new(settings).unwrap().find(frame).unwrap()
+fn find(frame: &RgbImage) -> palpate_tracking::Found {
+    Finder::default().find(frame).unwrap()
 }
 
 fn away(marker: &Marker, place: [f64; 2]) -> f64 {
@@ -49,13 +49,7 @@ fn discs_of_any_hue_on_a_dark_ground() {
             radius_px: 0.48 * size as f64,
         };
         for mask in [Some(circle), None] {
-            let found = find(
-                &frame,
-                FinderSettings {
-                    mask,
-                    ..FinderSettings::default()
-                },
-            );
+            let found = Finder::new(mask, None).find(&frame).unwrap();
             let [place, hue, _] = errors(&found.markers, &truth, 0.02 * size as f64);
             eprintln!(
                 "{size} px, circle given: {}: centroid {place:.4} px, hue {:.4} degrees",
@@ -121,7 +115,7 @@ fn misaligned_discs_on_a_bright_ground() {
         ("all", worst),
     ] {
         let (frame, truth) = frames::bright(how, &places, 9);
-        let found = find(&frame, FinderSettings::default());
+        let found = find(&frame);
         let [place, hue, size] = errors(&found.markers, &truth, 16.0);
         eprintln!(
             "{name}: centroid {place:.4} px, hue {hue:.2e} turns, size {:.3} %",
@@ -140,7 +134,7 @@ fn a_photograph() {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();
-    let found = find(&frame, FinderSettings::default());
+    let found = find(&frame);
     let mut counts = std::collections::BTreeMap::new();
     let mut explained = 0;
     for line in list.lines().skip(1) {
@@ -188,7 +182,7 @@ fn order_is_from_the_middle_outward_and_memory_is_not_kept() {
     };
     let (frame, _) = frames::bright(how, &frames::rings(300, 40.0, 3), 1);
     let (other, _) = frames::dark(240, 2);
-    let mut finder = Finder::new(FinderSettings::default()).unwrap();
+    let mut finder = Finder::default();
     let once = finder.find(&frame).unwrap();
     finder.find(&other).unwrap();
     assert_eq!(finder.find(&frame).unwrap(), once);
@@ -218,72 +212,39 @@ fn grey_dust_and_blue_stains_are_no_markers() {
             }
         }
     }
-    errors(
-        &find(&frame, FinderSettings::default()).markers,
-        &truth,
-        8.0,
-    );
-    let any = FinderSettings {
-        hues: HueWindow::Any,
-        ..FinderSettings::default()
-    };
-    assert_eq!(find(&frame, any).markers.len(), truth.len() + 2);
+    errors(&find(&frame).markers, &truth, 8.0);
 }
 
-#[test]
-fn a_disc_as_large_as_half_the_frame_is_found_when_its_size_is_known() {
-    let how = Bright {
-        size: 256,
-        disc_px: 110.0,
-        apart: 0.0,
-        blur_px: 1.0,
-        falloff: 0.0,
-        noise: 1.0,
-    };
-    let (frame, truth) = frames::bright(how, &[[128.4, 127.7]], 4);
-    let known = FinderSettings {
-        marker_diameter_px: Some(110.0),
-        ..FinderSettings::default()
-    };
-    let [place, ..] = errors(&find(&frame, known).markers, &truth, 8.0);
-    assert!(place < 0.1);
-}
-
-fn name(frame: &RgbImage, settings: FinderSettings) -> &'static str {
-    match Finder::new(settings).and_then(|mut finder| finder.find(frame)) {
+/// Name of the error, after a check of the markers if there are any.
+fn name(frame: &RgbImage, mut finder: Finder) -> &'static str {
+    match finder.find(frame) {
         Ok(found) => {
             for marker in found.markers.iter().chain(&found.cut) {
                 let [x, y] = marker.centroid_px;
-                assert!(
-                    [x, y, marker.hue_turns, marker.size_px2]
-                        .iter()
-                        .all(|value| value.is_finite())
-                );
+                let numbers = [x, y, marker.hue_turns, marker.size_px2];
+                assert!(numbers.iter().all(|value| value.is_finite()));
                 assert!((0.0..1.0).contains(&marker.hue_turns) && marker.size_px2 > 0.0);
             }
             "found"
         }
         Err(error) => {
-            assert!(
-                !error.to_string().contains("NaN")
-                    || error.name() == "mask-outside"
-                    || error.name() == "marker-diameter"
-            );
-            error.name()
+            let is_named = matches!(error, TrackingError::MaskOutside { .. });
+            assert!(is_named || !error.to_string().contains("NaN"), "{error}");
+            error.into()
         }
     }
 }
 
 #[test]
 fn frames_without_markers_have_names() {
-    let auto = FinderSettings::default();
+    let auto = Finder::default;
     let flat = |width, height, grey| RgbImage::from_pixel(width, height, Rgb([grey; 3]));
-    assert_eq!(name(&flat(0, 0, 0), auto), "empty-image");
-    assert_eq!(name(&flat(0, 9, 0), auto), "empty-image");
+    assert_eq!(name(&flat(0, 0, 0), auto()), "empty-image");
+    assert_eq!(name(&flat(0, 9, 0), auto()), "empty-image");
     for (width, height) in [(1, 1), (2, 2), (1, 500), (500, 1), (15, 900)] {
-        assert_eq!(name(&flat(width, height, 7), auto), "too-small");
+        assert_eq!(name(&flat(width, height, 7), auto()), "too-small");
     }
-    assert_eq!(name(&flat(40_000, 16, 7), auto), "too-large");
+    assert_eq!(name(&flat(40_000, 16, 7), auto()), "too-large");
     // A grid of discs that touch, and one disc that fills the frame except its corners.
     let discs = |pitch: f64, share: f64| {
         let is_in = move |x: u32, y: u32| {
@@ -301,66 +262,15 @@ fn frames_without_markers_have_names() {
             })
         })
     };
-    assert_eq!(name(&discs(12.8, 0.52), auto), "no-markers");
-    assert_eq!(name(&discs(128.0, 0.6), auto), "no-markers");
+    assert_eq!(name(&discs(12.8, 0.52), auto()), "no-markers");
+    assert_eq!(name(&discs(128.0, 0.6), auto()), "no-markers");
     for ground in [None, Some(Ground::Bright), Some(Ground::Dark)] {
-        let settings = FinderSettings { ground, ..auto };
         for (width, height) in [(16, 16), (17, 300), (300, 17), (256, 256)] {
             for grey in [0, 1, 128, 254, 255] {
-                assert_eq!(name(&flat(width, height, grey), settings), "no-markers");
-            }
-        }
-    }
-}
-
-#[test]
-fn strange_frames_neither_panic_nor_hang() {
-    let mut random = frames::Random(8);
-    let mut frames = Vec::new();
-    for size in [16, 17, 64, 200] {
-        frames.push(RgbImage::from_fn(size, size, |_, _| {
-            Rgb([0; 3].map(|_| random.uniform(0.0, 256.0) as u8))
-        }));
-        for pitch in [1, 2, 5, 16] {
-            frames.push(RgbImage::from_fn(size, size, |x, y| {
-                Rgb([if (x / pitch + y / pitch) % 2 == 0 {
-                    255
-                } else {
-                    0
-                }; 3])
-            }));
-            frames.push(RgbImage::from_fn(size, size, |x, _| {
-                Rgb([if x / pitch % 2 == 0 { 255 } else { 30 }, 40, 200])
-            }));
-        }
-        frames.push(RgbImage::from_fn(size, size, |x, y| {
-            Rgb(
-                [if x.abs_diff(size / 2).pow(2) + y.abs_diff(size / 2).pow(2) < size * size / 6 {
-                    0
-                } else {
-                    255
-                }; 3],
-            )
-        }));
-        frames.push(RgbImage::from_fn(size, size, |x, _| {
-            Rgb([(x * 255 / size) as u8; 3])
-        }));
-        let mut speck = RgbImage::from_pixel(size, size, Rgb([255; 3]));
-        speck.put_pixel(size / 2, size / 2, Rgb([255, 0, 0]));
-        frames.push(speck);
-    }
-    for frame in &frames {
-        for ground in [None, Some(Ground::Bright), Some(Ground::Dark)] {
-            for marker_diameter_px in [None, Some(3.0), Some(500.0)] {
-                for hues in [HueWindow::ByGround, HueWindow::Any] {
-                    let settings = FinderSettings {
-                        mask: None,
-                        ground,
-                        hues,
-                        marker_diameter_px,
-                    };
-                    name(frame, settings);
-                }
+                assert_eq!(
+                    name(&flat(width, height, grey), Finder::new(None, ground)),
+                    "no-markers"
+                );
             }
         }
     }
@@ -369,14 +279,17 @@ fn strange_frames_neither_panic_nor_hang() {
 #[test]
 fn impossible_settings_have_names() {
     let frame = RgbImage::from_pixel(100, 80, Rgb([200; 3]));
-    let circle = |x: f64, y: f64, radius_px: f64| FinderSettings {
-        mask: Some(Mask {
-            centre_px: [x, y],
-            radius_px,
-        }),
-        ..FinderSettings::default()
+    let circle = |x: f64, y: f64, radius_px: f64| {
+        let centre_px = [x, y];
+        Finder::new(
+            Some(Mask {
+                centre_px,
+                radius_px,
+            }),
+            None,
+        )
     };
-    for settings in [
+    for finder in [
         circle(50.0, 40.0, 0.0),
         circle(50.0, 40.0, -1.0),
         circle(50.0, 40.0, f64::NAN),
@@ -385,23 +298,13 @@ fn impossible_settings_have_names() {
         circle(100.0, 40.0, 30.0),
         circle(50.0, -900.0, 1000.0),
     ] {
-        assert_eq!(name(&frame, settings), "mask-outside");
+        assert_eq!(name(&frame, finder), "mask-outside");
     }
-    for settings in [
+    for finder in [
         circle(50.0, 40.0, 1e-300),
         circle(0.0, 0.0, 1.0),
         circle(99.9, 79.9, 1e300),
     ] {
-        assert_eq!(name(&frame, settings), "no-markers");
-    }
-    for diameter_px in [f64::NAN, f64::INFINITY, -1.0, 0.0, 2.9] {
-        let settings = FinderSettings {
-            marker_diameter_px: Some(diameter_px),
-            ..FinderSettings::default()
-        };
-        assert!(matches!(
-            Finder::new(settings),
-            Err(TrackingError::Diameter { .. })
-        ));
+        assert_eq!(name(&frame, finder), "no-markers");
     }
 }

@@ -121,7 +121,7 @@ fn a_tenth_removed_leads_to_no_wrong_match() {
 }
 
 #[test]
-fn merged_split_lost_and_new_are_told_apart() {
+fn merged_split_lost_and_new_markers_are_distinguished() {
     let rest = lattice(&mut Random(3));
     let mut moved = pressed(&rest, SPACING / 4.0);
     let both = |a: usize, b: usize, markers: &[Marker]| Marker {
@@ -214,28 +214,5 @@ fn lattices_of_any_size_are_followed() {
         let tracks = match_markers(&scaled(&rest), &scaled(&moved));
         assert_none_wrong(&tracks);
         assert_eq!(counts(&tracks), [90, 0, 0, 0, 0], "{unit:e}");
-    }
-}
-
-#[test]
-fn hues_change_the_shorter_way() {
-    for (from, to, turn) in [
-        (0.999_999, 0.0, 1e-6),
-        (0.0, 0.999_999, -1e-6),
-        (0.25, 0.75, -0.5),
-        (0.75, 0.25, -0.5),
-        (0.4, 0.6, 0.2),
-    ] {
-        let of = |hue_turns| Marker {
-            hue_turns,
-            ..marker([0.0; 2], 1)
-        };
-        let track = Track {
-            rest: Some(of(from)),
-            pressed: Some(of(to)),
-            status: Status::Tracked,
-        };
-        let found = track.change().unwrap().hue_turns;
-        assert!((found - turn).abs() < 1e-15, "{from} to {to}: {found}");
     }
 }

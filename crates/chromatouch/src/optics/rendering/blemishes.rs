@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::super::{Camera, Optics, OpticsError};
 use super::row::Row;
-use crate::MOST_GORES;
+use crate::pattern::MOST_GORES;
 
 /// Imperfections of the image; none by default. An imperfection of 0 costs no time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -21,10 +21,6 @@ impl Row {
         }
     }
 
-    pub(super) fn levels(&self) -> &[f32] {
-        &self.levels
-    }
-
     fn fill(&mut self, colour: [f32; 3]) {
         for pixel in self.levels.chunks_exact_mut(3) {
             pixel.copy_from_slice(&colour);
