@@ -20,28 +20,17 @@ use pressure::Pressure;
 use pressure_field::Term;
 use reflection::Waves;
 
-use crate::{Field, PressError};
+use crate::PressError;
+use crate::body::Field;
 
 /// Largest radius of a contact that can be solved, in thicknesses.
 const MAX_RADIUS: f64 = 50.0;
-/// Largest number of steps of Newton's method, which takes about four.
+/// Largest number of steps of Newton's method; about four are enough.
 const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, with displacements at one depth.
-///
-/// ```
-/// use palpate_press::BondedLayer;
-///
-/// // For contacts much smaller than the thickness the layer acts as a half-space: D = a².
-/// let layer = BondedLayer::new(1.0, 0.5)?;
-/// let [indentation, _] = layer.indentation_of(1e-3)?;
-/// assert!((indentation / 1e-6 - 1.0).abs() < 2e-3);
-/// let radius = layer.contact_radius(indentation)?;
-/// assert!((radius / 1e-3 - 1.0).abs() < 1e-10);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug)]
-pub struct BondedLayer {
+pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
     /// Number of nodes for contacts that are solved without a table, relative to the necessary number.
@@ -73,7 +62,7 @@ impl Family {
 
 /// A contact with a [`BondedLayer`], per unit relative curvature.
 #[derive(Clone, Debug)]
-pub struct LayerContact {
+pub(crate) struct LayerContact {
     thickness: f64,
     /// Depth in thicknesses; all following fields are in thicknesses too.
     depth: f64,
@@ -93,21 +82,14 @@ enum Base {
 
 impl BondedLayer {
     /// A layer of this thickness with displacements at this depth below its surface.
-    ///
-    /// # Errors
-    /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` that is not from 0 to
-    /// the thickness.
-    pub fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
+    pub(crate) fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
         let mut layers = Self::at_depths(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// One layer at several depths, in the order of the depths. Their tables are computed together, which takes little longer
-    /// than those of one depth.
-    ///
-    /// # Errors
-    /// Errors of [`BondedLayer::new`].
-    pub fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
+    /// One layer at several depths, in the order of the depths. Their tables are computed together, in little more time than
+    /// those of one depth.
+    pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
         for &depth in depths {
@@ -130,32 +112,20 @@ impl BondedLayer {
 
     /// This layer with `resolution` times the number of nodes for contacts that are solved without a table. Below 1 the
     /// solution is faster and coarser; above 1 it serves as a check of convergence. Tables do not change.
-    ///
-    /// # Errors
-    /// [`PressError::BadSetting`] for a `resolution` that is not from 1/16 to 16.
-    pub fn at_resolution(self, resolution: f64) -> Result<Self, PressError> {
+    pub(crate) fn at_resolution(self, resolution: f64) -> Result<Self, PressError> {
         let good = (0.0625..=16.0).contains(&resolution);
         PressError::unless_good("resolution", resolution, good, "from 1/16 to 16")?;
         Ok(Self { resolution, ..self })
     }
 
     /// The thickness.
-    pub const fn thickness(&self) -> f64 {
+    pub(crate) const fn thickness(&self) -> f64 {
         self.thickness
-    }
-
-    /// The depth of the displacements.
-    pub const fn depth(&self) -> f64 {
-        self.depth
     }
 
     /// Indentation over relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a. With the thickness
     /// t, D/a² falls from 1 (half-space, within 2a/t) to 1/4 (within 3t/a).
-    ///
-    /// # Errors
-    /// [`PressError::LayerTooThin`] for a contact wider than 50 thicknesses, [`PressError::OutOfRange`] for a radius
-    /// that is not positive.
-    pub fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
+    pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
             indentation * self.thickness * self.thickness,
@@ -164,21 +134,17 @@ impl BondedLayer {
     }
 
     /// The contact's radius from the indentation over the relative curvature: the inverse of D(a), within 1e-12.
-    ///
-    /// # Errors
-    /// Errors of [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
-    /// positive.
-    pub fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
+    pub(crate) fn contact_radius(
+        &self,
+        indentation_over_curvature: f64,
+    ) -> Result<f64, PressError> {
         self.radius_by(indentation_over_curvature, |contact| {
             self.scaled_indentation(contact)
         })
     }
 
     /// The same as [`Self::contact_radius`], but without a table: each of the few steps of Newton's method solves a contact.
-    ///
-    /// # Errors
-    /// Errors of [`Self::contact_radius`].
-    pub fn solved_contact_radius(
+    pub(crate) fn solved_contact_radius(
         &self,
         indentation_over_curvature: f64,
     ) -> Result<f64, PressError> {
@@ -220,10 +186,7 @@ impl BondedLayer {
     /// A contact of radius `a` from a table, for fits. The error is at most 1e-7 of the largest displacement for depths up to
     /// 0.8 of the thickness. It takes a few microseconds; the first contact in each of nine ranges of radii takes about ten
     /// milliseconds, because its table is computed. Beyond 12 thicknesses it is the same as [`Self::solved`].
-    ///
-    /// # Errors
-    /// Errors of [`Self::indentation_of`].
-    pub fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
+    pub(crate) fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let Some(place) = Table::place(contact) else {
             return self.solved(a);
@@ -240,10 +203,7 @@ impl BondedLayer {
     }
 
     /// A contact of radius `a`, solved without a table; the error is at most 1e-9 of the largest displacement at the surface.
-    ///
-    /// # Errors
-    /// Errors of [`Self::indentation_of`]; [`PressError::OutOfRange`] also if the resolution is too coarse for a solution.
-    pub fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
+    pub(crate) fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let depth = self.depth / self.thickness;
         let pressure = Pressure::solve(contact, self.resolution)?;
@@ -288,31 +248,26 @@ impl BondedLayer {
 }
 
 impl LayerContact {
-    /// Radius of the contact.
-    pub fn radius(&self) -> f64 {
-        self.contact * self.thickness
-    }
-
     /// The indentation over the relative curvature, and its derivative by the contact's radius.
-    pub fn indentation(&self) -> [f64; 2] {
+    pub(crate) fn indentation(&self) -> [f64; 2] {
         let [indentation, slope, ..] = self.numbers;
         let thickness = self.thickness;
         [indentation * thickness * thickness, slope * thickness]
     }
 
     /// The force over the relative curvature and E* = E/(1 − ν²) = 4E/3.
-    pub fn force(&self) -> f64 {
+    pub(crate) fn force(&self) -> f64 {
         PI * self.numbers[2] * self.thickness.powi(3)
     }
 
     /// The highest pressure, in the middle of the contact, over the relative curvature and E*.
-    pub fn peak_pressure(&self) -> f64 {
+    pub(crate) fn peak_pressure(&self) -> f64 {
         0.5 * self.numbers[3] * self.thickness
     }
 
     /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. They are 0 at the base, and are
     /// set to 0 more than 30 thicknesses beyond the contact.
-    pub fn field(&self, r: f64) -> Field {
+    pub(crate) fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {
             return Field::default();

@@ -37,15 +37,6 @@ impl Estimated {
 }
 
 /// A 95 % interval. An end is `None` if the readings give no bound.
-///
-/// ```
-/// use palpate_press::Interval;
-///
-/// let bounded = Interval { low: Some(1.0), high: Some(2.0) };
-/// let hull = bounded.hull(Interval { low: Some(1.5), high: None });
-/// assert_eq!(hull, Interval { low: Some(1.0), high: None });
-/// assert!(hull.holds(1e9) && !hull.holds(0.5));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -56,13 +47,13 @@ pub struct Interval {
 
 impl Interval {
     /// All numbers.
-    pub const UNBOUNDED: Self = Self {
+    pub(crate) const UNBOUNDED: Self = Self {
         low: None,
         high: None,
     };
 
     /// The smallest interval that contains this one and another.
-    pub fn hull(&self, other: Self) -> Self {
+    pub(crate) fn hull(&self, other: Self) -> Self {
         let both = |one: Option<f64>, other: Option<f64>, end: fn(f64, f64) -> f64| {
             one.zip(other).map(|(one, other)| end(one, other))
         };
@@ -123,10 +114,10 @@ impl Verdict {
 pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
-    /// 1/R_s + 1/R_o, 1/length: without the bias of least squares; the interval by profile likelihood. Where one marker's
-    /// displacement contradicts the others by too little to be left out, it also holds what the others tell alone.
+    /// 1/R_s + 1/R_o, 1/length, without the bias of least squares; the interval is by profile likelihood. If one marker
+    /// contradicts the others, but not enough for an outlier, the interval also contains the interval without this marker.
     pub relative_curvature: Estimated,
-    /// The relative curvature that fits best, bias and all, 1/length.
+    /// The relative curvature of the best fit, without correction of its bias, 1/length.
     pub most_likely_curvature: f64,
     /// The approach of the bodies, length.
     pub indentation: Estimated,
@@ -134,8 +125,8 @@ pub struct PressEstimate {
     pub contact_radius: Estimated,
     /// Chart coordinates of the contact on the skin, length.
     pub contact: [f64; 2],
-    /// Standard deviations of the contact along the axes there, length; 0 across a row of markers, on which the contact
-    /// is then sought.
+    /// Standard deviations of the contact along the axes there, length. If the markers lie in a row, the contact is searched on
+    /// this row, and the standard deviation across it is 0.
     pub contact_std: [f64; 2],
     /// Offset common to all normal displacements, length, if fitted.
     pub baseline: Option<Estimated>,
@@ -149,7 +140,7 @@ pub struct PressEstimate {
     pub tangential_std: Option<f64>,
     /// The share of the normal displacements' variance that the fit explains.
     pub r_squared: f64,
-    /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
+    /// Chi-squared of the residuals per degree of freedom; about 1 if the noise is as stated.
     pub reduced_chi_squared: f64,
     /// Goodness of fit if the noise is stated; `None` if some noise was estimated from the residuals, and for a Gaussian. A fit
     /// of images marginalises the unknown departures of the sensor: each has a prior, so they do not count as unknowns.
@@ -195,8 +186,8 @@ impl PressEstimate {
     /// Checks that the contact is narrow enough for at least one curvature in the object's interval.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] if the contact radius exceeds [`MAX_CONTACT`](crate::MAX_CONTACT) times the
-    /// object's radius for every curvature in the interval.
+    /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the
+    /// interval.
     pub fn within_object(&self) -> Result<(), PressError> {
         let least = self.object_curvature().interval.low;
         within_object(least.unwrap_or_default(), self.contact_radius.value)
@@ -207,7 +198,7 @@ impl PressEstimate {
         self.most_likely_curvature - self.sensor_curvature
     }
 
-    /// 1/R_o, positive where the object is convex, 1/length; without bias, as the relative curvature.
+    /// 1/R_o, positive for a convex object, 1/length; without bias, as the relative curvature.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
         let Estimated {

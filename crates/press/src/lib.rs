@@ -19,14 +19,13 @@ mod misfit;
 mod no_contact;
 mod profile;
 mod regime;
-pub mod shear;
+mod shear;
 mod skin;
 mod state;
 mod stds;
 mod unknowns;
 
-pub use body::{Body, Contact, Displacement, Field};
-pub use bonded_layer::{BondedLayer, LayerContact};
+pub use body::{Body, Contact, Displacement};
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
@@ -35,8 +34,15 @@ pub use image_fit::{
 };
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
-pub use regime::{ContactRegime, LARGE_CONTACT, MAX_CONTACT, sneddon_indentation, within_object};
+pub use regime::{ContactRegime, LARGE_CONTACT, sneddon_indentation, within_object};
 pub use skin::{Place, Skin};
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    mod bonded_layer;
+    mod shear;
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
-use crate::{Contact, Field, Place, PressError, Skin};
+use crate::{Contact, Place, PressError, Skin};
 
 /// Markers at points under the skin.
 #[derive(Clone, Debug)]
@@ -128,7 +129,8 @@ impl Markers {
     /// All arguments but the ratio `poisson` are lengths.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] as [`stuck_shift`], and for a `shift` beyond 1e50.
+    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` that is not from 0 to 1e50, a `contact_radius` that is
+    /// not from 1e-50 to 1e50, and a `shift` beyond 1e50.
     pub fn shifted(
         &self,
         poisson: f64,

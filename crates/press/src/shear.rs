@@ -21,13 +21,13 @@ use crate::half_space::Spheroidal;
 
 /// Displacement of a point per unit shift of a contact that sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StuckShift {
+pub(crate) struct StuckShift {
     /// Along the shift.
-    pub along: f64,
+    pub(crate) along: f64,
     /// Along the skin, perpendicular to the shift, in the direction of growing azimuth.
-    pub across: f64,
+    pub(crate) across: f64,
     /// Inward.
-    pub normal: f64,
+    pub(crate) normal: f64,
 }
 
 /// Displacement of the skin at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth` (radians,
@@ -37,7 +37,7 @@ pub struct StuckShift {
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
 /// `contact_radius` that is not from 1e-50 to 1e50, or an `azimuth` that is not finite.
-pub fn stuck_shift(
+pub(crate) fn stuck_shift(
     poisson: f64,
     depth: f64,
     contact_radius: f64,
@@ -66,25 +66,6 @@ pub fn stuck_shift(
         across: scale * 2.0 * sine * cosine * turning,
         normal: 2.0 * scale * cosine * inward,
     })
-}
-
-/// Ratio of the displacement of a marker under the middle of the contact to the shift of the object, from 0 to 1. It is 1 at
-/// the surface, decreases with depth and increases with the contact's radius, and so with the indentation. A lateral
-/// calibration at one indentation is therefore wrong at another one, as the 2020 paper found.
-///
-/// ```
-/// use palpate_press::shear::followed;
-///
-/// assert!((followed(0.3, 0.0, 2.0)? - 1.0).abs() < 1e-14);
-/// // Below the surface the less, the narrower the contact.
-/// assert!(followed(0.3, 1.0, 1.0)? < followed(0.3, 1.0, 2.0)?);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// Errors of [`stuck_shift`].
-pub fn followed(poisson: f64, depth: f64, contact_radius: f64) -> Result<f64, PressError> {
-    stuck_shift(poisson, depth, contact_radius, 0.0, 0.0).map(|shift| shift.along)
 }
 
 /// A_m and B_m for m = 0, 1, 2, lengths in units of the contact's radius.

@@ -85,7 +85,7 @@ impl Skin {
     }
 
     /// The chart coordinates of a vector from the centre, of any length; those of the apex if the vector is 0 or not finite.
-    pub fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
+    pub(crate) fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let largest = direction.amax();
         let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
         if !is_one {
@@ -166,5 +166,33 @@ impl Skin {
     /// The place at a direction from the centre.
     pub(crate) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         self.place(self.chart(direction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_whose_square_overflows_has_chart_coordinates() {
+        let skin = Skin { radius: 2.0 };
+        let [x, y] = skin.chart(&Vector3::new(1e308, 0.0, 1e308));
+        assert!((x - std::f64::consts::FRAC_PI_2).abs() < 1e-15 && y == 0.0);
+        assert_eq!(skin.chart(&Vector3::new(f64::NAN, 1.0, 0.0)), [0.0; 2]);
+    }
+
+    #[test]
+    fn chart_coordinates_invert_positions_at_any_size() {
+        for radius in [1e-40, 1.0, 1e40] {
+            let skin = Skin { radius };
+            for angle in [1e-200, 1e-6, 1.0, 3.1] {
+                for (sine, cosine) in [0.0_f64, 0.7, -3.0].map(libm::sincos) {
+                    let place = [angle * cosine, angle * sine].map(|along| along * radius);
+                    let chart = skin.chart(skin.place(place).direction.as_ref());
+                    let off = libm::hypot(chart[0] - place[0], chart[1] - place[1]);
+                    assert!(off <= 3e-14 * angle * radius, "{angle:e}: {off:e}");
+                }
+            }
+        }
     }
 }

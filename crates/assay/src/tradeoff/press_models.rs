@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result};
-use palpate_press::{Body, BondedLayer, Skin};
+use palpate_press::{Body, Skin};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
@@ -107,8 +107,8 @@ impl Press {
         ];
         rungs.extend(RESOLUTIONS.map(|(nodes, resolution)| {
             let solved = move || {
-                let layer = BondedLayer::new(press.thickness, press.depth)?;
-                press.profile(&Body::solved(layer.at_resolution(resolution)?))
+                let (thickness, depth) = (press.thickness, press.depth);
+                press.profile(&Body::solved_layer_at(thickness, depth, resolution)?)
             };
             press
                 .rung(&format!("layer, solved{nodes}"), solved, solved)

@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use super::pressure::Pressure;
 use super::pressure_field::Term;
 use super::reflection::{BEYOND, Spectrum, Wave, bessel};
-use crate::{Field, PressError};
+use crate::PressError;
+use crate::body::Field;
 
 /// Ends of the ranges of contact radii; each range has a table.
 pub(super) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];

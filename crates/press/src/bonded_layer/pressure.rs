@@ -47,7 +47,7 @@ pub(super) struct Pressure {
 }
 
 impl Pressure {
-    /// Solves for the contact of this radius. At resolution 1 everything is good to about 1e-11, and nodes stand less
+    /// Solves for the contact of this radius. At resolution 1 the relative error is about 1e-11, and the nodes are less
     /// than half the thickness apart.
     pub(super) fn solve(contact: f64, resolution: f64) -> Result<Self, PressError> {
         palpate_statistics::work::solved_layer(1);
@@ -131,7 +131,7 @@ impl Pressure {
 }
 
 /// −∫ φ'/t dt over a contact of radius 1: −∫ P_n'/t dt over [0, 1] is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)) for n = 2j.
-/// P₀ stands for a flat punch, and gives 1.
+/// P₀ is the pressure of a flat punch; its term is 1.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];
@@ -204,8 +204,6 @@ fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> 
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use super::*;
 
     #[test]
@@ -233,21 +231,6 @@ mod tests {
                     "{contact}: {coarse} {fine}"
                 );
             }
-        }
-    }
-
-    #[test]
-    fn half_spaces_have_the_pressure_of_hertz() {
-        let contact = 1e-10;
-        let solved = Pressure::solve(contact, 1.0).expect("a solvable contact");
-        let half_space = [
-            (solved.indentation, contact * contact),
-            (solved.slope, 2.0 * contact),
-            (solved.force, 4.0 / (3.0 * PI) * contact.powi(3)),
-            (solved.peak, 4.0 / PI * contact),
-        ];
-        for (got, expected) in half_space {
-            assert!((got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
         }
     }
 }

@@ -11,7 +11,7 @@
 //! No term of the sum grows: |Pₙ| ≤ 1, and qₙ falls as e^{−nϑ}, ϑ = asinh ξ. The recurrence of qₙ runs upward while e^{nϑ} is
 //! small, and downward otherwise.
 
-use crate::Field;
+use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
 /// A contact smaller than this, relative to the distance, acts as a point force.

@@ -14,7 +14,7 @@
 use std::sync::OnceLock;
 
 use super::pressure::{Pressure, wavenumbers};
-use crate::Field;
+use crate::body::Field;
 
 /// Exponent beyond which a term e^{−x} is neglected.
 const NEGLIGIBLE: f64 = 36.0;

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
-mod bonded_layer;
 mod displacement_check;
 mod forward_fit;
 mod goodness;
@@ -11,4 +10,3 @@ mod ideal;
 mod image_fit;
 mod refusals;
 mod sensor;
-mod shear;

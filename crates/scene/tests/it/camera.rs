@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
-use palpate_press::shear::followed;
+use palpate_press::{Markers, Skin};
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
 use palpate_study::config::{LengthUnit, Study, parse};
@@ -340,7 +340,11 @@ fn a_sideways_shift_moves_the_centroid() {
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
     // Share of the shift that the discs follow, 1 and 3 deep under a contact with a² = R δ; scale f = 319.5 px / 65°.
-    let followed = |depth: f64| followed(0.5, depth, 20_f64.sqrt()).unwrap() / (20.0 - depth);
+    let apex = Markers::new(Skin::new(20.0).unwrap(), &[[0.0; 2]]).unwrap();
+    let followed = |depth: f64| {
+        let moved = apex.shifted(0.5, depth, 20_f64.sqrt(), [0.0; 2], 1.0);
+        moved.unwrap()[0].tangential[0] / (20.0 - depth)
+    };
     let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
     // Neglected: the discs also move towards the camera, and the visible share of each disc changes.
     assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
