@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons why a press is impossible, or why it gives no curvature.
+/// Reasons why a press is impossible, or why its curvature cannot be estimated.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PressError {
@@ -97,9 +97,9 @@ pub enum PressError {
     /// Fewer readings than unknowns.
     #[error("{markers} marker(s) give {equations} equation(s); {needed} are needed")]
     TooFewMarkers {
-        /// Number of markers given.
+        /// Number of markers.
         markers: usize,
-        /// Number of equations: one for each marker, three where its tangential displacement is known too.
+        /// Number of equations: one for each marker, three if its tangential displacement is measured too.
         equations: usize,
         /// Number of equations needed.
         needed: usize,

@@ -1,20 +1,20 @@
 //! Nonlinear least squares of a press's forward model to the displacements of markers.
 
+mod bias;
 mod contact_detection;
 mod displacement_check;
-mod outcome;
 mod outlier_test;
 mod problem;
 mod search;
 mod start;
 mod undetected_contacts;
 
-use crate::cholesky::inverse;
+use crate::least_squares::LeastSquares;
+use crate::outcome::Stds;
 use crate::state::State;
-use crate::stds::Stds;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
 use problem::Problem;
-use search::{SINGULAR, Search};
+use search::Search;
 
 /// The readings of one press: displacements of the markers.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,22 @@ pub struct Measured {
     pub value: f64,
     /// The standard deviation; 0 for an exact value.
     pub std: f64,
+}
+
+impl Measured {
+    /// Rejects an indentation that is out of range.
+    pub(crate) fn check(self) -> Result<(), PressError> {
+        let Self { value, std } = self;
+        let good = (0.0..=1e100).contains(&std);
+        PressError::unless_good("indentation_std", std, good, "at least 0 and at most 1e100")?;
+        if !value.is_finite() {
+            return Err(PressError::OutOfRange);
+        }
+        match value > 0.0 {
+            true => Ok(()),
+            false => Err(PressError::NoIndentation { indentation: value }),
+        }
+    }
 }
 
 /// Prior of a nuisance parameter of the readings, the baseline or the gain.
@@ -159,9 +175,8 @@ impl ForwardFit {
             [0.0, 1.0],
         );
         problem.keep_window(&state);
-        let covariance = inverse(&problem.sums(&state).ok()?.hessian, SINGULAR)?;
-        let press = (markers.skin(), &self.body);
-        let stds = Stds::new(press, &state, &covariance, &problem.sought).ok()?;
+        let covariance = problem.covariance(&problem.sums(&state).ok()?).ok()?;
+        let stds = Stds::new(&problem, &state, &covariance).ok()?;
         Some(Bounds {
             relative_curvature: contact.relative_curvature * stds.log_curvature,
             indentation: stds.indentation,
@@ -179,10 +194,6 @@ impl ForwardFit {
         for (setting, std) in [
             ("normal_std", self.normal_std),
             ("tangential_std", self.tangential_std),
-            (
-                "indentation_std",
-                reading.indentation.map(|known| known.std),
-            ),
         ] {
             std.map_or(Ok(()), |std| at_least_0(setting, std))?;
         }
@@ -196,14 +207,7 @@ impl ForwardFit {
             let good = window > 0.0;
             PressError::unless_good("window", window, good, "> 0")?;
         }
-        if let Some(Measured { value, .. }) = reading.indentation {
-            if !value.is_finite() {
-                return Err(PressError::OutOfRange);
-            }
-            if value <= 0.0 {
-                return Err(PressError::NoIndentation { indentation: value });
-            }
-        }
+        reading.indentation.map_or(Ok(()), Measured::check)?;
         let markers = reading.markers.places().len();
         let lengths = [
             Some(reading.normal.len()),

@@ -87,17 +87,7 @@ impl<V: View> ImageFit<V> {
                 seen.check(marker)?;
             }
         }
-        if let Some(Measured { value, std }) = indentation {
-            let good = (0.0..=1e100).contains(&std);
-            PressError::unless_good("indentation_std", std, good, "at least 0 and at most 1e100")?;
-            if !value.is_finite() {
-                return Err(PressError::OutOfRange);
-            }
-            if value <= 0.0 {
-                return Err(PressError::NoIndentation { indentation: value });
-            }
-        }
-        Ok(())
+        indentation.map_or(Ok(()), Measured::check)
     }
 
     /// The prior of free departures, if there is one.

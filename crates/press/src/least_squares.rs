@@ -1,19 +1,80 @@
-//! Nonlinear least squares by Levenberg and Marquardt's method.
+//! Nonlinear least squares by Levenberg and Marquardt's method: of displacements and of images, whose residuals differ.
 
-use crate::PressError;
+use crate::cholesky::inverse;
 use crate::state::State;
-use crate::unknowns::{Sums, UNKNOWNS, Unknowns};
+use crate::unknowns::{Fitted, Square, Sums, UNKNOWNS, Unknowns};
+use crate::{Body, Contact, PressError, Skin};
 
 /// A least-squares problem over the unknowns of a press.
 pub(crate) trait LeastSquares {
     /// A state with chi-squared and its derivatives.
     type Fit: Clone;
+    /// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
+    const SINGULAR: f64;
+    /// Description of what is missing if no such matrix can be inverted.
+    const FREE: &'static str;
     /// Least predicted decrease of chi-squared for a further step of a fit with a held curvature.
     const ENOUGH_OF_PROFILE: f64;
 
     fn state_of(fit: &Self::Fit) -> &State;
 
     fn sums_of(fit: &Self::Fit) -> &Sums;
+
+    /// The skin, and the body that determines the contact.
+    fn press(&self) -> (&Skin, &Body);
+
+    fn fitted(&self) -> &Fitted;
+
+    /// Number of the used markers, and number of equations of each.
+    fn used(&self) -> [usize; 2];
+
+    /// Whether a standard deviation of the noise is estimated from the residuals.
+    fn estimates_noise(&self) -> bool {
+        false
+    }
+
+    fn contact(&self, state: &State) -> Result<Contact<'_>, PressError> {
+        let (skin, body) = self.press();
+        state.contact(skin, body)
+    }
+
+    /// Number of equations from the used markers.
+    fn equations(&self) -> usize {
+        let [markers, each] = self.used();
+        markers * each
+    }
+
+    /// Degrees of freedom: the number of equations and priors minus that of the fitted unknowns.
+    fn freedom(&self) -> usize {
+        let fitted = self.fitted();
+        (self.equations() + fitted.priors().count()).saturating_sub(fitted.count())
+    }
+
+    /// Rejects markers that do not determine the unknowns, and the noise if it is estimated.
+    ///
+    /// # Errors
+    /// [`PressError::TooFewMarkers`].
+    fn determined(&self) -> Result<(), PressError> {
+        let needed = self.fitted().count() + usize::from(self.estimates_noise());
+        let equations = self.equations();
+        if equations >= needed {
+            return Ok(());
+        }
+        Err(PressError::TooFewMarkers {
+            markers: self.used()[0],
+            equations,
+            needed,
+        })
+    }
+
+    /// Covariance of the unknowns.
+    ///
+    /// # Errors
+    /// [`PressError::Undetermined`] if the readings do not determine all of them.
+    fn covariance(&self, sums: &Sums) -> Result<Square, PressError> {
+        let free = PressError::Undetermined { what: Self::FREE };
+        inverse(&sums.hessian, Self::SINGULAR).ok_or(free)
+    }
 
     /// Damping of the first step.
     fn damping(_fit: &Self::Fit) -> f64 {
@@ -42,7 +103,7 @@ pub(crate) trait LeastSquares {
         Ok(None)
     }
 
-    /// The fit after the last step, whose sums are predicted, if it is taken.
+    /// The fit after the last step, with predicted sums; `None` if the problem omits this step.
     fn last_step(&self, _from: &Self::Fit, _step: &Unknowns) -> Option<Self::Fit> {
         None
     }

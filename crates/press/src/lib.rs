@@ -17,12 +17,12 @@ mod least_squares;
 mod markers;
 mod misfit;
 mod no_contact;
+mod outcome;
 mod profile;
 mod regime;
 mod shear;
 mod skin;
 mod state;
-mod stds;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement};

@@ -17,8 +17,8 @@ pub(crate) const PATTERNS: usize = 7;
 const BY_DISTANCE: Range<usize> = 0..5;
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// A pattern is tested only if the fitted unknowns leave at least this share of it. A smaller rest is mostly an effect of the
-/// curved model with uncertain unknowns.
+/// A pattern is tested only if the fitted unknowns do not explain at least this share of it. A smaller rest is mostly an effect
+/// of the curved model with uncertain unknowns.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
 /// Difference between the stated and the estimated indentation, in standard deviations, from which on the stated one is wrong.
@@ -152,7 +152,7 @@ impl PatternSums {
 /// Compares a stated indentation with its estimate from the other readings.
 ///
 /// # Errors
-/// [`PressError::Undetermined`] if they give no bound on it.
+/// [`PressError::Undetermined`] if these readings do not bound it.
 pub(crate) fn stated_indentation(
     stated: Measured,
     alone: &Estimated,

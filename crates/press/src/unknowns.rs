@@ -2,7 +2,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::Measured;
 use crate::cholesky::solve;
+use crate::state::State;
 
 /// Number of unknowns. In this order: the logarithm of the relative curvature; displacements of the contact along both
 /// axes at its place; the indentation; two that differ between a fit of displacements and a fit of images.
@@ -16,6 +18,53 @@ pub(crate) const OTHERS: usize = 4;
 
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// A prior narrower than this, relative to the value's size, counts as exact, because of rounding.
+pub(crate) const EXACT: f64 = 1e-10;
+
+/// The fitted unknowns and their normal priors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fitted {
+    /// Whether each unknown is fitted.
+    pub(crate) sought: [bool; UNKNOWNS],
+    /// Prior of each unknown, if it has one.
+    priors: [Option<Measured>; UNKNOWNS],
+}
+
+impl Fitted {
+    /// All unknowns, but the indentation only if it is not exact. The last two unknowns have these priors.
+    pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
+        let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
+        sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);
+        priors[INDENTATION] = indentation;
+        priors[OTHERS..].copy_from_slice(&others);
+        Self { sought, priors }
+    }
+
+    /// Number of the fitted unknowns.
+    pub(crate) fn count(&self) -> usize {
+        self.sought.iter().filter(|&&sought| sought).count()
+    }
+
+    /// Priors of the fitted unknowns.
+    pub(crate) fn priors(&self) -> impl Iterator<Item = (usize, Measured)> + '_ {
+        let fitted = (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]);
+        fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
+    }
+
+    /// Chi-squared of the deviations from the priors, with its derivatives.
+    pub(crate) fn prior_sums(&self, state: &State) -> Sums {
+        let mut sums = Sums::default();
+        for (unknown, Measured { value, std }) in self.priors() {
+            let at = match unknown {
+                INDENTATION => state.indentation,
+                other => state.others[other - OTHERS],
+            };
+            sums.add_prior(unknown, at - value, std);
+        }
+        sums
+    }
+}
 
 /// Chi-squared with its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,7 +115,7 @@ impl Sums {
     }
 
     /// Adds the deviation of an unknown from its prior with this standard deviation.
-    pub(crate) fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
+    fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
         self.chi_squared += (off / std) * (off / std);
         self.gradient[unknown] += off / (std * std);
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);

@@ -6,6 +6,7 @@ use super::Prior;
 use super::problem::{Problem, WRONG};
 use super::start::median;
 use crate::PressError;
+use crate::least_squares::LeastSquares;
 use crate::markers::see;
 use crate::no_contact::no_contact;
 use crate::state::State;

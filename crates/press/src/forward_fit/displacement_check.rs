@@ -4,9 +4,8 @@ use nalgebra::{SMatrix, SVector};
 use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
 
 use super::problem::{Problem, finite};
-use super::search::SINGULAR;
 use super::{ForwardFit, Reading};
-use crate::cholesky::inverse;
+use crate::least_squares::LeastSquares;
 use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
 use crate::state::State;
 use crate::unknowns::{Square, Sums};
@@ -16,11 +15,11 @@ use crate::{PressError, PressEstimate};
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Compares the stated indentation of a reading with the one that its displacements alone give. Outliers of `estimate` that
-    /// lie far from the contact are left out; others may be right if the stated indentation is wrong.
+    /// Compares the stated indentation of a reading with the one estimated from its displacements alone. Outliers of `estimate`
+    /// far from the contact are excluded; others may be right if the stated indentation is wrong.
     ///
     /// # Errors
-    /// The reason why the displacements alone give no indentation.
+    /// The reason why the displacements alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         reading: &Reading<'_>,
@@ -96,7 +95,7 @@ impl ForwardFit {
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);
         // These tests are valid only at the best fit, which an undetected contact is not.
-        if let Some((noise, covariance)) = noise.zip(inverse(&sums.hessian, SINGULAR))
+        if let Some((noise, covariance)) = noise.zip(problem.covariance(&sums).ok())
             && estimate.is_detected
         {
             let (reading, p_value) = problem.slipped(&state, &covariance, &noise)?;
@@ -107,7 +106,7 @@ impl ForwardFit {
                 fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
             }
             if let Some((problem, state, sums)) = fit
-                && let Some(covariance) = inverse(&sums.hessian, SINGULAR)
+                && let Ok(covariance) = problem.covariance(&sums)
             {
                 misfits.extend(problem.pattern_misfits(&state, &sums, &covariance, &noise)?);
             }

@@ -5,7 +5,7 @@ use palpate_statistics::{Explained, LEFT, least_likely};
 
 use super::problem::{Problem, WRONG};
 use crate::PressError;
-use crate::least_squares::EXACTLY;
+use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
@@ -90,7 +90,7 @@ impl Problem<'_> {
 
     /// A copy of `slopes` with 0 for each unknown that is not fitted.
     pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
-        Unknowns::from_fn(|unknown, _| match self.sought[unknown] {
+        Unknowns::from_fn(|unknown, _| match self.fitted.sought[unknown] {
             true => slopes[unknown],
             false => 0.0,
         })

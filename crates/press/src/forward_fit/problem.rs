@@ -2,12 +2,12 @@
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
-use super::{ForwardFit, Measured, Prior, Reading};
+use super::{ForwardFit, Reading};
 use crate::least_squares::LeastSquares;
 use crate::markers::{PressSlopes, Sight};
 use crate::state::State;
-use crate::unknowns::{INDENTATION, OTHERS, Sums, UNKNOWNS, Unknowns};
-use crate::{Contact, MarkerDisplacement, Place, PressError};
+use crate::unknowns::{Fitted, OTHERS, Sums, Unknowns};
+use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
 /// Unknowns of this fit beside those of every press: an offset of all normal displacements and a factor on them.
 pub(super) const BASELINE: usize = OTHERS;
@@ -21,8 +21,7 @@ pub(super) const WRONG: f64 = 5.0;
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
-    /// Whether each unknown is fitted.
-    pub(super) sought: [bool; UNKNOWNS],
+    pub(super) fitted: Fitted,
     /// Standard deviation of a normal displacement, and of a tangential component.
     pub(super) normal_std: f64,
     pub(super) tangential_std: f64,
@@ -43,10 +42,6 @@ struct Predicted {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn contact(&self, state: &State) -> Result<Contact<'a>, PressError> {
-        state.contact(self.reading.markers.skin(), &self.fit.body)
-    }
-
     /// The tangential readings, if they are used.
     fn tangential(&self) -> Option<&'a [[f64; 2]]> {
         self.reading
@@ -70,49 +65,6 @@ impl<'a> Problem<'a> {
         if self.uses_tangential() { 3 } else { 1 }
     }
 
-    /// Number of equations from the used markers.
-    pub(super) fn equations(&self) -> usize {
-        self.components() * self.counting().count()
-    }
-
-    pub(super) fn unknowns(&self) -> usize {
-        self.sought.iter().filter(|&&sought| sought).count()
-    }
-
-    /// Rejects markers that do not determine the unknowns, and the noise if it is estimated.
-    ///
-    /// # Errors
-    /// [`PressError::TooFewMarkers`].
-    pub(super) fn determined(&self) -> Result<(), PressError> {
-        let is_noise_found = self.fit.normal_std.is_none_or(|std| std == 0.0);
-        let (equations, needed) = (
-            self.equations(),
-            self.unknowns() + usize::from(is_noise_found),
-        );
-        if equations >= needed {
-            return Ok(());
-        }
-        Err(PressError::TooFewMarkers {
-            markers: self.counting().count(),
-            equations,
-            needed,
-        })
-    }
-
-    /// Degrees of freedom: the number of equations and priors minus that of the fitted unknowns.
-    pub(super) fn freedom(&self) -> usize {
-        let fit = self.fit;
-        let is_known = [
-            (INDENTATION, self.reading.indentation.is_some()),
-            (BASELINE, matches!(fit.baseline, Prior::Within(_))),
-            (GAIN, matches!(fit.gain, Prior::Within(_))),
-        ];
-        let known = is_known
-            .iter()
-            .filter(|(unknown, is_known)| *is_known && self.sought[*unknown]);
-        (self.equations() + known.count()).saturating_sub(self.unknowns())
-    }
-
     /// Positions of the markers relative to a place.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
@@ -120,7 +72,7 @@ impl<'a> Problem<'a> {
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Only chi-squared, for given displacements of all markers by the model, normal and tangential.
+    /// Only chi-squared, if the model displaces the markers by `moved`, normal and tangential.
     pub(super) fn cost(
         &self,
         state: &State,
@@ -130,7 +82,7 @@ impl<'a> Problem<'a> {
         for marker in self.counting() {
             sum.add(self.residuals(marker, moved(marker)));
         }
-        finite(self.priors(state).chi_squared + sum.total())
+        finite(self.fitted.prior_sums(state).chi_squared + sum.total())
     }
 
     /// Chi-squared with its derivatives.
@@ -146,7 +98,7 @@ impl<'a> Problem<'a> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
         let slopes = PressSlopes::new(&contact, slope);
-        let mut sums = self.priors(state);
+        let mut sums = self.fitted.prior_sums(state);
         let mut robust = RobustSum::new(self.tolerance);
         let [normally, tangentially] = [self.normal_std, self.tangential_std].map(f64::recip);
         for marker in self.counting() {
@@ -162,7 +114,7 @@ impl<'a> Problem<'a> {
             }
         }
         sums.chi_squared += robust.total();
-        sums.only(&self.sought);
+        sums.only(&self.fitted.sought);
         finite(sums.chi_squared + sums.gradient.sum() + sums.hessian.sum())?;
         Ok(sums)
     }
@@ -302,28 +254,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Chi-squared of the deviations from the priors, with its derivatives.
-    fn priors(&self, state: &State) -> Sums {
-        let mut sums = Sums::default();
-        let [baseline, gain] = state.others;
-        if let Some(Measured { value, std }) = self.reading.indentation
-            && self.sought[INDENTATION]
-        {
-            sums.add_prior(INDENTATION, state.indentation - value, std);
-        }
-        if let Prior::Within(std) = self.fit.baseline
-            && self.sought[BASELINE]
-        {
-            sums.add_prior(BASELINE, baseline, std);
-        }
-        if let Prior::Within(std) = self.fit.gain
-            && self.sought[GAIN]
-        {
-            sums.add_prior(GAIN, gain - 1.0, std);
-        }
-        sums
-    }
-
     /// The place at a direction. If there is a circle, the x axis is along the circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
@@ -340,6 +270,9 @@ impl<'a> Problem<'a> {
 
 impl LeastSquares for Problem<'_> {
     type Fit = (State, Sums);
+    const SINGULAR: f64 = 1e-7;
+    const FREE: &'static str =
+        "some combination of curvature, place, indentation, baseline and gain is free";
     const ENOUGH_OF_PROFILE: f64 = 1e-4;
 
     fn state_of((state, _): &Self::Fit) -> &State {
@@ -348,6 +281,22 @@ impl LeastSquares for Problem<'_> {
 
     fn sums_of((_, sums): &Self::Fit) -> &Sums {
         sums
+    }
+
+    fn press(&self) -> (&Skin, &Body) {
+        (self.reading.markers.skin(), &self.fit.body)
+    }
+
+    fn fitted(&self) -> &Fitted {
+        &self.fitted
+    }
+
+    fn used(&self) -> [usize; 2] {
+        [self.counting().count(), self.components()]
+    }
+
+    fn estimates_noise(&self) -> bool {
+        self.fit.normal_std.is_none_or(|std| std == 0.0)
     }
 
     fn stepped(&self, state: &State, step: &Unknowns) -> State {
@@ -399,7 +348,7 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// Limit of a product of factors, before its logarithm is taken.
+/// Limit of a product of factors, before its logarithm is computed.
 const MAX_PRODUCT: f64 = 1e100;
 
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers, with the sum of squares s of each marker. It

@@ -4,20 +4,17 @@ use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::contact_detection::{detect, on_markers};
-use super::outcome::outcome;
 use super::problem::{BASELINE, GAIN, Problem, RobustSum, WRONG};
 use super::start::{RADII, Shapes, median, starts};
 use super::undetected_contacts::UndetectedContacts;
-use super::{ForwardFit, Prior, Reading};
-use crate::cholesky::inverse;
+use super::{ForwardFit, Measured, Prior, Reading};
 use crate::least_squares::{EXACTLY, LeastSquares, minimise};
+use crate::outcome::until_best;
 use crate::profile::profile;
 use crate::state::State;
-use crate::unknowns::{ACROSS, INDENTATION, Square, Sums, UNKNOWNS};
+use crate::unknowns::{ACROSS, EXACT, Fitted, Square, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
-/// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
-pub(super) const SINGULAR: f64 = 1e-7;
 /// Largest share of outliers among the markers; if there are more, the model is wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 /// Number of outliers from which on a used marker may be their cause.
@@ -26,13 +23,10 @@ const SEVERAL: usize = 2;
 const ROW: f64 = 1e-5;
 /// P-value of an outlier below which the interval also contains the estimate without this marker.
 const SUSPECT: f64 = 0.05;
-/// Residual, in standard deviations, beyond which the weight decreases while the outliers are not yet known.
+/// Residual, in standard deviations, beyond which the weight decreases before the outliers are found.
 const ROBUST: f64 = 3.0;
-/// Least predicted decrease of chi-squared for a further step while the outliers are not yet known.
+/// Least predicted decrease of chi-squared for a further step before the outliers are found.
 const ROUGHLY: f64 = 1e-2;
-/// Smallest standard deviation of a displacement relative to the largest displacement, because of rounding.
-const EXACT: f64 = 1e-10;
-
 /// The search for the press that fits a reading.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
@@ -57,8 +51,6 @@ enum Found<'a> {
 impl<'a> Problem<'a> {
     /// The problem with all unknown parameters fitted and all markers used, with standard deviations of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
-        let mut sought = [true; UNKNOWNS];
-        // A prior narrower than rounding counts as exact.
         let largest = reading
             .normal
             .iter()
@@ -68,15 +60,18 @@ impl<'a> Problem<'a> {
             Prior::Within(std) => std > EXACT * scale,
             Prior::Free => true,
         };
-        sought[INDENTATION] = reading
-            .indentation
-            .is_none_or(|known| known.std > EXACT * known.value);
-        sought[BASELINE] = is_sought(fit.baseline, largest);
-        sought[GAIN] = is_sought(fit.gain, 1.0);
+        let around = |prior: Prior, value: f64| match prior {
+            Prior::Within(std) => Some(Measured { value, std }),
+            Prior::Exact | Prior::Free => None,
+        };
+        let others = [around(fit.baseline, 0.0), around(fit.gain, 1.0)];
+        let mut fitted = Fitted::new(reading.indentation, others);
+        fitted.sought[BASELINE] = is_sought(fit.baseline, largest);
+        fitted.sought[GAIN] = is_sought(fit.gain, 1.0);
         let mut problem = Self {
             fit,
             reading,
-            sought,
+            fitted,
             normal_std: 1.0,
             tangential_std: 1.0,
             kept: vec![true; reading.normal.len()],
@@ -85,7 +80,7 @@ impl<'a> Problem<'a> {
         };
         if !problem.uses_tangential() {
             problem.circle = common_circle(reading);
-            problem.sought[ACROSS] = problem.circle.is_none();
+            problem.fitted.sought[ACROSS] = problem.circle.is_none();
         }
         problem
     }
@@ -103,7 +98,7 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The least chi-squared near a state, with one unknown held constant if it is given.
+    /// The least chi-squared near a state, with one unknown held constant if `held` names it.
     pub(super) fn minimum(
         &self,
         state: State,
@@ -182,9 +177,8 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn run(mut self) -> Result<PressEstimate, PressError> {
-        let (mut state, mut sums) = self.begin()?;
-        // The profile may find a better fit than the one it starts from.
-        for _ in 0..4 {
+        let first = self.begin()?;
+        until_best(first, |(mut state, mut sums)| {
             let shown = detect(&self.problem, &state);
             let only_marker = match shown {
                 Ok(None) => None,
@@ -200,35 +194,32 @@ impl<'a> Search<'a> {
                     Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
                         shown?
                     }
-                    Some(Found::Left(estimate)) => return Ok(*estimate),
+                    Some(Found::Left(estimate)) => return Ok(Ok(*estimate)),
                     None => shown?,
                 },
             };
-            let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
-                what: "some combination of curvature, place, indentation, baseline and gain is free",
-            })?;
+            let covariance = self.problem.covariance(&sums)?;
             let limit = self.limit();
             let interval = profile(&self.problem, &(state, sums), limit * limit);
             match interval.and_then(|interval| self.with_rivals(&state, &sums, interval)) {
                 Ok(interval) => {
                     on_markers(&self.problem, &state)?;
-                    let found =
-                        outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
+                    let fit = (&state, &sums);
+                    let found = self.problem.outcome(fit, &covariance, interval, limit)?;
                     if only_marker.is_none() {
                         let held = self.or_without_slipped(&state, &sums, &covariance, interval)?;
-                        return Ok(found.holding(held));
+                        return Ok(Ok(found.holding(held)));
                     }
-                    return Ok(PressEstimate {
+                    Ok(Ok(PressEstimate {
                         only_marker,
                         ..found
-                    });
+                    }))
                 }
-                Err(better) => state = better,
+                Err(mut better) => {
+                    let sums = self.settle(&mut better)?;
+                    Ok(Err((better, sums)))
+                }
             }
-            sums = self.settle(&mut state)?;
-        }
-        Err(PressError::Undetermined {
-            what: "the sum of squares has no clear minimum",
         })
     }
 
@@ -251,8 +242,9 @@ impl<'a> Search<'a> {
         }
         let limit = self.limit();
         let (state, sums, interval) = contacts.left(limit * limit)?;
-        let covariance = inverse(&sums.hessian, SINGULAR)?;
-        let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit).ok()?;
+        let covariance = problem.covariance(&sums).ok()?;
+        let estimate = problem.outcome((&state, &sums), &covariance, interval, limit);
+        let estimate = estimate.ok()?;
         // The correction must not increase the curvature: far from a clear minimum, noise makes it too large.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
@@ -298,7 +290,7 @@ impl<'a> Search<'a> {
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
             // If the interval of another fit is unbounded, so is the result.
-            let other = inverse(&least.hessian, SINGULAR).and_then(around);
+            let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
         Ok(hull)

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::Prior;
 use super::problem::Problem;
+use crate::least_squares::LeastSquares;
 use crate::markers::Sight;
 use crate::state::State;
 use crate::{Displacement, Place};

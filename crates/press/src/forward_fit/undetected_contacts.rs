@@ -6,6 +6,7 @@ use super::contact_detection::on_markers;
 use super::problem::Problem;
 use super::start::{Shapes, median};
 use crate::Interval;
+use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::PressError;
 
-/// Prior of some common departures, from another frame of the same sensor or from the frame at rest itself. The fit then takes
+/// Prior of some common departures, from another frame of the same sensor or from the frame at rest itself. The fit then uses
 /// no information on them from the frame at rest, so that no frame counts twice. The frame still determines the other
 /// departures and the misalignments, conditional on these.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! A state of a fit of images with its residuals and slopes.
 
 use super::image_problem::{Problem, Residuals, Slopes};
-use super::view::View;
-use crate::PressError;
+use super::view::{NUMBERS, View};
 use crate::cholesky::solve;
 use crate::least_squares::LeastSquares;
 use crate::state::State;
-use crate::unknowns::{Sums, Unknowns};
+use crate::unknowns::{Fitted, Sums, Unknowns};
+use crate::{Body, PressError, Skin};
 
 /// Least predicted decrease of chi-squared far from a minimum: four standard deviations.
 const STUCK: f64 = 16.0;
@@ -77,6 +77,8 @@ impl FitState {
 
 impl<V: View> LeastSquares for Problem<'_, V> {
     type Fit = FitState;
+    const SINGULAR: f64 = 1e-6;
+    const FREE: &'static str = "some combination of curvature, place and indentation is free";
     const ENOUGH_OF_PROFILE: f64 = 1e-3;
 
     fn state_of(fit: &FitState) -> &State {
@@ -85,6 +87,18 @@ impl<V: View> LeastSquares for Problem<'_, V> {
 
     fn sums_of(fit: &FitState) -> &Sums {
         &fit.sums
+    }
+
+    fn press(&self) -> (&Skin, &Body) {
+        (self.fit.markers.skin(), &self.fit.bodies[0])
+    }
+
+    fn fitted(&self) -> &Fitted {
+        &self.fitted
+    }
+
+    fn used(&self) -> [usize; 2] {
+        [self.counting.len(), NUMBERS]
     }
 
     fn damping(fit: &FitState) -> f64 {

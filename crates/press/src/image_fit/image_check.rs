@@ -5,19 +5,19 @@ use palpate_statistics::{Misfit, chi_squared_tail};
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
-use super::image_search::{SINGULAR, settle};
+use super::image_search::settle;
 use super::view::{NUMBERS, Seen, View};
 use super::{ImageFit, Rest};
-use crate::cholesky::inverse;
+use crate::least_squares::LeastSquares;
 use crate::misfit::{Noise, PATTERNS, PatternSums, patterns, stated_indentation};
 use crate::state::State;
 use crate::{Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
-    /// Compares a stated indentation with the one that the images alone give.
+    /// Compares a stated indentation with the one estimated from the images alone.
     ///
     /// # Errors
-    /// The reason why the images alone give no indentation.
+    /// The reason why the images alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         rest: &Rest,
@@ -50,7 +50,7 @@ impl<V: View + Clone> ImageFit<V> {
             return Ok(Vec::new());
         };
         let mut misfits: Vec<Misfit> = Misfit::poor_fit(goodness, true).into_iter().collect();
-        if problem.equations() <= problem.unknowns() {
+        if problem.equations() <= problem.fitted.count() {
             return Ok(misfits);
         }
         let state = State::new(
@@ -70,7 +70,7 @@ impl<V: View + Clone> ImageFit<V> {
         misfits.extend(Misfit::outlier(
             problem.counting.iter().copied().zip(p_values),
         ));
-        if let Some(covariance) = inverse(&best.sums.hessian, SINGULAR) {
+        if let Ok(covariance) = problem.covariance(&best.sums) {
             let products = problem.pattern_sums(&best)?;
             misfits.extend(products.misfits(&best.sums, &covariance, &noise));
         }

@@ -14,12 +14,13 @@ use super::disc_displacements::{DiscSlopes, Moving};
 use super::fit_state::FitState;
 use super::rest::{Rest, products};
 use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
+use crate::least_squares::LeastSquares;
 use crate::state::State;
-use crate::unknowns::{INDENTATION, OTHERS, Square, Sums, UNKNOWNS};
+use crate::unknowns::{Fitted, OTHERS, Square, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// First of the unknowns of this fit beside those of every press: both components of a sideways shift of the object.
-pub(super) const SHIFT: usize = OTHERS;
+const SHIFT: usize = OTHERS;
 
 /// Whitened residuals of the used markers.
 pub(super) type Residuals = DVector<f64>;
@@ -45,8 +46,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) sensor: Sensor,
     pub(super) seen: &'a [Option<Seen>],
     pub(super) indentation: Option<Measured>,
-    /// Whether each unknown is fitted.
-    pub(super) sought: [bool; UNKNOWNS],
+    pub(super) fitted: Fitted,
     /// Numbers of the used markers: visible at rest and pressed, and no outliers.
     pub(super) counting: Vec<usize>,
     /// Square root of the robust weight of each used marker.
@@ -84,16 +84,19 @@ impl<'a, V: View> Problem<'a, V> {
         let counting: Vec<usize> = (0..seen.len())
             .filter(|&marker| seen[marker].is_some() && rest.seen[marker])
             .collect();
-        let mut sought = [true; UNKNOWNS];
-        sought[INDENTATION] = indentation.is_none_or(|known| known.std > 1e-10 * known.value);
-        sought[SHIFT..].fill(fit.shifts());
+        let shift = Measured {
+            value: 0.0,
+            std: fit.shift_std,
+        };
+        let mut fitted = Fitted::new(indentation, [Some(shift); 2]);
+        fitted.sought[SHIFT..].fill(fit.shifts());
         Ok(Self {
             fit,
             sensor: rest.sensor(),
             rest: Cow::Borrowed(rest),
             seen,
             indentation,
-            sought,
+            fitted,
             trust: vec![1.0; counting.len()],
             by_depth: Vec::new(),
             whiten: Vec::new(),
@@ -103,24 +106,6 @@ impl<'a, V: View> Problem<'a, V> {
             root: DMatrix::zeros(0, 0),
             counting,
         })
-    }
-
-    pub(super) fn unknowns(&self) -> usize {
-        self.sought.iter().filter(|sought| **sought).count()
-    }
-
-    pub(super) fn equations(&self) -> usize {
-        NUMBERS * self.counting.len()
-    }
-
-    /// Number of priors of fitted unknowns.
-    pub(super) fn known(&self) -> usize {
-        let [along, across] = [SHIFT, SHIFT + 1].map(|shift| self.sought[shift]);
-        let indentation = self.indentation.is_some() && self.sought[INDENTATION];
-        [along, across, indentation]
-            .into_iter()
-            .map(usize::from)
-            .sum()
     }
 
     /// Removes markers from the used ones.
@@ -289,7 +274,7 @@ impl<'a, V: View> Problem<'a, V> {
             let normal = whiten * (magenta.column(0) + yellow.column(0));
             normal_slopes.push(normal.norm());
         }
-        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
+        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.fitted.sought[unknown]) {
             jacobian.column_mut(unknown).fill(0.0);
         }
         let slopes = self.slopes(jacobian)?;
@@ -357,7 +342,7 @@ impl<'a, V: View> Problem<'a, V> {
     }
 
     pub(super) fn cost(&self, state: &State, residuals: &Residuals) -> Result<f64, PressError> {
-        let cost = self.own_squares(residuals)? + self.priors(state).chi_squared;
+        let cost = self.own_squares(residuals)? + self.fitted.prior_sums(state).chi_squared;
         if cost.is_finite() {
             Ok(cost)
         } else {
@@ -372,7 +357,7 @@ impl<'a, V: View> Problem<'a, V> {
         slopes: &Slopes,
     ) -> Result<Sums, PressError> {
         let common = self.shared(residuals)?;
-        let priors = self.priors(state);
+        let priors = self.fitted.prior_sums(state);
         let chi_squared = residuals.norm_squared() - common.norm_squared() + priors.chi_squared;
         if !chi_squared.is_finite() {
             return Err(PressError::OutOfRange);
@@ -383,7 +368,7 @@ impl<'a, V: View> Problem<'a, V> {
             gradient: priors.gradient - slope,
             hessian: priors.hessian + slopes.square,
         };
-        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
+        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.fitted.sought[unknown]) {
             sums = sums.holding(unknown);
         }
         Ok(sums)
@@ -397,21 +382,5 @@ impl<'a, V: View> Problem<'a, V> {
             jacobian,
             shared,
         })
-    }
-
-    /// Chi-squared of the deviations from the priors, with its derivatives.
-    fn priors(&self, state: &State) -> Sums {
-        let mut sums = Sums::default();
-        if let Some(Measured { value, std }) = self.indentation
-            && self.sought[INDENTATION]
-        {
-            sums.add_prior(INDENTATION, state.indentation - value, std);
-        }
-        for axis in 0..2 {
-            if self.sought[SHIFT + axis] {
-                sums.add_prior(SHIFT + axis, state.others[axis], self.fit.shift_std);
-            }
-        }
-        sums
     }
 }

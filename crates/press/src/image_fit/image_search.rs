@@ -7,20 +7,17 @@ use super::fit_state::FitState;
 use super::image_problem::{Problem, Residuals};
 use super::view::{NUMBERS, SIZE, Seen, View, difference};
 use super::{ImageFit, Rest};
-use crate::cholesky::inverse;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::no_contact::no_contact;
+use crate::outcome::{OfReadings, outcome, until_best};
 use crate::profile::profile;
 use crate::state::State;
-use crate::stds::Stds;
-use crate::unknowns::{CURVATURE, Square};
-use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
+use crate::unknowns::CURVATURE;
+use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 
-/// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
-pub(super) const SINGULAR: f64 = 1e-6;
 /// Sum of the squares of a marker's four residuals beyond which it is an outlier: noise alone exceeds it once in three million.
 pub(super) const WRONG: f64 = 36.0;
-/// Sum of squares beyond which the weight of a marker decreases while the outliers are not yet known.
+/// Sum of squares beyond which the weight of a marker decreases before the outliers are found.
 const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers; if there are more, the model is wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
@@ -58,14 +55,7 @@ impl<V: View + Clone> ImageFit<V> {
     ) -> Result<PressEstimate, PressError> {
         self.check(rest, seen, indentation)?;
         let problem = Problem::new(self, rest, seen, indentation)?;
-        let (equations, needed) = (problem.equations(), problem.unknowns());
-        if equations < needed {
-            return Err(PressError::TooFewMarkers {
-                markers: problem.counting.len(),
-                equations,
-                needed,
-            });
-        }
+        problem.determined()?;
         search(problem)
     }
 
@@ -92,9 +82,7 @@ impl<V: View + Clone> ImageFit<V> {
         let mut problem = Problem::new(self, rest, seen, indentation)?;
         let state = State::new(curvature, self.markers.skin().place(at), depth, [0.0; 2]);
         let sums = problem.weigh(&state)?.sums;
-        let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
-            what: "some combination of curvature, place and indentation is free",
-        })?;
+        let covariance = problem.covariance(&sums)?;
         Ok(curvature * covariance[(CURVATURE, CURVATURE)].sqrt())
     }
 }
@@ -108,11 +96,9 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     }
     best = update_sensor(&mut problem, best)?;
     let weighed = best.clone();
-    for _ in 0..4 {
-        best = minimise(&problem, best.keeping_slopes(), EXACTLY, None)?;
-        let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
-            what: "some combination of curvature, place and indentation is free",
-        })?;
+    until_best(best, |best| {
+        let best = minimise(&problem, best.keeping_slopes(), EXACTLY, None)?;
+        let covariance = problem.covariance(&best.sums)?;
         let at_rest = problem.residuals_at_rest()?;
         let unmoved = problem.own_squares(&at_rest)?;
         let improvement = unmoved - best.sums.chi_squared;
@@ -128,28 +114,36 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 freedom: goodness.freedom,
             });
         }
-        match profile(&problem, &best, NORMAL_95 * NORMAL_95) {
-            Ok(interval) => {
-                let fit = problem.fit;
-                let reached = best.state.contact(fit.markers.skin(), &fit.bodies[0])?;
-                fit.markers.see(&best.state.place, reached.radius)?;
-                if best.is_stuck() {
-                    break;
-                }
-                return outcome(
-                    &problem,
-                    (&weighed, &best),
-                    &covariance,
-                    interval,
-                    unmoved,
-                    wrong,
-                );
-            }
-            Err(better) => best = problem.fit_at(better)?,
+        let interval = match profile(&problem, &best, NORMAL_95 * NORMAL_95) {
+            Ok(interval) => interval,
+            Err(better) => return Ok(Err(problem.fit_at(better)?)),
+        };
+        let contact = problem.contact(&best.state)?;
+        problem.fit.markers.see(&best.state.place, contact.radius)?;
+        if best.is_stuck() {
+            return Err(PressError::Undetermined {
+                what: "the sum of squares has no clear minimum",
+            });
         }
-    }
-    Err(PressError::Undetermined {
-        what: "the sum of squares has no clear minimum",
+        // The interval is scaled with the mean.
+        let factor = libm::exp(problem.mean_beside(&weighed, &covariance));
+        let unbiased = contact.relative_curvature * factor;
+        let readings = OfReadings {
+            relative_curvature: Estimated {
+                value: unbiased,
+                std: unbiased * std,
+                interval: interval.map(|end| end * factor),
+            },
+            baseline: None,
+            gain: None,
+            wrong_markers: wrong.clone(),
+            normal_std: best.normal_std(),
+            tangential_std: None,
+            r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
+            goodness: Some(goodness),
+        };
+        let fit = (&best.state, &best.sums);
+        outcome(&problem, fit, &covariance, NORMAL_95, readings).map(Ok)
     })
 }
 
@@ -257,7 +251,7 @@ fn drop_wrong<V: View>(
         .filter(|(_, square)| **square > WRONG)
         .map(|(marker, _)| *marker)
         .collect();
-    let enough = NUMBERS * (squares.len() - wrong.len()) >= problem.unknowns();
+    let enough = NUMBERS * (squares.len() - wrong.len()) >= problem.fitted.count();
     if wrong.len() > most || !enough {
         return Ok(Vec::new());
     }
@@ -267,8 +261,7 @@ fn drop_wrong<V: View>(
 
 impl<V: View> Problem<'_, V> {
     fn goodness(&self, fitted: &FitState) -> GoodnessOfFit {
-        let freedom = (self.equations() + self.known()).saturating_sub(self.unknowns());
-        GoodnessOfFit::new(fitted.sums.chi_squared, freedom)
+        GoodnessOfFit::new(fitted.sums.chi_squared, self.freedom())
     }
 
     /// The error of images for which a contact improves chi-squared only by `improvement`.
@@ -287,51 +280,6 @@ impl<V: View> Problem<'_, V> {
             .map(|at| own.rows(NUMBERS * at, NUMBERS).norm_squared())
             .collect())
     }
-}
-
-fn outcome<V: View + Clone>(
-    problem: &Problem<'_, V>,
-    (weighed, best): (&FitState, &FitState),
-    covariance: &Square,
-    interval: Interval,
-    unmoved: f64,
-    wrong_markers: Vec<usize>,
-) -> Result<PressEstimate, PressError> {
-    let body = &problem.fit.bodies[0];
-    let skin = problem.fit.markers.skin();
-    let contact = best.state.contact(skin, body)?;
-    let stds = Stds::new((skin, body), &best.state, covariance, &problem.sought)?;
-    let around = |value: f64, std: f64| Estimated::normal(value, std, NORMAL_95).positive();
-    let curvature = contact.relative_curvature;
-    let goodness = problem.goodness(best);
-    // The interval is scaled with the mean.
-    let factor = libm::exp(problem.mean_beside(weighed, covariance));
-    let interval = interval.map(|end| end * factor);
-    let unbiased = curvature * factor;
-    Ok(PressEstimate {
-        sensor_curvature: skin.curvature(),
-        relative_curvature: Estimated {
-            value: unbiased,
-            std: unbiased * stds.log_curvature,
-            interval,
-        },
-        most_likely_curvature: curvature,
-        indentation: around(best.state.indentation, stds.indentation),
-        contact_radius: around(contact.radius, stds.contact_radius),
-        contact: skin.chart(best.state.place.direction.as_ref()),
-        contact_std: stds.contact,
-        baseline: None,
-        gain: None,
-        wrong_markers,
-        normal_std: best.normal_std(),
-        tangential_std: None,
-        r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
-        reduced_chi_squared: goodness.chi_squared / goodness.freedom.max(1) as f64,
-        goodness: Some(goodness),
-        is_detected: true,
-        only_marker: None,
-        verdict: Verdict::of(interval, skin.curvature()),
-    })
 }
 
 /// Tried radii of the contact, in radii of the sensor.

@@ -155,7 +155,7 @@ fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// A slip of the marker under which the object presses fits a needle there, but for the markers beside it.
+/// A slip of the marker under the object would fit a needle there, if the markers beside it did not contradict.
 #[test]
 fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     let (markers, body) = (published(), half_space());
@@ -166,7 +166,7 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
         .iter()
         .position(|&distance| distance == 0.0)
         .unwrap();
-    let told = |std: f64, trial: u64| {
+    let estimate = |std: f64, trial: u64| {
         let mut readings = exact.noisy_along(std, 0.4 * std, trial);
         readings.normal[apex] += 1.0;
         let reading = Reading {
@@ -176,11 +176,11 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
         let fit = in_all_directions(&body, std);
         fit.estimate(&reading).unwrap()
     };
-    let is_left_out = |trial: &u64| told(0.01, *trial).wrong_markers == [apex];
+    let is_left_out = |trial: &u64| estimate(0.01, *trial).wrong_markers == [apex];
     assert!((0..20).filter(is_left_out).count() >= 17);
     // With five times the noise, most intervals must still contain the true curvature, although one marker is wrong.
     let is_held = |trial: &u64| {
-        let curvature = told(0.05, *trial).relative_curvature;
+        let curvature = estimate(0.05, *trial).relative_curvature;
         curvature.interval.holds(contact.relative_curvature)
     };
     assert!((0..20).filter(is_held).count() >= 15);
@@ -197,7 +197,7 @@ fn nearest(count: usize) -> Vec<usize> {
 
 /// A marker beside the contact may move the curvature; one far from it does not.
 #[test]
-fn one_marker_among_sound_ones_is_named_where_it_matters() {
+fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     let order = nearest(61);
     let named = |outlier: usize| {
         let codes = codes([&half_space(); 2], STATED, |readings, _| {
@@ -205,14 +205,14 @@ fn one_marker_among_sound_ones_is_named_where_it_matters() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // It is left out where noise adds to it. Of sound readings 0.5 % have an outlier.
+    // The marker is excluded if noise adds to its error. Of sound readings 0.5 % have an outlier.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
 
-/// Curvatures that the others tell without the marker belong to the interval, since either may be right.
+/// Curvatures estimated without the marker belong to the interval, because either may be right.
 #[test]
-fn an_interval_holds_what_the_others_tell_where_one_marker_contradicts_them() {
+fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let fit = fit_of(&body, STD);
@@ -238,21 +238,21 @@ fn an_interval_holds_what_the_others_tell_where_one_marker_contradicts_them() {
     );
 }
 
-/// A press far below the noise leaves all but blunt objects, and says that it is not seen.
+/// A press far below the noise excludes only blunt objects, and is reported as not detected.
 #[test]
-fn what_is_not_seen_is_bounded_and_said() {
+fn undetected_presses_are_bounded_and_reported() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 20.0, 0.6).unwrap();
     let exact = Readings::of(&markers, &contact, at(6.0, 20.0));
     let fit = fit_of(&body, 0.2);
-    let told = Measured {
+    let stated = Measured {
         value: 0.6,
         std: 0.02,
     };
     let (mut unseen, mut held) = (0, 0);
     for trial in 0..60 {
         let readings = exact.noisy(0.2, trial);
-        let Ok(found) = fit.estimate(&readings.reading(&markers, Some(told))) else {
+        let Ok(found) = fit.estimate(&readings.reading(&markers, Some(stated))) else {
             continue;
         };
         let curvature = found.relative_curvature;

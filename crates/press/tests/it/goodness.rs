@@ -6,9 +6,9 @@ use crate::sensor::{Readings, at, distance_from_uniform, exactly, fit_of, half_s
 
 const PRESSES: u64 = 200;
 
-/// Kolmogorov's distance from the uniform distribution, of which 200 draws pass 0.115 once in a hundred times.
+/// For 200 draws, Kolmogorov's distance from the uniform distribution exceeds 0.115 in one of a hundred cases.
 #[test]
-fn p_values_are_uniform_where_the_model_holds() {
+fn p_values_are_uniform_if_the_model_is_right() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
     let exact = Readings::of(&markers, &contact, at(5.0, 40.0));
@@ -23,7 +23,7 @@ fn p_values_are_uniform_where_the_model_holds() {
 }
 
 #[test]
-fn noise_that_is_found_leaves_nothing_to_judge() {
+fn estimated_noise_has_no_goodness_of_fit() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
     let readings = Readings::of(&markers, &contact, [0.0; 2]).noisy(0.03, 1);
@@ -31,9 +31,9 @@ fn noise_that_is_found_leaves_nothing_to_judge() {
     assert_eq!(found.unwrap().goodness, None);
 }
 
-/// Noise that is stated far too small moves the estimate by nothing to speak of, and is reported; a press stays a press.
+/// A stated noise that is far too small hardly changes the estimate, and is reported.
 #[test]
-fn noise_that_is_stated_far_too_small_is_found() {
+fn a_far_too_small_stated_noise_is_reported() {
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
     let exact = Readings::of(&markers, &contact, at(5.0, 40.0));

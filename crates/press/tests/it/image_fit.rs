@@ -233,15 +233,6 @@ fn estimates_scatter_by_the_bound() {
         let seen = truth.seen(&truth.moved(None, [2.5, -1.0], 1.0), None);
         let press = (1.0 / RADIUS + CURVATURE, [2.5, -1.0], 1.0);
         bounds += fit.std_bound(&rest, &seen, None, press).unwrap().powi(2);
-        for bad in [
-            (f64::NAN, [0.0; 2], 1.0),
-            (0.1, [f64::NAN; 2], 1.0),
-            (0.1, [0.0; 2], 0.0),
-        ] {
-            assert!(fit.std_bound(&rest, &seen, None, bad).is_err());
-        }
-        let few = fit.std_bound(&rest, &seen[1..], None, press);
-        assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
     }
     // A root mean square of 150 scatters by 6 %.
     let ratio = f64::sqrt(squared / bounds);
@@ -328,21 +319,8 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
     assert_eq!(refused, Err(PressError::NotFinite { marker: 12 }));
     let none = vec![None; 81];
     assert_eq!(fit.at_rest(&none).unwrap_err().name(), "too-few-markers");
-    assert_eq!(
-        fit.estimate(&rest, &none, None).unwrap_err().name(),
-        "too-few-markers"
-    );
-    assert_eq!(
-        fit.estimate(&rest, &good[..80], None).unwrap_err().name(),
-        "bad-setting"
-    );
-    for std in [-1.0, f64::NAN, f64::INFINITY, 1e-160] {
-        let wrong = ImageFit {
-            misalignment_std: std,
-            ..fit.clone()
-        };
-        assert_eq!(wrong.at_rest(&good).unwrap_err().name(), "bad-setting");
-    }
+    let few = fit.estimate(&rest, &good[..80], None);
+    assert_eq!(few.unwrap_err().name(), "bad-setting");
 }
 
 /// A camera with a hidden marker, or one that returns another number of markers.
@@ -368,14 +346,10 @@ impl View for Partial {
     }
 }
 
-fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
-    let fit = fit(None, ROUGHLY);
+/// A fit with another camera model.
+fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
     ImageFit {
-        view: Partial {
-            whole: fit.view,
-            hidden,
-            count,
-        },
+        view: view(fit.view),
         markers: fit.markers,
         bodies: fit.bodies,
         deeper: fit.deeper,
@@ -384,6 +358,14 @@ fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
         misalignment_std: fit.misalignment_std,
         shift_std: fit.shift_std,
     }
+}
+
+fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
+    through(fit(None, ROUGHLY), |whole| Partial {
+        whole,
+        hidden,
+        count,
+    })
 }
 
 #[test]

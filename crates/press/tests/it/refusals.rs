@@ -131,23 +131,6 @@ fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     assert!(share > 0.85, "{held} of {estimates}");
 }
 
-#[test]
-fn a_contact_beyond_the_markers_is_located_or_refused() {
-    let skin = Skin::new(RADIUS).unwrap();
-    let positions: Vec<[f64; 2]> = (0..25)
-        .map(|index| [f64::from(index % 5) - 2.0, f64::from(index / 5) - 2.0])
-        .collect();
-    let markers = Markers::new(skin, &positions).unwrap();
-    let body = half_space();
-    let contact = skin.contact(&body, 0.0, 1.0).unwrap();
-    let readings = Readings::of(&markers, &contact, [25.0, 0.0]);
-    let found = ForwardFit::new(body.clone()).estimate(&readings.reading(&markers, exactly(1.0)));
-    match found {
-        Ok(found) => assert!((found.contact[0] - 25.0).abs() < 1e-3),
-        Err(error) => assert_eq!(error.name(), "off-markers"),
-    }
-}
-
 /// If the contact is far from the markers, a needle under one marker fits the readings almost as well.
 #[test]
 fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
@@ -254,22 +237,6 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
         }
     }
     assert!(estimated > 20, "{estimated}");
-}
-
-/// A stated indentation counts as a reading.
-#[test]
-fn reduced_chi_squared_uses_the_freedom_of_the_p_value() {
-    let (markers, exact) = five_markers();
-    let readings = exact.noisy(0.01, 3);
-    let fit = fit_of(&half_space(), 0.01);
-    let known = Some(Measured {
-        value: 1.0,
-        std: 0.02,
-    });
-    let found = fit.estimate(&readings.reading(&markers, known)).unwrap();
-    let goodness = found.goodness.unwrap();
-    assert_eq!(goodness.freedom, 2);
-    assert!((found.reduced_chi_squared - goodness.chi_squared / 2.0).abs() < 1e-12);
 }
 
 /// If no contact on the assumed body fits the readings of a press, the error is not `no-contact`, even if the noise is

@@ -39,17 +39,8 @@ impl View for About {
 
 /// A fit that starts from the camera calibrated from a frame at rest, with the covariance of that calibration.
 fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
-    let ImageFit {
-        view,
-        markers,
-        bodies,
-        deeper,
-        mut common_stds,
-        misalignment_std,
-        shift_std,
-        ..
-    } = fit(None, ROUGHLY);
-    let rest = fit(None, ROUGHLY).at_rest(seen).unwrap();
+    let mut known = fit(None, ROUGHLY);
+    let rest = known.at_rest(seen).unwrap();
     let shares = rest.covariance().unwrap();
     let covariance = DMatrix::from_fn(CAMERA.len(), CAMERA.len(), |row, column| {
         let (row, column) = (CAMERA[row], CAMERA[column]);
@@ -58,24 +49,13 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     let mut common = [0.0; 5];
     for (at, number) in CAMERA.into_iter().enumerate() {
         common[number] = rest.common[number];
-        common_stds[number] = covariance[(at, at)].sqrt();
+        known.common_stds[number] = covariance[(at, at)].sqrt();
     }
-    ImageFit {
-        view: About {
-            ideal: view,
-            common,
-        },
-        markers,
-        bodies,
-        deeper,
-        common_stds,
-        departure_prior: Some(DeparturePrior {
-            numbers: CAMERA.to_vec(),
-            covariance,
-        }),
-        misalignment_std,
-        shift_std,
-    }
+    known.departure_prior = Some(DeparturePrior {
+        numbers: CAMERA.to_vec(),
+        covariance,
+    });
+    through(known, |ideal| About { ideal, common })
 }
 
 /// A frame is not counted twice: a fit with the camera that was calibrated from it has the same result.

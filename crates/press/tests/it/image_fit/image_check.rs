@@ -13,7 +13,7 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// A press of another sensor in every trial, whose displacements are changed, as a fit is given it.
+/// A press of another sensor in every trial, with changed displacements, and its fit.
 struct Press {
     fit: ImageFit<Ideal>,
     rest: Rest,
@@ -50,9 +50,9 @@ impl Press {
     }
 }
 
-/// Kolmogorov's distance from the uniform distribution, of which 120 draws pass 0.149 once in a hundred times.
+/// For 120 draws, Kolmogorov's distance from the uniform distribution exceeds 0.149 in one of a hundred cases.
 #[test]
-fn p_values_are_uniform_where_the_model_holds() {
+fn p_values_are_uniform_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
         let p_value = |number| {
             let mut stream = Stream::new(5, number, Channel::Indentation);
@@ -62,7 +62,7 @@ fn p_values_are_uniform_where_the_model_holds() {
             });
             let press = Press::of(number, fit(None, ROUGHLY), |_| {});
             let goodness = press.estimate(given).unwrap().goodness.unwrap();
-            // Four numbers of each marker, less curvature, place and an indentation of which nothing is known.
+            // Four numbers of each marker, minus curvature, place and a free indentation.
             let unknowns = 4 - usize::from(given.is_some());
             assert_eq!(goodness.freedom, 4 * 81 - unknowns);
             goodness.p_value
@@ -70,16 +70,6 @@ fn p_values_are_uniform_where_the_model_holds() {
         let distance = distance_from_uniform((0..PRESSES).map(p_value).collect());
         assert!(distance < 0.149, "{distance}");
     }
-}
-
-/// A sensor that is thought exact, but is not, leaves residuals larger than the errors that are stated.
-#[test]
-fn goodness_knows_what_is_thought_exact() {
-    let known = |stds| {
-        let press = Press::of(3, fit(None, stds), |_| {});
-        press.estimate(None).unwrap().goodness.unwrap().p_value
-    };
-    assert!(known([0.0; 5]) < 1e-6 && known(ROUGHLY) > 0.005);
 }
 
 /// Codes of the misfits of trials that gave an estimate.
@@ -116,9 +106,9 @@ fn another_body_is_found() {
     }
 }
 
-/// Markers that move outward, or each another way: no contact is like that, however sharp.
+/// Markers that move outward, or in alternating directions, as under no contact.
 #[test]
-fn what_no_press_does_is_refused_by_that_name() {
+fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
         let press = Press::of(1, fit(None, ROUGHLY), change);
         [None, Some(STATED)].map(|given| press.estimate(given).unwrap_err().name())
@@ -180,7 +170,7 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// A marker that is off by too little to be left out.
+/// A marker whose error is too small for exclusion.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

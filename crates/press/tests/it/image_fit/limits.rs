@@ -228,13 +228,14 @@ fn settings_out_of_range_have_named_errors() {
             }),
             "bad-setting"
         );
-        assert_eq!(
-            at_rest(ImageFit {
-                shift_std: bad,
-                ..PRESS.fit()
-            }),
-            "bad-setting"
-        );
+        for change in [
+            |fit: &mut ImageFit<Ideal>, bad| fit.shift_std = bad,
+            |fit: &mut ImageFit<Ideal>, bad| fit.misalignment_std = bad,
+        ] {
+            let mut fit = PRESS.fit();
+            change(&mut fit, bad);
+            assert_eq!(at_rest(fit), "bad-setting");
+        }
     }
     let common_stds = vec![0.01; 4];
     assert_eq!(

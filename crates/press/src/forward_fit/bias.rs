@@ -1,76 +1,49 @@
-//! The reported estimate of a press, from the best fit, with a correction of its bias.
+//! The reported estimate of displacements, with a correction of its bias.
 
 use super::problem::{BASELINE, GAIN, Problem};
 use crate::least_squares::LeastSquares;
+use crate::outcome::{OfReadings, outcome};
 use crate::state::State;
-use crate::stds::Stds;
 use crate::unknowns::{CURVATURE, OTHERS, Square, Sums, UNKNOWNS, Unknowns};
-use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate, Verdict};
-
-/// The estimate at the least chi-squared; `limit` is half the width of a 95 % interval in standard deviations.
-pub(super) fn outcome(
-    problem: &Problem<'_>,
-    state: &State,
-    sums: &Sums,
-    covariance: &Square,
-    interval: Interval,
-    limit: f64,
-) -> Result<PressEstimate, PressError> {
-    let contact = problem.contact(state)?;
-    let around = |value: f64, std: f64| Estimated::normal(value, std, limit);
-    let skin = problem.reading.markers.skin();
-    let stds = Stds::new(
-        (skin, &problem.fit.body),
-        state,
-        covariance,
-        &problem.sought,
-    )?;
-    let unbiased = without_bias(
-        contact.relative_curvature,
-        relative_bias(problem, state, covariance),
-        interval,
-    );
-    let relative_curvature = Estimated {
-        value: unbiased,
-        std: contact.relative_curvature
-            * stds.log_curvature
-            * (unbiased / contact.relative_curvature),
-        interval,
-    };
-    let nuisance = |index: usize| {
-        let value = state.others[index - OTHERS];
-        problem.sought[index].then(|| around(value, covariance[(index, index)].sqrt()))
-    };
-    let window = problem.fit.window.unwrap_or(f64::INFINITY);
-    let distance = |marker: usize| {
-        let place = &problem.reading.markers.places()[marker];
-        problem.reading.markers.sight(&state.place, place).distance
-    };
-    Ok(PressEstimate {
-        sensor_curvature: skin.curvature(),
-        relative_curvature,
-        most_likely_curvature: contact.relative_curvature,
-        indentation: around(state.indentation, stds.indentation).positive(),
-        contact_radius: around(contact.radius, stds.contact_radius).positive(),
-        contact: skin.chart(state.place.direction.as_ref()),
-        contact_std: stds.contact,
-        baseline: nuisance(BASELINE),
-        gain: nuisance(GAIN),
-        wrong_markers: (0..problem.kept.len())
-            .filter(|&marker| !problem.kept[marker] && distance(marker) <= window)
-            .collect(),
-        normal_std: problem.normal_std,
-        tangential_std: problem.uses_tangential().then_some(problem.tangential_std),
-        r_squared: problem.r_squared(state)?,
-        reduced_chi_squared: sums.chi_squared / problem.freedom().max(1) as f64,
-        goodness: problem.goodness(sums),
-        is_detected: true,
-        only_marker: None,
-        verdict: Verdict::of(interval, skin.curvature()),
-    })
-}
+use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate};
 
 impl Problem<'_> {
+    /// The estimate at the least chi-squared; `limit` is half the width of a 95 % interval in standard deviations.
+    pub(super) fn outcome(
+        &self,
+        (state, sums): (&State, &Sums),
+        covariance: &Square,
+        interval: Interval,
+        limit: f64,
+    ) -> Result<PressEstimate, PressError> {
+        let curvature = libm::exp(state.log_curvature);
+        let unbiased = without_bias(curvature, relative_bias(self, state, covariance), interval);
+        let std = covariance[(CURVATURE, CURVATURE)].sqrt();
+        let nuisance = |index: usize| {
+            let value = state.others[index - OTHERS];
+            let is_fitted = self.fitted.sought[index];
+            is_fitted.then(|| Estimated::normal(value, covariance[(index, index)].sqrt(), limit))
+        };
+        let window = self.fit.window.unwrap_or(f64::INFINITY);
+        let is_wrong =
+            |&marker: &usize| !self.kept[marker] && self.sight(state, marker).distance <= window;
+        let readings = OfReadings {
+            relative_curvature: Estimated {
+                value: unbiased,
+                std: curvature * std * (unbiased / curvature),
+                interval,
+            },
+            baseline: nuisance(BASELINE),
+            gain: nuisance(GAIN),
+            wrong_markers: (0..self.kept.len()).filter(is_wrong).collect(),
+            normal_std: self.normal_std,
+            tangential_std: self.uses_tangential().then_some(self.tangential_std),
+            r_squared: self.r_squared(state)?,
+            goodness: self.goodness(sums),
+        };
+        outcome(self, (state, sums), covariance, limit, readings)
+    }
+
     /// Goodness of a fit whose noise is stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
         self.knows_noise()
@@ -118,7 +91,7 @@ const STEP: f64 = 0.3;
 /// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature therefore
 /// has a long tail towards sharp objects. If the variance is large, or if the second differences are not in the domain of
 /// presses, the bias is that of 1/x for a normally distributed x.
-pub(super) fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
+fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {
         Ok(bias) if bias[CURVATURE].is_finite() && variance < 1.0 => {
@@ -133,7 +106,7 @@ fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unk
     let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
     let middle = problem.residuals_of_all(state)?;
     let mut bends = vec![[0.0; 3]; middle.len()];
-    for index in (0..UNKNOWNS).filter(|&index| problem.sought[index]) {
+    for index in (0..UNKNOWNS).filter(|&index| problem.fitted.sought[index]) {
         let step = factor.l_dirty().column(index) * STEP;
         let step = Unknowns::from_fn(|row, _| if row < index { 0.0 } else { step[row] });
         let ahead = problem.residuals_of_all(&problem.stepped(state, &step))?;

@@ -1,0 +1,133 @@
+//! The reported estimate of a press, from its best fit.
+
+use nalgebra::Vector3;
+
+use crate::least_squares::LeastSquares;
+use crate::state::State;
+use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums};
+use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
+
+/// Largest number of fits whose profile finds a better fit.
+const MAX_FITS: usize = 4;
+
+/// Calls `conclude` with a fit until it returns an estimate. It returns a better fit instead if it finds one.
+///
+/// # Errors
+/// Errors of `conclude`, and [`PressError::Undetermined`] if it finds better fits without end.
+pub(crate) fn until_best<F>(
+    mut fit: F,
+    mut conclude: impl FnMut(F) -> Result<Result<PressEstimate, F>, PressError>,
+) -> Result<PressEstimate, PressError> {
+    for _ in 0..MAX_FITS {
+        match conclude(fit)? {
+            Ok(estimate) => return Ok(estimate),
+            Err(better) => fit = better,
+        }
+    }
+    Err(PressError::Undetermined {
+        what: "the sum of squares has no clear minimum",
+    })
+}
+
+/// The part of an estimate that depends on the kind of readings.
+pub(crate) struct OfReadings {
+    pub(crate) relative_curvature: Estimated,
+    pub(crate) baseline: Option<Estimated>,
+    pub(crate) gain: Option<Estimated>,
+    pub(crate) wrong_markers: Vec<usize>,
+    pub(crate) normal_std: f64,
+    pub(crate) tangential_std: Option<f64>,
+    pub(crate) r_squared: f64,
+    pub(crate) goodness: Option<GoodnessOfFit>,
+}
+
+/// The estimate at the least chi-squared; `half_width` is that of a 95 % interval in standard deviations.
+pub(crate) fn outcome<P: LeastSquares>(
+    problem: &P,
+    (state, sums): (&State, &Sums),
+    covariance: &Square,
+    half_width: f64,
+    readings: OfReadings,
+) -> Result<PressEstimate, PressError> {
+    let contact = problem.contact(state)?;
+    let stds = Stds::new(problem, state, covariance)?;
+    let (skin, _) = problem.press();
+    let around = |value: f64, std: f64| Estimated::normal(value, std, half_width).positive();
+    let OfReadings {
+        relative_curvature,
+        baseline,
+        gain,
+        wrong_markers,
+        normal_std,
+        tangential_std,
+        r_squared,
+        goodness,
+    } = readings;
+    Ok(PressEstimate {
+        sensor_curvature: skin.curvature(),
+        relative_curvature,
+        most_likely_curvature: contact.relative_curvature,
+        indentation: around(state.indentation, stds.indentation),
+        contact_radius: around(contact.radius, stds.contact_radius),
+        contact: skin.chart(state.place.direction.as_ref()),
+        contact_std: stds.contact,
+        baseline,
+        gain,
+        wrong_markers,
+        normal_std,
+        tangential_std,
+        r_squared,
+        reduced_chi_squared: sums.chi_squared / problem.freedom().max(1) as f64,
+        goodness,
+        is_detected: true,
+        only_marker: None,
+        verdict: Verdict::of(relative_curvature.interval, skin.curvature()),
+    })
+}
+
+/// Standard deviations of the reported values.
+pub(crate) struct Stds {
+    pub(crate) log_curvature: f64,
+    pub(crate) indentation: f64,
+    pub(crate) contact_radius: f64,
+    pub(crate) contact: [f64; 2],
+}
+
+impl Stds {
+    /// The standard deviations by the covariance of the unknowns. Unknowns that are not fitted are exact.
+    pub(crate) fn new<P: LeastSquares>(
+        problem: &P,
+        state: &State,
+        covariance: &Square,
+    ) -> Result<Self, PressError> {
+        let sought = &problem.fitted().sought;
+        let variance = |one: usize, other: usize| match sought[one] && sought[other] {
+            true => covariance[(one, other)],
+            false => 0.0,
+        };
+        let (skin, body) = problem.press();
+        let contact = problem.contact(state)?;
+        let [_, slope] = body.indentation_of(contact.radius)?;
+        // Variance of C D' a, with the contact's radius a and the indentation δ = C D(a): C D' da = dδ − δ d ln C.
+        let indentation = state.indentation;
+        let of_radius = variance(INDENTATION, INDENTATION)
+            - 2.0 * indentation * variance(INDENTATION, CURVATURE)
+            + indentation * indentation * variance(CURVATURE, CURVATURE);
+        let share = 1.0 / (contact.relative_curvature * slope);
+        // If the markers lie on a circle, the axes of the state's place are along and across the circle.
+        let axes = skin.place_at(state.place.direction.as_ref());
+        let along = |axis: &Vector3<f64>| {
+            let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));
+            let squared = x * x * variance(ALONG, ALONG)
+                + 2.0 * x * y * variance(ALONG, ACROSS)
+                + y * y * variance(ACROSS, ACROSS);
+            squared.max(0.0).sqrt()
+        };
+        Ok(Self {
+            log_curvature: variance(CURVATURE, CURVATURE).sqrt(),
+            indentation: variance(INDENTATION, INDENTATION).sqrt(),
+            contact_radius: share * of_radius.max(0.0).sqrt(),
+            contact: [along(&axes.x_axis), along(&axes.y_axis)],
+        })
+    }
+}
