@@ -27,6 +27,7 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// Least predicted decrease of chi-squared for a further step before the outliers are found.
 const ROUGHLY: f64 = 1e-2;
+
 /// The search for the press that fits a reading.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
