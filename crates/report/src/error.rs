@@ -23,43 +23,13 @@ pub enum ReportError {
         /// Error of the parser, with the line.
         source: csv::Error,
     },
-    /// A table has no rows (or not even a header).
-    #[error("{}: the table is empty", path.display())]
-    EmptyTable {
+    /// A table is empty, lacks a column or has one twice, or a cell has a value of another type.
+    #[error("{}: {problem}", path.display())]
+    BadTable {
         /// The file.
         path: PathBuf,
-    },
-    /// A table lacks a column it must have.
-    #[error("{}: no column {column:?}; the header has: {}", path.display(), found.join(", "))]
-    MissingColumn {
-        /// The file.
-        path: PathBuf,
-        /// The absent column.
-        column: String,
-        /// The header as found.
-        found: Vec<String>,
-    },
-    /// A table has one column twice.
-    #[error("{}: column {column:?} appears twice", path.display())]
-    DuplicateColumn {
-        /// The file.
-        path: PathBuf,
-        /// The repeated column.
-        column: String,
-    },
-    /// A cell that must hold a finite number (or a count) holds something else.
-    #[error("{}: line {line}, column {column:?}: {value:?} is not {expected}", path.display())]
-    BadCell {
-        /// The file.
-        path: PathBuf,
-        /// Line in the file, from 1.
-        line: u64,
-        /// Name of the column.
-        column: String,
-        /// The cell's text.
-        value: String,
-        /// Words for the values that are allowed there.
-        expected: &'static str,
+        /// Problem with the table, with the line, the column and the value of a cell.
+        problem: String,
     },
     /// `run.toml` is not TOML.
     #[error("{}: {source}", path.display())]
@@ -81,35 +51,6 @@ pub enum ReportError {
         key: String,
         /// Problem with the key, and its value.
         problem: String,
-    },
-    /// A plot names a column that the table does not have.
-    #[error("{}: plot {plot:?}: {key} = {value:?} is no column; known: {}", path.display(), known.join(", "))]
-    UnknownColumn {
-        /// The `run.toml`.
-        path: PathBuf,
-        /// Name of the plot.
-        plot: String,
-        /// The key that names the column.
-        key: String,
-        /// The unknown name.
-        value: String,
-        /// The names it could have been, nearest first.
-        known: Vec<String>,
-    },
-    /// Several rows fall on one point of a plot.
-    #[error(
-        "{}: plot {plot:?}: several rows share {point}; choose by `where`, or spread over `series` or `panels`: {free}",
-        path.display()
-    )]
-    NotUnique {
-        /// The `run.toml`.
-        path: PathBuf,
-        /// Name of the plot.
-        plot: String,
-        /// The point with several rows.
-        point: String,
-        /// The axes in which those rows differ.
-        free: String,
     },
     /// A plot cannot be drawn from this table.
     #[error("{}: plot {plot:?}: {problem}", path.display())]

@@ -40,8 +40,8 @@ pub use plot::{
     Heat, HeatPanel, MapPanel, Stretch, design_figure, figure, figures, heat_figure, press_figures,
     tradeoff_figures,
 };
-pub use study::{Failure, Study};
-pub use table::{Axis, Table};
+pub use study::Study;
+use table::Table;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -26,17 +26,20 @@ impl Records {
             path: path.clone(),
             source,
         };
+        let bad = |problem: String| ReportError::BadTable {
+            path: path.clone(),
+            problem,
+        };
         let text = text.trim_start_matches('\u{feff}');
         let mut table = Rows::new(text.as_bytes());
         let header = table.header().map_err(unreadable)?.into_iter();
         let header: Vec<String> = header.map(|name| name.trim().to_owned()).collect();
         if header.iter().all(String::is_empty) {
-            return Err(ReportError::EmptyTable { path });
+            return Err(bad(EMPTY.to_owned()));
         }
         let mut columns = header.iter().enumerate();
         if let Some((_, column)) = columns.find(|(at, column)| header[..*at].contains(column)) {
-            let column = column.clone();
-            return Err(ReportError::DuplicateColumn { path, column });
+            return Err(bad(format!("column {column:?} appears twice")));
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         while let Some((line, row)) = table.next_row().map_err(unreadable)? {
@@ -51,13 +54,18 @@ impl Records {
             places: Vec::new(),
         };
         for name in names {
-            let is_it = |column: &String| column == name || split_unit(column).0 == *name;
-            match records.header.iter().position(is_it) {
-                Some(place) => records.places.push(place),
-                None => return Err(records.missing(name)),
-            }
+            let place = records.find(name);
+            let missing = || records.missing(name);
+            let place = place.ok_or_else(missing)?;
+            records.places.push(place);
         }
         Ok(records)
+    }
+
+    /// Index in the header of a column, named with or without its unit.
+    pub(crate) fn find(&self, name: &str) -> Option<usize> {
+        let is_it = |column: &String| column == name || split_unit(column).0 == name;
+        self.header.iter().position(is_it)
     }
 
     /// Reads a file as [`Self::read`]. The first `ordered` columns must also be in the order of `names`, because the sweep
@@ -79,7 +87,7 @@ impl Records {
     /// The table, or an error if it has no rows.
     pub(crate) fn filled(self) -> Result<Self, ReportError> {
         match self.rows.is_empty() {
-            true => Err(ReportError::EmptyTable { path: self.path }),
+            true => Err(self.error(EMPTY.to_owned())),
             false => Ok(self),
         }
     }
@@ -169,13 +177,10 @@ impl Records {
 
     /// Error for a cell whose text is not `expected`, by the column's index in the header.
     pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
-        ReportError::BadCell {
-            path: self.path.clone(),
-            line: self.lines[row],
-            column: self.header[place].clone(),
-            value: self.rows[row][place].clone(),
-            expected,
-        }
+        let (line, column, value) = (self.lines[row], &self.header[place], &self.rows[row][place]);
+        self.error(format!(
+            "line {line}, column {column:?}: {value:?} is not {expected}"
+        ))
     }
 
     /// Error for the `column`-th requested column, which is not in `unit`.
@@ -185,13 +190,18 @@ impl Records {
     }
 
     fn missing(&self, column: &str) -> ReportError {
-        ReportError::MissingColumn {
-            path: self.path.clone(),
-            column: column.to_owned(),
-            found: self.header.clone(),
-        }
+        let header = self.header.join(", ");
+        self.error(format!("no column {column:?}; the header has: {header}"))
+    }
+
+    fn error(&self, problem: String) -> ReportError {
+        let path = self.path.clone();
+        ReportError::BadTable { path, problem }
     }
 }
+
+/// Problem with a table without rows, or without a header.
+const EMPTY: &str = "the table is empty";
 
 /// Largest magnitude of a coordinate, whose square is finite.
 const LARGEST: f64 = 1e100;

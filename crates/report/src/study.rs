@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 
 /// Row of `failures.csv`: failed trials of one kind in a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure {
+pub(crate) struct Failure {
     /// The cell.
-    pub cell: u64,
+    pub(crate) cell: u64,
     /// Kebab-case name of the error.
-    pub kind: String,
+    pub(crate) kind: String,
     /// Number of trials that failed with this kind.
-    pub count: u64,
+    pub(crate) count: u64,
     /// Number of the first of these trials, counted from 0.
-    pub first_trial: u64,
+    pub(crate) first_trial: u64,
 }
 
 /// A study's tables and the config behind them.
@@ -45,8 +45,7 @@ impl Study {
     /// write("cells.csv", &format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
     ///
     /// let study = Study::load(dir.path())?;
-    /// assert_eq!(study.number(0, "scene.probe.radius"), Some(20.0));
-    /// assert_eq!((study.failures()[0].kind.as_str(), study.failures()[0].count), ("slipped", 3));
+    /// assert_eq!((study.name(), study.dir()), ("ball", dir.path()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -123,7 +122,7 @@ impl Study {
     }
 
     /// The study's title, which is its question; its name if it has no title.
-    pub fn title(&self) -> &str {
+    pub(crate) fn title(&self) -> &str {
         match self.word("title") {
             "" => self.name(),
             title => title,
@@ -131,37 +130,32 @@ impl Study {
     }
 
     /// Publication or other source of the question; may be empty.
-    pub fn source(&self) -> &str {
+    pub(crate) fn source(&self) -> &str {
         self.word("source")
     }
 
     /// Numbers of the published claims that this study tests.
-    pub fn claims(&self) -> &[u32] {
+    pub(crate) fn claims(&self) -> &[u32] {
         &self.claims
     }
 
     /// The resolved config, as written.
-    pub fn config_text(&self) -> &str {
+    pub(crate) fn config_text(&self) -> &str {
         &self.config_text
     }
 
-    /// The resolved config.
-    pub fn config(&self) -> &toml::Table {
-        &self.config
-    }
-
     /// `cells.csv`.
-    pub fn cells(&self) -> &Table {
+    pub(crate) fn cells(&self) -> &Table {
         &self.cells
     }
 
     /// `failures.csv`.
-    pub fn failures(&self) -> &[Failure] {
+    pub(crate) fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
     /// The value at a dotted path of the config, e.g. `scene.probe.radius`.
-    pub fn setting(&self, path: &str) -> Option<&toml::Value> {
+    pub(crate) fn setting(&self, path: &str) -> Option<&toml::Value> {
         let mut segments = path.split('.');
         let first = self.config.get(segments.next()?)?;
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
@@ -169,7 +163,7 @@ impl Study {
 
     /// Number at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or
     /// a part of the scene that contains it, else the value of the config. `None` if the value is no finite number.
-    pub fn number(&self, row: usize, path: &str) -> Option<f64> {
+    pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
             None => number(self.value(row, path)?),
@@ -178,7 +172,7 @@ impl Study {
 
     /// Text at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or a
     /// part of the scene that contains it, else the value of the config. `None` if the value is no text.
-    pub fn text(&self, row: usize, path: &str) -> Option<&str> {
+    pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
             None => self.value(row, path)?.as_str(),

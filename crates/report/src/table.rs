@@ -14,9 +14,9 @@ const OPTIONAL: [Statistic; 3] = [
 
 /// Column of the table with the values of a swept path, between `cell` and `quantity`.
 #[derive(Debug, Clone)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// Header of the column: the path, followed by its unit if it has one.
-    pub header: String,
+    pub(crate) header: String,
     /// The path without its unit.
     stem: String,
     cells: Vec<String>,
@@ -27,34 +27,34 @@ pub struct Axis {
 
 impl Axis {
     /// Whether `path` names this axis, with or without the unit.
-    pub fn is(&self, path: &str) -> bool {
+    pub(crate) fn is(&self, path: &str) -> bool {
         self.header == path || self.stem == path
     }
 
     /// The text in `row`.
-    pub fn text(&self, row: usize) -> &str {
+    pub(crate) fn text(&self, row: usize) -> &str {
         &self.cells[row]
     }
 
     /// The finite number in `row`; `None` for a label.
-    pub fn number(&self, row: usize) -> Option<f64> {
+    pub(crate) fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
 
     /// Whether every cell is a finite number.
-    pub fn is_numeric(&self) -> bool {
+    pub(crate) fn is_numeric(&self) -> bool {
         self.numbers.iter().all(Option::is_some)
     }
 
     /// The distinct values that occur in `rows`, in the order of the study's sweep.
-    pub fn among(&self, rows: &[usize]) -> Vec<&str> {
+    pub(crate) fn among(&self, rows: &[usize]) -> Vec<&str> {
         let occurs = |value: &&String| rows.iter().any(|row| self.text(*row) == **value);
         let values = self.values.iter().filter(occurs);
         values.map(String::as_str).collect()
     }
 
     /// The distinct values in the order of the study's sweep.
-    pub fn values(&self) -> &[String] {
+    pub(crate) fn values(&self) -> &[String] {
         &self.values
     }
 }
@@ -62,7 +62,7 @@ impl Axis {
 /// Contents of a `cells.csv`. Rows are numbered from 0; row `r` is line `r + 2` of the file, unless a quoted cell has
 /// several lines.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub(crate) struct Table {
     axes: Vec<Axis>,
     cell: Vec<u64>,
     quantity: Axis,
@@ -73,26 +73,7 @@ pub struct Table {
 
 impl Table {
     /// Reads `cells.csv`.
-    ///
-    /// ```
-    /// use palpate_report::{Files, Table};
-    ///
-    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
-    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
-    /// let row = format!("0,5,curvature,1/mm,0.2,1,0,0.25{}", ",".repeat(14));
-    /// let text = format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n{row}\n");
-    ///
-    /// let table = Table::read(&Files::in_memory([("cells.csv", text)]))?;
-    /// let radius = table.axis("scene.object.radius").and_then(|axis| axis.number(0));
-    /// assert_eq!((radius, table.quantity(0)), (Some(5.0), "curvature"));
-    /// assert_eq!((table.statistic(0, "mean"), table.statistic(0, "std")), (Some(0.25), None));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// The file cannot be read, is not CSV, has no rows, lacks a column or has one twice, or holds text or
-    /// a number that is not finite where a number must be.
-    pub fn read(files: &Files) -> Result<Self, ReportError> {
+    pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
         let places = ["cell", "quantity", "unit"].into_iter();
         let statistics = Statistic::ALL.into_iter();
         let needed = statistics.filter(|statistic| !OPTIONAL.contains(statistic));
@@ -130,52 +111,52 @@ impl Table {
     }
 
     /// Number of rows, at least 1.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.cell.len()
     }
 
     /// The swept paths, in the order of the study.
-    pub fn axes(&self) -> &[Axis] {
+    pub(crate) fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
     /// The axis that `path` names, with or without its unit.
-    pub fn axis(&self, path: &str) -> Option<&Axis> {
+    pub(crate) fn axis(&self, path: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
     /// Names of the quantities as an axis, one per row.
-    pub fn quantities(&self) -> &Axis {
+    pub(crate) fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
     /// Numbers of trials as an axis, one per row. If trials are swept, this is the column for them.
-    pub fn trials(&self) -> &Axis {
+    pub(crate) fn trials(&self) -> &Axis {
         &self.trials
     }
 
     /// The cell that `row` belongs to.
-    pub fn cell(&self, row: usize) -> u64 {
+    pub(crate) fn cell(&self, row: usize) -> u64 {
         self.cell[row]
     }
 
     /// Name of the quantity of `row`.
-    pub fn quantity(&self, row: usize) -> &str {
+    pub(crate) fn quantity(&self, row: usize) -> &str {
         self.quantity.text(row)
     }
 
     /// Unit of the quantity of `row`, as written in the table.
-    pub fn unit(&self, row: usize) -> &str {
+    pub(crate) fn unit(&self, row: usize) -> &str {
         &self.unit[row]
     }
 
     /// Names of the statistics columns.
-    pub fn statistics(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn statistics(&self) -> impl Iterator<Item = &str> {
         self.statistics.iter().map(|(name, _)| name.as_str())
     }
 
     /// The statistic `name` of `row`; `None` if it is undefined there, or there is no such column.
-    pub fn statistic(&self, row: usize, name: &str) -> Option<f64> {
+    pub(crate) fn statistic(&self, row: usize, name: &str) -> Option<f64> {
         self.statistics
             .iter()
             .find(|(column, _)| column == name)

@@ -36,7 +36,7 @@ pub(super) struct Check {
     /// Reduces the values with the same name to one number.
     pub(super) merge: Option<fn(&[f64]) -> f64>,
     /// Selects the rows whose values are compared with the bound. Other values are only printed.
-    pub(super) judged: Option<fn(&Row<'_>) -> bool>,
+    pub(super) compared: Option<fn(&Row<'_>) -> bool>,
     /// Values equal to this number are left out.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
@@ -64,7 +64,7 @@ pub(super) struct Outcome {
 struct Item {
     name: String,
     range: (f64, f64),
-    judged: bool,
+    compared: bool,
     met: bool,
 }
 
@@ -74,18 +74,18 @@ impl Check {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
         let items = self.items(&rows);
-        let judged: Vec<&Item> = items.iter().filter(|item| item.judged).collect();
-        if judged.is_empty() {
+        let compared: Vec<&Item> = items.iter().filter(|item| item.compared).collect();
+        if compared.is_empty() {
             let says = filled(self.rule_part(), |_, _| Some("…".to_owned()));
             return match self.role {
                 Role::Decides => Err(format!("the table lacks the rows to find that {says}")),
                 _ => Ok(None),
             };
         }
-        let met = judged.iter().filter(|item| item.met).count();
+        let met = compared.iter().filter(|item| item.met).count();
         let holds = match self.portion {
-            Portion::All => met == judged.len(),
-            Portion::Share(share) => met as f64 >= share * judged.len() as f64,
+            Portion::All => met == compared.len(),
+            Portion::Share(share) => met as f64 >= share * compared.len() as f64,
             Portion::One => met > 0,
         };
         let decides = self.role != Role::Reports;
@@ -94,8 +94,8 @@ impl Check {
             let is_near = |limit: f64| (item.range.1 / limit - 1.0).abs() <= 0.01;
             !item.name.is_empty() && limit.is_some_and(is_near)
         };
-        let close = judged.iter().filter(is_close);
-        let shown = |text: &str| filled(text, |key, show| shown(key, &items, &judged, met, show));
+        let close = compared.iter().filter(is_close);
+        let shown = |text: &str| filled(text, |key, show| shown(key, &items, &compared, met, show));
         Ok(Some(Outcome {
             decides,
             holds,
@@ -121,7 +121,7 @@ impl Check {
             Some(Item {
                 name,
                 range,
-                judged: self.judged.is_none_or(|judged| judged(&values[0].0)),
+                compared: self.compared.is_none_or(|compared| compared(&values[0].0)),
                 met: self.bound.is_none_or(is_met),
             })
         };
@@ -152,17 +152,23 @@ impl Check {
 fn shown(
     key: &str,
     items: &[Item],
-    judged: &[&Item],
+    compared: &[&Item],
     met: usize,
     show: fn(f64) -> String,
 ) -> Option<String> {
-    let ranges = || range(judged.iter().flat_map(|item| [item.range.0, item.range.1]));
+    let ranges = || {
+        range(
+            compared
+                .iter()
+                .flat_map(|item| [item.range.0, item.range.1]),
+        )
+    };
     let listed = |item: &Item| match (span(item.range, show), item.name.as_str()) {
         (values, "") => values,
         (values, name) => format!("{values} ({name})"),
     };
     match key {
-        "count" => Some(format!("{met} of {}", judged.len())),
+        "count" => Some(format!("{met} of {}", compared.len())),
         "n" => Some(items.len().to_string()),
         "range" => ranges().map(|range| span(range, show)),
         "max" => ranges().map(|(_, high)| show(high)),

@@ -83,7 +83,7 @@ impl Claim {
             values: Box::new(values),
             name: None,
             merge: None,
-            judged: None,
+            compared: None,
             without: None,
             bound: None,
             portion: Portion::All,
@@ -200,8 +200,8 @@ impl Claim {
     }
 
     /// Only the values of these rows are compared with the bound. The values of other rows are only printed.
-    pub(super) fn judging(self, judged: fn(&Row<'_>) -> bool) -> Self {
-        self.last(|check| check.judged = Some(judged))
+    pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
+        self.last(|check| check.compared = Some(compared))
     }
 
     /// The bound, which all values must meet.

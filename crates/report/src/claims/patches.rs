@@ -123,7 +123,7 @@ fn second_fit() -> Claim {
         claim = compared(claim)
             .named(method)
             .merged(geometric_mean)
-            .judging(is_two_pass)
+            .comparing(is_two_pass)
             .bound(AtLeast(2.0))
             .says(says)
             .headline("{range}");
@@ -231,7 +231,7 @@ fn segmentation() -> Claim {
         .only(noise, is(0.05))
         .when(|row| !is_first_pass(row))
         .named(method)
-        .judging(is_two_pass)
+        .comparing(is_two_pass)
         .bound(AtLeast(0.95))
         .says("at 5 % noise {list%} of the saddle is classified correctly")
         .headline("{range%} right")
@@ -267,7 +267,7 @@ fn turned_cylinder() -> Claim {
         .when(compared)
         .named(method)
         .merged(geometric_mean)
-        .judging(is_two_pass)
+        .comparing(is_two_pass)
         // An rms error over some hundred trials is itself uncertain by a few percent.
         .bound(AtLeast(1.1))
         .says("the rms error of K on the turned cylinder is {list} times that on the straight one")

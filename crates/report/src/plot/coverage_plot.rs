@@ -79,18 +79,3 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     let above = sorted[last.min(below + 1)];
     sorted[below] + (place - below as f64) * (above - sorted[below])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::quantile;
-
-    #[test]
-    fn quantiles_lie_between_neighbours() {
-        let sorted = [1.0, 2.0, 4.0];
-        for (share, expected) in [(0.0, 1.0), (0.25, 1.5), (0.5, 2.0), (0.75, 3.0), (1.0, 4.0)] {
-            assert_eq!(quantile(&sorted, share), expected);
-        }
-        assert_eq!(quantile(&[3.0], 0.95), 3.0);
-        assert_eq!(quantile(&[], 0.5), 0.0);
-    }
-}

@@ -404,7 +404,7 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether the curve between two columns is known well enough to be drawn as one.
+    /// Whether two columns meet and miss the target in the same order, so that contours and areas may join them.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }

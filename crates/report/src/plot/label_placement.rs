@@ -74,7 +74,7 @@ impl Bounds {
 }
 
 /// Places the labels of points one after the other within a frame: first those of points on the front, each at the
-/// place where it covers the least, then those of other points if they have room. Labels also avoid `bars`.
+/// place with the least overlap, then those of other points if they have room. Labels also avoid `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],

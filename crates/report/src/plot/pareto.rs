@@ -231,24 +231,3 @@ fn family(name: &str) -> String {
 fn drawn_error(rung: &Rung) -> f64 {
     rung.error.min(MAX_ERROR)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::family;
-
-    #[test]
-    fn a_family_is_the_name_without_numbers() {
-        for (name, expected) in [
-            ("closed form", "closed form"),
-            ("RK4 × 16", "RK4"),
-            ("DOP853 1e-3, Montana", "DOP853, Montana"),
-            ("two-pass, S = 3000, 30 points", "two-pass"),
-            ("layer, solved × 3/8", "layer, solved"),
-            ("layer, first table", "layer, first table"),
-            ("16 × 0.2 rad", ""),
-            ("", ""),
-        ] {
-            assert_eq!(family(name), expected);
-        }
-    }
-}

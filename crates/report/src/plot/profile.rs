@@ -105,7 +105,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     series::figure(of.words(subtitle, notes), vec![plot])
 }
 
-/// Lines of one panel: true ones, then estimated ones. A true line that several cells share is drawn once, in a neutral
+/// Lines of one panel: true displacements, then estimates. A true line that several cells share is drawn once, in a neutral
 /// colour.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let mut truths: Vec<Line> = Vec::new();

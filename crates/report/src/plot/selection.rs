@@ -38,20 +38,15 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Error that `value` under `key` is not one of the `known` columns.
+    /// Error that `value` under `key` is not a column; the error lists the `known` columns.
     pub(crate) fn unknown<'b>(
         &self,
         key: &str,
         value: &str,
         known: impl Iterator<Item = &'b str>,
     ) -> ReportError {
-        ReportError::UnknownColumn {
-            path: self.study.run_toml(),
-            plot: self.name.to_owned(),
-            key: key.to_owned(),
-            value: value.to_owned(),
-            known: nearest(value, known),
-        }
+        let known = nearest(value, known).join(", ");
+        self.bad(format!("{key} = {value:?} is no column; known: {known}"))
     }
 
     /// The swept path with the name under `key`.
@@ -211,15 +206,14 @@ impl<'a> Selection<'a> {
         let free =
             axes.filter_map(|axis| Some(format!("{} ({})", axis.header, variety(axis, &rows)?)));
         let free: Vec<String> = free.collect();
-        Err(ReportError::NotUnique {
-            path: self.of.study.run_toml(),
-            plot: self.of.name.to_owned(),
-            point: point.collect::<Vec<_>>().join(", "),
-            free: match free.is_empty() {
-                true => format!("no axis differs between these {} rows", rows.len()),
-                false => free.join(", "),
-            },
-        })
+        let point = point.collect::<Vec<_>>().join(", ");
+        let free = match free.is_empty() {
+            true => format!("no axis differs between these {} rows", rows.len()),
+            false => free.join(", "),
+        };
+        Err(self.of.bad(format!(
+            "several rows share {point}; choose by `where`, or spread over `series` or `panels`: {free}"
+        )))
     }
 }
 

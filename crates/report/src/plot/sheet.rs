@@ -55,7 +55,7 @@ pub(crate) struct Words {
     pub(crate) title: String,
     /// Sample size and fixed settings.
     pub(crate) subtitle: String,
-    /// Notes below the content, such as what is not drawn and why.
+    /// Notes below the content, for example on points that are not drawn.
     pub(crate) notes: Vec<String>,
 }
 

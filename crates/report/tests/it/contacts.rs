@@ -42,27 +42,6 @@ fn made(tables: &[(&str, &str)]) -> Study {
 }
 
 #[test]
-fn contacts_normals_and_axes_are_drawn() {
-    let svg = drawn(&made(&[("trace.csv", &trace(1.0, 0.0))]));
-    let texts = [
-        "Three fingers",
-        "For saddle, a = 0.3: 3 fingers with 2 contacts each.",
-        "finger 0",
-        "finger 2",
-        "normal",
-        "x (cm)",
-        "y (cm)",
-        "z (cm)",
-    ];
-    shows(&svg, &texts);
-    assert!(!svg.contains("reading") && !svg.contains("tip"));
-    // The first three of the Okabe–Ito colours.
-    for colour in ["#0072B2", "#D55E00", "#009E73"] {
-        assert_eq!(count(&svg, "circle", colour), 3, "{colour}");
-    }
-}
-
-#[test]
 fn readings_are_drawn_where_they_differ_and_tips_where_they_are_apart() {
     let trace_0 = trace(1.0, 0.0);
     let read = |by: f64| {

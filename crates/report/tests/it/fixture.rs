@@ -15,36 +15,42 @@ pub(crate) fn config(kind: &str, rest: &str) -> String {
     )
 }
 
-/// Builder of a table with one row of `normal_curvature_u` per cell.
+/// Builder of a table with one row per cell.
 pub(crate) struct Cells {
-    header: String,
-    rows: Vec<String>,
-    failures: Vec<String>,
+    text: String,
+    failures: String,
+    rows: usize,
 }
 
 /// Numbers of a row, without its swept values.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
-    pub(crate) truth: f64,
+    pub(crate) truth: Option<f64>,
     pub(crate) trials: u64,
     pub(crate) failures: u64,
     pub(crate) mean: Option<f64>,
+    pub(crate) std: Option<f64>,
     /// Relative rms error.
     pub(crate) rms: Option<f64>,
     /// Mean relative |error|.
     pub(crate) abs: Option<f64>,
+    /// The 5, 50 and 95 % quantiles.
+    pub(crate) quantiles: Option<[f64; 3]>,
+    /// Coverage of the 95 % intervals.
+    pub(crate) coverage: Option<f64>,
+    pub(crate) bound: Option<f64>,
 }
 
 impl Numbers {
     pub(crate) fn new(truth: f64, error: f64) -> Self {
-        let mean = Some(truth * (1.0 + error));
         Self {
-            truth,
+            truth: Some(truth),
             trials: 100,
-            failures: 0,
-            mean,
+            mean: Some(truth * (1.0 + error)),
             rms: Some(error),
             abs: Some(error),
+            coverage: Some(0.95),
+            ..Self::default()
         }
     }
 }
@@ -52,47 +58,65 @@ impl Numbers {
 impl Cells {
     pub(crate) fn new(axes: &str) -> Self {
         Self {
-            header: format!("cell,{axes},quantity,unit,{STATISTICS}"),
-            rows: Vec::new(),
-            failures: Vec::new(),
+            text: format!("cell,{axes},quantity,unit,{STATISTICS},std_bound\n"),
+            failures: NO_FAILURES.to_owned(),
+            rows: 0,
         }
     }
 
+    /// Adds a cell of `normal_curvature_u`; its failures are `unresolved`.
     pub(crate) fn push(&mut self, place: &str, numbers: Numbers) {
+        self.push_of(place, "normal_curvature_u,1/cm", numbers, "unresolved");
+    }
+
+    /// Adds a cell of a quantity with its unit; its failures are of this kind.
+    pub(crate) fn push_of(&mut self, place: &str, quantity: &str, of: Numbers, failure: &str) {
         let Numbers {
-            truth,
-            trials,
-            failures,
-            mean,
-            rms,
-            abs,
-        } = numbers;
-        let cell = self.rows.len();
+            trials, failures, ..
+        } = of;
+        let quantiles = of.quantiles.map_or([None; 3], |all| all.map(Some));
+        let truth = |share: f64| Some(share * of.truth?);
+        let numbers = [
+            of.mean,
+            of.std,
+            of.mean.zip(of.truth).map(|(mean, truth)| mean - truth),
+            of.rms.and_then(truth),
+            None,
+            of.abs.and_then(truth),
+            of.rms,
+            of.abs,
+            quantiles[0],
+            quantiles[1],
+            quantiles[2],
+            of.rms.and_then(truth),
+            None,
+            None,
+            of.coverage,
+            of.bound,
+        ];
         let text = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        let times = |value: Option<f64>| text(value.map(|value| value * truth));
-        self.rows.push(format!(
-            "{cell},{place},normal_curvature_u,1/cm,{truth},{trials},{failures},{},,{},{},,{},{},{},,,,{},,,0.95",
-            text(mean),
-            text(mean.map(|mean| mean - truth)),
-            times(rms),
-            times(abs),
-            text(rms),
-            text(abs),
-            times(rms),
-        ));
+        let cell = self.rows;
+        self.rows += 1;
+        self.text += &format!(
+            "{cell},{place},{quantity},{},{trials},{failures},{}\n",
+            text(of.truth),
+            numbers.map(text).join(","),
+        );
         if failures > 0 {
-            self.failures
-                .push(format!("{cell},unresolved,{failures},0"));
+            self.failures += &format!("{cell},{failure},{failures},0\n");
         }
     }
 
     pub(crate) fn text(&self) -> String {
-        format!("{}\n{}\n", self.header, self.rows.join("\n"))
+        self.text.clone()
     }
 
     pub(crate) fn study(&self, config: &str) -> Study {
-        let failures = format!("{NO_FAILURES}{}\n", self.failures.join("\n"));
-        study(config, &self.text(), &failures, &[])
+        study(config, &self.text, &self.failures, &[])
+    }
+
+    pub(crate) fn study_with(&self, config: &str, map: &str) -> Study {
+        study(config, &self.text, &self.failures, &[("map.csv", map)])
     }
 }
 
@@ -128,7 +152,7 @@ impl Scored for Study {
 }
 
 #[track_caller]
-fn judged(score: &Score, verdict: Verdict, parts: &[&str]) {
+fn has_verdict(score: &Score, verdict: Verdict, parts: &[&str]) {
     assert_eq!(score.verdict, verdict, "{score:?}");
     for part in parts {
         let said = score.measured.contains(part) || score.why.contains(part);
@@ -138,17 +162,17 @@ fn judged(score: &Score, verdict: Verdict, parts: &[&str]) {
 
 #[track_caller]
 pub(crate) fn holds(of: &impl Scored, parts: &[&str]) {
-    judged(&of.score(), Verdict::Holds, parts);
+    has_verdict(&of.score(), Verdict::Holds, parts);
 }
 
 #[track_caller]
 pub(crate) fn differs(of: &impl Scored, parts: &[&str]) {
-    judged(&of.score(), Verdict::Differs, parts);
+    has_verdict(&of.score(), Verdict::Differs, parts);
 }
 
 #[track_caller]
 pub(crate) fn untestable(of: &impl Scored, parts: &[&str]) {
-    judged(&of.score(), Verdict::NotTestable, parts);
+    has_verdict(&of.score(), Verdict::NotTestable, parts);
 }
 
 /// The study's first figure as SVG.

@@ -1,6 +1,6 @@
 //! Bad input: the error names the file and the place.
 
-use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, says, study};
+use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, drawn, says, study};
 use palpate_report::{Files, Study};
 use std::fs;
 
@@ -27,25 +27,6 @@ fn error_of_cells(cells: &str) -> String {
 }
 
 #[test]
-fn a_good_study_loads() {
-    let failures = format!("{NO_FAILURES}1,unresolved,3,7\n");
-    let study = study(&config("sphere", "claims = [1]"), &good(), &failures, &[]);
-    assert_eq!(
-        (study.name(), study.title(), study.source()),
-        ("study", "A question?", "somewhere")
-    );
-    assert_eq!(study.claims(), [1]);
-    assert_eq!(study.cells().rows(), 2);
-    assert_eq!(study.cells().statistic(0, "truth"), Some(0.2));
-    assert_eq!(study.cells().statistic(0, "q05"), None);
-    assert_eq!(study.number(1, "scene.object.radius"), Some(1.0));
-    assert_eq!(study.number(1, "scene.object.radius_cm"), Some(1.0));
-    assert_eq!(study.number(1, "scene.probe.radius"), Some(1.0));
-    assert_eq!(study.number(1, "scene.probe.kind"), None);
-    assert_eq!(study.failures()[0].first_trial, 7);
-}
-
-#[test]
 fn a_table_may_lack_how_exact_its_errors_are() {
     let lacking = ["rms_error_std", "coverage50", "coverage80"];
     let cells = good();
@@ -56,17 +37,14 @@ fn a_table_may_lack_how_exact_its_errors_are() {
         fields.map(|(field, _)| field).collect::<Vec<_>>().join(",") + "\n"
     };
     let cells: String = cells.lines().map(kept).collect();
-    let study = study(&config("sphere", ""), &cells, NO_FAILURES, &[]);
-    assert_eq!(study.cells().statistic(0, "truth"), Some(0.2));
-    assert_eq!(study.cells().statistic(0, "rms_error_std"), None);
+    assert!(!drawn(&study(&config("sphere", ""), &cells, NO_FAILURES, &[])).is_empty());
 }
 
 #[test]
 fn a_byte_order_mark_and_crlf_do_no_harm() {
     let cells = format!("\u{feff}{}", good().replace('\n', "\r\n"));
     let failures = "\u{feff}cell,kind,count,first_trial\r\n";
-    let study = study(&config("sphere", ""), &cells, failures, &[]);
-    assert_eq!(study.cells().rows(), 2);
+    assert!(!drawn(&study(&config("sphere", ""), &cells, failures, &[])).is_empty());
 }
 
 #[test]

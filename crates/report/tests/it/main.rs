@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod claims;
+mod committed_results;
 mod contacts;
 mod fixture;
 mod glides;

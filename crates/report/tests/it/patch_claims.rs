@@ -28,15 +28,7 @@ fn claim_9_compares_the_fits() {
             }
         })
     };
-    holds(
-        &table(3.0, 3.0),
-        &[
-            "at 5 % noise the rms error of K falls",
-            "3 (two-pass)",
-            "3 (penalised)",
-            "on each of 4 surfaces by 3 with two-pass",
-        ],
-    );
+    holds(&table(3.0, 3.0), &["at 5 % noise the rms error of K falls"]);
     // The fourth root of 3 × 1³ is 1.32.
     differs(
         &table(3.0, 1.0),
@@ -66,14 +58,7 @@ fn claim_10_is_about_the_worst_surface() {
             }
         })
     };
-    holds(
-        &table(0.91, 0),
-        &[
-            "91 % (turned cylinder)",
-            "100 % (sphere)",
-            "100 % (penalised)",
-        ],
-    );
+    holds(&table(0.91, 0), &["91 % (turned cylinder)"]);
     differs(&table(0.89, 0), &["89 % (turned cylinder)"]);
     // A tenth of the trials failed: 0.9 × 0.95.
     differs(&table(0.95, 20), &["85.5 % (turned cylinder)"]);
@@ -99,17 +84,7 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
         })
     };
     // κ is 0.2 on all surfaces; for the saddle it is 2 × 0.1, from its config.
-    holds(
-        &table(0.95, 0.3, 0.02, 0.02),
-        &[
-            "95 % of the sphere",
-            "30 % (saddle)",
-            "H is 10 % (cylinder)",
-            "K is 50 % (cylinder)",
-            "50 % (saddle)",
-            "100 % (penalised)",
-        ],
-    );
+    holds(&table(0.95, 0.3, 0.02, 0.02), &["95 % of the sphere"]);
     differs(&table(0.8, 0.3, 0.02, 0.02), &["80 % of the sphere"]);
     differs(&table(0.95, 0.95, 0.02, 0.02), &["95 % (saddle)"]);
     differs(&table(0.95, 0.3, 0.02, 0.06), &["30 % (cylinder)"]);
@@ -126,15 +101,7 @@ fn claim_12_is_about_the_saddle_that_has_regions() {
         );
         study(&config(a, "claims = [12]"), &text, &[])
     };
-    holds(
-        &table(0.3, 0.96),
-        &[
-            "96 % (two-pass)",
-            "at 10 % noise two-pass does so for 100 %",
-            "100 % (penalised)",
-            "one point in 20",
-        ],
-    );
+    holds(&table(0.3, 0.96), &["96 % (two-pass)"]);
     differs(&table(0.3, 0.94), &["94 %"]);
     untestable(&table(0.1, 0.96), &["a = 0.3"]);
 }
@@ -151,21 +118,12 @@ fn claim_13_compares_the_cylinders() {
             _ => GOOD,
         })
     };
-    holds(
-        &table(1.5),
-        &[
-            "1.5 (two-pass)",
-            "that of H is 1 (",
-            "50 % (turned cylinder)",
-            "100 % (cylinder)",
-            "1 (penalised)",
-        ],
-    );
+    holds(&table(1.5), &["1.5 (two-pass)"]);
     differs(&table(1.05), &["1.05 (two-pass)"]);
 }
 
 #[test]
-fn tables_without_the_labels_cannot_be_judged() {
+fn claims_need_the_labels_of_estimators() {
     let text = cells("scene.estimator", &["quadric"]);
     for claim in [9, 10, 11, 12, 13] {
         let rest = format!("claims = [{claim}]");

@@ -1,28 +1,13 @@
 //! Plots: their content, the notes on what is missing, and rejected input.
 
-use crate::fixture::{
-    Cells, Numbers, angular_velocity, attribute, config, drawn, refused, says, shows,
-};
-use palpate_report::{Files, figure, figures};
-use palpate_study::config::plots;
+use crate::fixture::{Cells, Numbers, angular_velocity, attribute, config, drawn, refused, shows};
+use palpate_report::figures;
 
 const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny = \"relative_mean_abs_error\"\n\
     quantity = \"normal_curvature_u\"\nseries = \"scene.object.radius\"\nscale = \"log-log\"\n";
 
 #[test]
-fn figures_are_drawn_twice_the_same() {
-    let study = angular_velocity(&format!("{BASIC}{BASIC}name = \"b\"\ntitle = \"B\"\n"));
-    let drawn = figures(&study).unwrap();
-    let named = |at: usize| (drawn[at].name.as_str(), drawn[at].title.as_str());
-    assert_eq!(
-        (named(0), named(1)),
-        (("plot-1", "A question?"), ("b", "B"))
-    );
-    assert_eq!(drawn, figures(&study).unwrap());
-}
-
-#[test]
-fn a_study_without_plots_gets_the_usual_one() {
+fn a_study_without_plots_gets_the_default_plot() {
     // The default plot is equal to this one. The radius, as the first axis, is along x.
     let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
         series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
@@ -117,55 +102,7 @@ fn a_picture_in_pixels_has_its_size_and_its_letters() {
 }
 
 #[test]
-fn axes_are_words_with_units_in_real_text() {
-    let svg = drawn(&angular_velocity(BASIC));
-    let texts = [
-        "A question?",
-        "100 trials per point.",
-        "angular velocity noise (%)",
-        "mean |relative error| of normal curvature along u (%)",
-        "object radius (cm)",
-    ];
-    shows(&svg, &texts);
-    assert!(svg.contains("font-family=\"sans-serif\""));
-    assert!(!svg.contains("id=\""), "ids would clash on a page");
-    assert!(svg.starts_with("<svg width=\"960\""));
-}
-
-#[test]
-fn tables_in_memory_are_enough() {
-    let mut cells = Cells::new("scene.object.radius_cm");
-    cells.push("5", Numbers::new(0.2, 0.1));
-    let plot = plots("", "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n").unwrap();
-    let alone = Files::in_memory([("cells.csv", cells.text())]);
-    let made = figure(&plot[0], alone).unwrap();
-    assert_eq!(
-        (made.name.as_str(), made.title.as_str()),
-        ("plot", "figure")
-    );
-    let study = cells.study(&config(
-        "sphere",
-        "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"",
-    ));
-    assert_eq!(made.svg.replace("figure", "A question?"), drawn(&study));
-    let none = Files::in_memory([("map.csv", "")]);
-    says(
-        &figure(&plot[0], none).unwrap_err().to_string(),
-        &["cells.csv: "],
-    );
-}
-
-#[test]
-fn colours_belong_to_values_not_to_places_in_a_plot() {
-    let one = format!("{BASIC}where = {{ \"scene.object.radius\" = 5 }}\n");
-    let svg = drawn(&angular_velocity(&one));
-    // Okabe and Ito's third colour, for the third radius of the study; the first does not occur.
-    assert!(svg.contains("#009E73") && !svg.contains("#0072B2"));
-    shows(&svg, &["For object radius 5 cm: 100 trials per point."]);
-}
-
-#[test]
-fn what_the_table_does_not_have_is_answered_with_the_nearest() {
+fn unknown_names_are_refused_with_similar_ones() {
     let with = |rest: &str| format!("{BASIC}{rest}\n");
     let without = |line: &str| BASIC.replace(line, "");
     let change = |from: &str, to: &str| BASIC.replace(from, to);
@@ -228,50 +165,6 @@ fn what_the_table_does_not_have_is_answered_with_the_nearest() {
 }
 
 #[test]
-fn marks_comparison_panels_and_statistics_along_x_are_drawn() {
-    let plots = BASIC.replace("series", "panels")
-        + "name = \"a\"\nmarks = [{ axis = \"y\", value = 0.15, label = \"fifteen\" }]\n"
-        + "[[plot]]\nname = \"b\"\nx = \"truth\"\ny = \"rms_error\"\ncompare = \"mean_reported_std\"\n\
-           series = \"scene.noise.angular_velocity.fraction\"\n";
-    let drawn = figures(&angular_velocity(&plots)).unwrap();
-    let [a, b] = [&drawn[0].svg, &drawn[1].svg];
-    shows(a, &["object radius 500 cm", "object radius 0.5 cm"]);
-    assert_eq!(a.matches("fifteen").count(), 1);
-    shows(
-        b,
-        &["mean reported std", "true normal curvature along u (1/cm)"],
-    );
-}
-
-#[test]
-fn what_cannot_be_drawn_is_counted_and_explained() {
-    let mut cells = Cells::new("scene.sensor.pitch_cm,scene.object.radius_cm");
-    for (place, rms, failures) in [
-        ("0.1,5", Some(0.0), 0),
-        ("0.2,5", Some(1e-3), 3),
-        ("0.3,5", None, 100),
-        ("0.1,1", Some(0.5), 0),
-    ] {
-        let numbers = Numbers::new(1.0, 0.5);
-        cells.push(
-            place,
-            Numbers {
-                rms,
-                failures,
-                ..numbers
-            },
-        );
-    }
-    let plots = "\n[[plot]]\nx = \"scene.sensor.pitch\"\ny = \"relative_rms_error\"\nseries = \"scene.object.radius\"\nscale = \"log-y\"\n";
-    let notes = [
-        "Not drawn: 1 point is exactly 0, which a log axis cannot show (object radius 5).",
-        "Not drawn: 1 point is undefined in the table (object radius 5).",
-        "Left out of every average: 103 failed trials of 400 (unresolved 103).",
-    ];
-    shows(&drawn(&cells.study(&config("sphere", plots))), &notes);
-}
-
-#[test]
 fn labels_make_categories_and_are_escaped() {
     let mut cells = Cells::new("scene.sensor");
     for label in ["a <b> & \"\"c\"\" with a rather long name", "pads 1 mm"] {
@@ -330,45 +223,6 @@ fn a_long_legend_makes_a_taller_picture() {
         .map(|line| attribute(line, "y") / 3.0)
         .fold(0.0, f64::max);
     assert!(height > 900.0 && lowest < height - 9.0, "{height} {lowest}");
-}
-
-/// Places along x, in pixels, of the lines of text that are `word`.
-fn across(svg: &str, word: &str) -> Vec<f64> {
-    let lines: Vec<&str> = svg.lines().collect();
-    let here = lines.windows(2).filter(|pair| pair[1] == word);
-    here.map(|pair| attribute(pair[0], "x") / 3.0).collect()
-}
-
-#[test]
-fn names_along_x_stand_beside_each_other() {
-    for panels in ["", "panels = \"scene.object\"\n"] {
-        let mut cells = Cells::new("scene.sensor,scene.object");
-        for object in ["plane", "ball"] {
-            for sensor in 0..8_u8 {
-                let numbers = Numbers::new(1.0, 0.1 / f64::from(sensor + 1));
-                cells.push(
-                    &format!("rendered misaligned {sensor} px,{object}"),
-                    numbers,
-                );
-            }
-        }
-        let series = if panels.is_empty() {
-            "series = \"scene.object\"\n"
-        } else {
-            panels
-        };
-        let plots = format!(
-            "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\nscale = \"log-y\"\n{series}"
-        );
-        let svg = drawn(&cells.study(&config("sphere", &plots)));
-        let places = across(&svg, "misaligned");
-        assert_eq!(places.len(), if panels.is_empty() { 8 } else { 16 });
-        // The word is at least 80 pixels wide in any sans-serif font of 18 px.
-        assert!(
-            places[..8].windows(2).all(|pair| pair[1] - pair[0] > 85.0),
-            "{places:?}"
-        );
-    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Figures of one press.
 
-use crate::fixture::{self, attribute, count, shows};
+use crate::fixture::{self, attribute};
 use palpate_report::{Figure, Files, ReportError, press_figures};
 
 const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
@@ -15,8 +15,6 @@ const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangent
     4,0,0.4,0.25,0\n\
     0,0,1.1,0.05,0\n\
     -4,0,0.6,-0.2,0.05\n";
-
-const BLUE: &str = "#0072B2";
 const VERMILION: &str = "#D55E00";
 
 fn press(trace: &str, readings: &str) -> Result<Vec<Figure>, ReportError> {
@@ -48,55 +46,7 @@ fn heights(svg: &str, colour: &str) -> Vec<f64> {
 }
 
 #[test]
-fn the_quiver_has_arrows_a_scale_shades_and_marks_what_is_lost() {
-    let [quiver, _] = drawn(TRACE, READINGS);
-    let texts = [
-        // rms of 0.05 along the skin: three markers are off by it, and the last by hypot(0, 0.05).
-        "5 markers, 1 without a reading; rms error 0.1 mm inward, 0.05 mm along the skin.",
-        "x (mm)",
-        "y (mm)",
-        "truth",
-        "reading",
-        "0.2 mm",
-        "inward, truth (mm)",
-        "no reading",
-    ];
-    shows(&quiver, &texts);
-    // One shaft per arrow, and one in the key: four true arrows, and four arrows that were read.
-    assert_eq!(count(&quiver, "polyline", BLUE), 5);
-    assert_eq!(count(&quiver, "polyline", VERMILION), 5);
-    // One head per arrow; the crosses on the lost marker and in the key have two bars each.
-    assert_eq!(count(&quiver, "polygon", BLUE), 5);
-    assert_eq!(count(&quiver, "polygon", VERMILION), 5 + 4);
-}
-
-#[test]
-fn the_profile_has_both_components_true_and_read() {
-    let [_, profile] = drawn(TRACE, READINGS);
-    let texts = [
-        "displacement inward (mm)",
-        "displacement along the skin, outward (mm)",
-        "distance from the contact (mm)",
-        "truth",
-        "reading",
-    ];
-    shows(&profile, &texts);
-    // Dashes: five inward, four along the skin (at the contact nothing is outward), one in the legend.
-    assert_eq!(count(&profile, "polygon", BLUE), 5 + 4 + 1);
-    let dots = heights(&profile, VERMILION);
-    assert_eq!(dots.len(), 4 + 3 + 1);
-    // Legend, or in the order of the markers inward: 1.1, 0.4, 0.6, 0.6; then outward: 0.25, 0.2, 0.25.
-    let along: Vec<f64> = dots.iter().copied().filter(|y| *y > 600.0).collect();
-    let [a, b, c] = along[..] else {
-        panic!("{dots:?}")
-    };
-    assert!(a < b && (a - c).abs() < 0.5, "{along:?}");
-    let inward: Vec<f64> = dots.iter().copied().filter(|y| *y < 600.0).collect();
-    assert!(inward[0] < inward[2] && inward[2] < inward[1], "{inward:?}");
-}
-
-#[test]
-fn what_is_not_read_is_not_drawn() {
+fn missing_readings_are_not_drawn() {
     let normal_only = "x_mm,y_mm,normal_displacement_mm\n4,0,0.4\n";
     let [quiver, profile] = drawn(TRACE, normal_only);
     assert!(!says(&quiver, "reading") && says(&quiver, "no reading"));

@@ -75,14 +75,10 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
         })
         .collect::<Result<Vec<Marker>, ReportError>>()?;
 
-    let read = |columns| Records::read(files, "readings.csv", columns);
-    let (readings, reads_tangential) = match read(&READINGS) {
-        Err(ReportError::MissingColumn { column, .. }) if column == READINGS[3] => {
-            (read(&READINGS[..3])?, false)
-        }
-        other => (other?, true),
-    };
+    let read = |columns: usize| Records::read(files, "readings.csv", &READINGS[..columns]);
+    let reads_tangential = read(3)?.find(READINGS[3]).is_some();
     let columns = if reads_tangential { 5 } else { 3 };
+    let readings = read(columns)?;
     one_unit(&readings, trace.unit(0), columns)?;
     add_readings(&readings, reads_tangential, &mut markers)?;
     Ok(Trace {
