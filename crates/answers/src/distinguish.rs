@@ -3,7 +3,7 @@
 use palpate_scene::{SceneTrial, Scenes, quantities_of};
 use palpate_study::Quantity;
 use palpate_study::config::{SceneConfig, Study};
-use palpate_sweep::{Runner, TrialMeans, both_above, in_order, repeats};
+use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
@@ -103,10 +103,7 @@ pub fn distinguish(
                 true => low.class.is_some() && high.class.is_some() && low.class != high.class,
                 false => low.truth.is_some() && high.truth.is_some() && low.truth != high.truth,
             };
-            let order = match limit {
-                Some(limit) => both_above(of_low, of_high, limit),
-                None => in_order(of_low, of_high),
-            };
+            let order = in_order(of_low, of_high, limit);
             Pair {
                 first,
                 second,

@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use palpate::{Scene, SceneTrial, config};
-use palpate_sweep::{Cell, RunOptions};
+use palpate_sweep::{Cell, RunOptions, Runner};
 
 fn scene(object: &str, noise: &str, sensor: &str) -> SceneTrial {
     let text = format!(
@@ -68,7 +68,7 @@ fn benches(criterion: &mut Criterion) {
                 trials: TRIALS,
                 trial: &trial,
             }];
-            bencher.iter(|| palpate_sweep::run(&cells, &options, &|_| ()).unwrap());
+            bencher.iter(|| Runner::new(&options).unwrap().run(&cells, &|_| ()));
         });
     }
     group.finish();

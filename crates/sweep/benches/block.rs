@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::num::NonZeroUsize;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
 
 const QUANTITIES: usize = 5;
 const TRIALS: u64 = 1 << 20;
@@ -72,7 +72,8 @@ fn block(criterion: &mut Criterion) {
                         trials: TRIALS,
                         trial: &trial,
                     };
-                    run(black_box(&[cell]), &options, &|_| ())
+                    let runner = Runner::new(&options);
+                    runner.map(|runner| runner.run(black_box(&[cell]), &|_| ()))
                 });
             });
         }

@@ -52,13 +52,7 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
 }
 
 /// Wilson's 95 % interval (1927) of a probability, from the `share` of `of` independent trials; 0 to 1 without trials.
-///
-/// ```
-/// let (low, high) = palpate_sweep::wilson(0.5, 100.0);
-/// assert!((low - 0.4038).abs() < 1e-4 && (high - 0.5962).abs() < 1e-4);
-/// assert_eq!(palpate_sweep::wilson(0.0, 0.0), (0.0, 1.0));
-/// ```
-pub fn wilson(share: f64, of: f64) -> (f64, f64) {
+pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     if !(of > 0.0 && share.is_finite()) {
         return (0.0, 1.0);
     }

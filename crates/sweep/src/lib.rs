@@ -1,7 +1,7 @@
 //! A deterministic parallel Monte Carlo runner: cells × trials.
 //!
 //! A [`Cell`] is one setting of a study. Its [`Trial`] is a function of a number that records an [`Observation`] of
-//! each quantity; it is repeated with the numbers 0, 1, 2 and so on. [`run`] repeats the trials of all cells and
+//! each quantity; it is repeated with the numbers 0, 1, 2 and so on. [`Runner::run`] repeats the trials of all cells and
 //! returns a [`Summary`] of every quantity in every cell. This crate does not depend on the computation in a trial.
 //!
 //! Guarantees, for trials that depend only on their number:
@@ -12,7 +12,7 @@
 //! - No number in a result is NaN or infinite. An undefined statistic is `None`.
 //!
 //! ```
-//! use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+//! use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
 //!
 //! /// Estimates 2 with an error of ±0.5.
 //! struct Coin;
@@ -31,7 +31,7 @@
 //! }
 //!
 //! let cells = [Cell { trials: 10_000, trial: &Coin }];
-//! let statistics = run(&cells, &RunOptions::default(), &|_finished| ())?;
+//! let statistics = Runner::new(&RunOptions::default())?.run(&cells, &|_finished| ());
 //! let summary = statistics[0].quantities[0];
 //! assert_eq!((summary.bias, summary.rms_error), (Some(0.0), Some(0.5)));
 //! assert_eq!(summary.coverage95, Some(1.0));
@@ -59,20 +59,20 @@ mod trial_record;
 
 pub use batch_statistics::{Batches, Estimate, Growth};
 pub use cell::{BLOCK, Cell, StoppingRule, StoppingStatistic, Task, Trial};
-pub use certainty::{share_at_most, wilson};
-pub use order::{Order, Repeats, TrialMeans, both_above, in_order, repeats};
+pub use certainty::share_at_most;
+pub use order::{Order, Repeats, TrialMeans, in_order, repeats};
 pub use palpate_statistics::CERTAIN;
 pub use plan::{
     Clock, FailingCell, Goal, MODEL_ERROR_SHARE, Pace, Pass, PassQuantity, PassValue, Plan,
     PlanError, Plannable, plan, spread,
 };
-pub use runner::{NoThreads, RunOptions, Runner, SweepError, run};
+pub use runner::{NoThreads, RunOptions, Runner, SweepError};
 pub use search::{
     Curves, EndReason, Run, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
     TestedValue, search,
 };
 pub use stream::{Sweep, SweepOutput};
-pub use summary::{CellStatistics, Failure, NEGATIVE_STD, NOT_FINITE, Summary, UNKNOWN_QUANTITY};
+pub use summary::{CellStatistics, Failure, Summary};
 pub use trial_record::{Observation, Observations, Record, TrialObservations};
 
 #[cfg(doctest)]

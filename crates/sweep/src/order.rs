@@ -8,6 +8,7 @@ use palpate_statistics::score_of_tail;
 
 use crate::cell::Trial;
 use crate::certainty::wilson;
+use crate::moments::Moments;
 use crate::runner::Runner;
 use crate::summary::NOT_FINITE;
 use crate::trial_record::{Record, TrialObservations};
@@ -67,7 +68,7 @@ impl Runner {
     /// let [low, high] = [Coin(5.0), Coin(6.0)].map(|coin| runner.trial_means(&coin, 0, 0..1000));
     /// assert_eq!(low[0], Ok((6.0, 5.0)));
     /// // 4 and 6 against 5 and 7: three of four pairs are in the right order.
-    /// assert_eq!(in_order(&low, &high).probability, 0.75);
+    /// assert_eq!(in_order(&low, &high, None).probability, 0.75);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn trial_means<T: Trial + ?Sized>(
@@ -109,18 +110,20 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
 
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
 /// trials. The two experiments must have drawn different random numbers. Equal estimates count half, so that
-/// indistinguishable experiments give one half. A failed trial counts as not in order.
+/// indistinguishable experiments give one half. A failed trial counts as not in order. With `limit`: the probability
+/// that both estimates are above `limit`, for example that both classify more than half of the places correctly.
 ///
 /// This is Mann and Whitney's statistic with the variance of Sen (1960). Wilson's interval uses the number of
 /// independent trials that would have the same variance.
-pub fn in_order(low: &[TrialMeans], high: &[TrialMeans]) -> Order {
-    order(&estimates(low), &estimates(high))
+pub fn in_order(low: &[TrialMeans], high: &[TrialMeans], limit: Option<f64>) -> Order {
+    order_of(&estimates(low), &estimates(high), limit)
 }
 
-/// Probability that the estimates of two experiments are both above `limit`, for example that both classify more than
-/// half of the places correctly. A failed trial counts as not above.
-pub fn both_above(one: &[TrialMeans], other: &[TrialMeans], limit: f64) -> Order {
-    above(&estimates(one), &estimates(other), limit)
+fn order_of(one: &[Option<f64>], other: &[Option<f64>], limit: Option<f64>) -> Order {
+    match limit {
+        None => order(one, other),
+        Some(limit) => above(one, other, limit),
+    }
 }
 
 /// Number of trials of each experiment whose means are in the right order with the probability `confidence`. With
@@ -134,11 +137,7 @@ pub fn repeats(
     let (one, other) = (estimates(one), estimates(other));
     let probability = |each: usize| {
         let (one, other) = (means(&one, each), means(&other, each));
-        match limit {
-            None => order(&one, &other),
-            Some(limit) => above(&one, &other, limit),
-        }
-        .probability
+        order_of(&one, &other, limit).probability
     };
     if probability(1) >= confidence {
         return Repeats::Found(1);
@@ -172,7 +171,7 @@ fn beyond(
     confidence: f64,
     most: usize,
 ) -> Repeats {
-    let (Some(one), Some(other)) = (Moments::of(one), Moments::of(other)) else {
+    let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
     // Distance of the means, standard deviation of a trial, and standard error of the distance. The distance is positive
@@ -181,10 +180,10 @@ fn beyond(
         None => vec![(
             other.mean - one.mean,
             libm::hypot(one.std, other.std),
-            libm::hypot(one.std_error(), other.std_error()),
+            libm::hypot(one.error, other.error),
         )],
         Some(limit) => [one, other]
-            .map(|each| (each.mean - limit, each.std, each.std_error()))
+            .map(|each| (each.mean - limit, each.std, each.error))
             .to_vec(),
     };
     let tail = match limit {
@@ -212,39 +211,28 @@ fn beyond(
     }
 }
 
-/// Mean and standard deviation of the trials that succeeded.
+/// Distribution of the estimates of the trials that succeeded.
 #[derive(Clone, Copy)]
-struct Moments {
+struct Spread {
     mean: f64,
     std: f64,
-    count: f64,
+    /// Standard error of the mean.
+    error: f64,
+    /// Share of the trials that succeeded.
     success: f64,
 }
 
-impl Moments {
-    fn of(values: &[Option<f64>]) -> Option<Self> {
-        let succeeded: Vec<f64> = values.iter().flatten().copied().collect();
-        let count = succeeded.len() as f64;
-        let first = *succeeded.first()?;
-        let mean = succeeded
-            .iter()
-            .map(|value| (value - first) / count)
-            .sum::<f64>();
-        let squares = succeeded.iter().map(|value| {
-            let deviation = value - first - mean;
-            deviation * deviation / (count - 1.0).max(1.0)
-        });
-        let moments = Self {
-            mean: first + mean,
-            std: squares.sum::<f64>().sqrt(),
-            count,
-            success: count / values.len() as f64,
-        };
-        (moments.mean.is_finite() && moments.std.is_finite()).then_some(moments)
-    }
-
-    fn std_error(&self) -> f64 {
-        self.std / self.count.sqrt()
+impl Spread {
+    fn of(estimates: &[Option<f64>]) -> Option<Self> {
+        let succeeded: Vec<f64> = estimates.iter().flatten().copied().collect();
+        let moments = Moments::of(&succeeded);
+        let (std, count) = (moments.std().unwrap_or(0.0), succeeded.len() as f64);
+        Some(Self {
+            mean: moments.mean()?,
+            std,
+            error: std / count.sqrt(),
+            success: count / estimates.len() as f64,
+        })
     }
 }
 

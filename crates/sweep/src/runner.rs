@@ -14,23 +14,6 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Runs all trials of all cells on new threads, and returns the statistics of each cell, in order.
-///
-/// Each thread calls `progress` after each block, with the number of trials in it.
-///
-/// # Errors
-/// [`NoThreads`], before any trial is run.
-///
-/// # Panics
-/// If a trial or `progress` panics.
-pub fn run(
-    cells: &[Cell],
-    options: &RunOptions,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<CellStatistics>, NoThreads> {
-    Ok(Runner::new(options)?.run(cells, progress))
-}
-
 /// Settings of a run. They do not change its results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
@@ -92,7 +75,8 @@ impl Runner {
         Ok(Self { pool, whole_blocks })
     }
 
-    /// Runs all trials of all cells on these threads, as [`run`] does.
+    /// Runs all trials of all cells, and returns the statistics of each cell, in order. Each thread calls `progress`
+    /// after each block, with the number of trials in it.
     ///
     /// # Panics
     /// If a trial or `progress` panics.

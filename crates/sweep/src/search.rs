@@ -114,7 +114,7 @@ pub struct TestedValue {
 ///     type Error = Infallible;
 ///     fn cells(&self) -> usize { 1 }
 ///     fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
-///         let score = |ask: &ScoreRequest| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
+///         let score = |of: &ScoreRequest| [(1.0 - of.value) * (of.trials as f64).sqrt(), 40.0];
 ///         Ok(requests.iter().map(score).collect())
 ///     }
 /// }

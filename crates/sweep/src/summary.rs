@@ -6,7 +6,7 @@ use crate::sums::Sums;
 /// Statistics of all trials of a cell.
 ///
 /// ```
-/// use palpate_sweep::{Cell, Failure, Record, RunOptions, Trial, run};
+/// use palpate_sweep::{Cell, Failure, Record, RunOptions, Runner, Trial};
 ///
 /// struct EveryThirdSlips;
 /// impl Trial for EveryThirdSlips {
@@ -15,7 +15,8 @@ use crate::sums::Sums;
 ///         if trial % 3 == 2 { Err("slipped") } else { Ok(()) }
 ///     }
 /// }
-/// let statistics = run(&[Cell { trials: 9, trial: &EveryThirdSlips }], &RunOptions::default(), &|_| ())?;
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let statistics = runner.run(&[Cell { trials: 9, trial: &EveryThirdSlips }], &|_| ());
 /// assert_eq!((statistics[0].trials, statistics[0].failed()), (9, 3));
 /// assert_eq!(statistics[0].failures, [Failure { kind: "slipped", count: 3, first_trial: 2 }]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -46,7 +47,7 @@ impl CellStatistics {
 /// smallest double.
 ///
 /// ```
-/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
 ///
 /// struct Swing;
 /// impl Trial for Swing {
@@ -57,7 +58,8 @@ impl CellStatistics {
 ///         Ok(())
 ///     }
 /// }
-/// let swing = run(&[Cell { trials: 4, trial: &Swing }], &RunOptions::default(), &|_| ())?[0].quantities[0];
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let swing = runner.run(&[Cell { trials: 4, trial: &Swing }], &|_| ())[0].quantities[0];
 /// assert_eq!((swing.mean, swing.bias, swing.rms_error), (Some(2.0), Some(0.0), Some(1.0)));
 /// assert_eq!((swing.relative_rms_error, swing.coverage95), (Some(0.5), None));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -144,11 +146,11 @@ fn finite(value: Option<f64>) -> Option<f64> {
 }
 
 /// Failure kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
-pub const NOT_FINITE: &str = "not-finite";
+pub(crate) const NOT_FINITE: &str = "not-finite";
 /// Failure kind of a trial that recorded a standard deviation below zero.
-pub const NEGATIVE_STD: &str = "negative-std";
+pub(crate) const NEGATIVE_STD: &str = "negative-std";
 /// Failure kind of a trial that recorded a quantity outside `0..Trial::quantities()`.
-pub const UNKNOWN_QUANTITY: &str = "unknown-quantity";
+pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
 /// All failures of one kind in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,38 +186,5 @@ impl Failures {
     pub(crate) fn sorted(mut self) -> Vec<Failure> {
         self.0.sort_by_key(|failure| failure.kind);
         self.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn failure(kind: &'static str, count: u64, first_trial: u64) -> Failure {
-        Failure {
-            kind,
-            count,
-            first_trial,
-        }
-    }
-
-    #[test]
-    fn merging_adds_counts_and_keeps_the_first_trial_of_either_side() {
-        let side = |failures: &[Failure]| {
-            let mut side = Failures::default();
-            failures.iter().for_each(|&failure| side.add(failure));
-            side
-        };
-        let left = side(&[failure("rank", 2, 7), failure("lost", 1, 9)]);
-        let right = side(&[failure("rank", 3, 4)]);
-        let expected = vec![failure("lost", 1, 9), failure("rank", 5, 4)];
-
-        let mut forward = left.clone();
-        forward.merge(right.clone());
-        assert_eq!(forward.sorted(), expected);
-
-        let mut backward = right;
-        backward.merge(left);
-        assert_eq!(backward.sorted(), expected);
     }
 }

@@ -10,7 +10,7 @@ use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 /// Estimate of one quantity by one trial, and the true value, both in the quantity's unit.
 ///
 /// ```
-/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
 ///
 /// /// Reports its own intervals. The 95 % interval misses the true value in one trial of four, the others in two of
 /// /// four.
@@ -23,7 +23,8 @@ use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 ///         Ok(())
 ///     }
 /// }
-/// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let statistics = runner.run(&[Cell { trials: 8, trial: &Intervals }], &|_| ());
 /// let summary = statistics[0].quantities[0];
 /// assert_eq!([summary.coverage50, summary.coverage80, summary.coverage95], [0.5, 0.5, 0.75].map(Some));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -133,11 +134,11 @@ impl TrialObservations<'_> {
 impl Record {
     /// Records an observation of a quantity in `0..Trial::quantities()`. A trial may record any number of observations.
     ///
-    /// The trial fails as [`NOT_FINITE`] if the error or standard deviation is not finite, as [`NEGATIVE_STD`] if the
-    /// standard deviation is negative, and as [`UNKNOWN_QUANTITY`] if the quantity is out of range.
+    /// The trial fails as `not-finite` if the error or standard deviation is not finite, as `negative-std` if the standard
+    /// deviation is negative, and as `unknown-quantity` if the quantity is out of range.
     ///
     /// ```
-    /// use palpate_sweep::{Cell, NOT_FINITE, Observation, Record, RunOptions, Trial, run};
+    /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
     ///
     /// struct Overflow;
     /// impl Trial for Overflow {
@@ -148,9 +149,10 @@ impl Record {
     ///         Ok(())
     ///     }
     /// }
-    /// let statistics = run(&[Cell { trials: 5, trial: &Overflow }], &RunOptions::default(), &|_| ())?;
+    /// let runner = Runner::new(&RunOptions::default())?;
+    /// let statistics = runner.run(&[Cell { trials: 5, trial: &Overflow }], &|_| ());
     /// assert_eq!(statistics[0].quantities[0].observations, 0);
-    /// assert_eq!((statistics[0].failures[0].kind, statistics[0].failures[0].count), (NOT_FINITE, 5));
+    /// assert_eq!((statistics[0].failures[0].kind, statistics[0].failures[0].count), ("not-finite", 5));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[inline]
@@ -318,28 +320,6 @@ mod tests {
             std,
             interval_holds: None,
         }
-    }
-
-    #[test]
-    fn a_failed_trial_leaves_nothing_and_does_not_fail_the_next() {
-        let mut record = record(2);
-        let good = observation(1.0, 1.0, None);
-        let once = trial(&mut record, |record| {
-            record.observe(0, good);
-            record.observe(0, good);
-            record.observe(1, good);
-            Ok(())
-        });
-        assert_eq!(once, Ok(()));
-        let failed = trial(&mut record, |record| {
-            record.observe(1, good);
-            record.observe(0, good);
-            record.observe(0, observation(f64::NAN, 1.0, None));
-            Err("rank")
-        });
-        assert_eq!(failed, Err("rank"));
-        assert_eq!(trial(&mut record, |_| Ok(())), Ok(()));
-        assert_eq!(counts(&mut record), [2, 1]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
 use palpate_scene::{RollScene, Scene, Scenes};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
 use palpate_study::config;
-use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
+use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Runner, Trial};
 
 pub use palpate_rolling::{Chart, Model};
 
@@ -152,7 +152,7 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
         whole_blocks: true,
     };
     let cells = [Cell { trials, trial }];
-    let statistics = palpate_sweep::run(&cells, &options, &|_| ())?;
+    let statistics = Runner::new(&options)?.run(&cells, &|_| ());
     statistics.into_iter().next().context("no cell")
 }
 

@@ -158,43 +158,9 @@ fn seconds_per_trial(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicU64, Ordering};
-    use std::time::Instant;
-
     use super::*;
-    use crate::runner::RunOptions;
-    use crate::trial_record::Record;
 
     const ONE: NonZeroUsize = NonZeroUsize::MIN;
-
-    /// Counts its trials.
-    struct Counted(AtomicU64);
-
-    impl Trial for Counted {
-        fn quantities(&self) -> usize {
-            0
-        }
-
-        fn run(&self, _: u64, _: &mut Record) -> Result<(), &'static str> {
-            self.0.fetch_add(1, Ordering::Relaxed);
-            Ok(())
-        }
-    }
-
-    #[test]
-    fn a_quick_cell_is_timed_by_many_trials() {
-        let counted = Counted(AtomicU64::new(0));
-        let options = RunOptions {
-            threads: Some(ONE),
-            ..RunOptions::default()
-        };
-        let runner = Runner::new(&options).unwrap();
-        let long_enough = Duration::from_millis(50);
-        let start = Instant::now();
-        let seconds = seconds_per_trial(&runner, &counted, long_enough, &|| start.elapsed());
-        assert!(seconds > 0.0);
-        assert!(counted.0.into_inner() > 1000);
-    }
 
     #[test]
     fn first_numbers_are_spread() {

@@ -15,7 +15,7 @@ pub struct Pass {
 /// Quantity of a noiseless pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassQuantity {
-    /// Magnitude with which a shift is compared if no rms error is known, in the quantity's unit.
+    /// Magnitude with which a shift is compared if the rms error was not estimated, in the quantity's unit.
     pub scale: f64,
     /// Index of the same quantity in the cell's experiment, if the experiment observes it.
     pub in_cell: Option<usize>,

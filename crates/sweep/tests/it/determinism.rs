@@ -4,9 +4,11 @@ use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use palpate_sweep::{BLOCK, Cell, Observations, Record, RunOptions, SweepError, Trial, run};
+use palpate_sweep::{BLOCK, Cell, Observations, Record, SweepError, Trial};
 
-use crate::{Function, Tasks, normal, observation, observing, run_cell, run_with, streamed};
+use crate::{
+    Function, Tasks, normal, observation, observing, run_cell, run_with, runner, streamed,
+};
 
 /// All digits of all numbers.
 fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
@@ -77,20 +79,6 @@ fn trials_that_run_together_are_those_that_run_one_by_one() {
     }
 }
 
-/// The cells are long enough to be divided into many jobs.
-#[test]
-fn waves_leave_no_trace() {
-    let trial = observing(|trial| observation((trial % 1009) as f64 / 7.0, 11.0, None));
-    let cells = [Cell {
-        trials: 1030 * BLOCK,
-        trial: &trial,
-    }; 2];
-    let one = run_with(1, &cells);
-    assert_eq!(one[0].quantities[0].observations, 1030 * BLOCK);
-    assert_eq!(digits(&one[..1]), digits(&one[1..]));
-    assert_eq!(digits(&run_with(2, &cells)), digits(&one));
-}
-
 #[test]
 fn every_trial_of_a_cell_runs_once_whatever_the_block_boundaries() {
     for trials in [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK] {
@@ -117,7 +105,7 @@ fn progress_adds_up_to_all_trials() {
     let progress = |trials| {
         finished.fetch_add(trials, Ordering::Relaxed);
     };
-    run(&cells, &RunOptions::default(), &progress).unwrap();
+    runner(2).run(&cells, &progress);
     assert_eq!(finished.into_inner(), 11_026);
 }
 

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use palpate_sweep::{
-    Curves, NEGATIVE_STD, NOT_FINITE, Observation, Record, ScoreRequest, Scores, Search,
-    SearchRange, Side, Span, Summary, UNKNOWN_QUANTITY, search,
+    Curves, Observation, Record, ScoreRequest, Scores, Search, SearchRange, Side, Span, Summary,
+    search,
 };
 use proptest::prelude::*;
 
@@ -84,16 +84,16 @@ fn estimates_that_alternate_have_their_mean_and_spread() {
 #[test]
 fn invalid_observations_fail_their_trial() {
     for ([estimate, truth, std], quantity, kind) in [
-        ([f64::NAN, 0.0, 0.0], 0, NOT_FINITE),
-        ([0.0, f64::INFINITY, 0.0], 0, NOT_FINITE),
-        ([f64::MAX, -f64::MAX, 0.0], 0, NOT_FINITE),
-        ([f64::INFINITY, f64::INFINITY, 0.0], 0, NOT_FINITE),
-        ([0.0, 0.0, f64::NAN], 0, NOT_FINITE),
-        ([0.0, 0.0, f64::INFINITY], 0, NOT_FINITE),
-        ([0.0, 0.0, f64::NEG_INFINITY], 0, NOT_FINITE),
-        ([0.0, 0.0, -5e-324], 0, NEGATIVE_STD),
-        ([1.0, 1.0, 0.0], 1, UNKNOWN_QUANTITY),
-        ([1.0, 1.0, 0.0], usize::MAX, UNKNOWN_QUANTITY),
+        ([f64::NAN, 0.0, 0.0], 0, "not-finite"),
+        ([0.0, f64::INFINITY, 0.0], 0, "not-finite"),
+        ([f64::MAX, -f64::MAX, 0.0], 0, "not-finite"),
+        ([f64::INFINITY, f64::INFINITY, 0.0], 0, "not-finite"),
+        ([0.0, 0.0, f64::NAN], 0, "not-finite"),
+        ([0.0, 0.0, f64::INFINITY], 0, "not-finite"),
+        ([0.0, 0.0, f64::NEG_INFINITY], 0, "not-finite"),
+        ([0.0, 0.0, -5e-324], 0, "negative-std"),
+        ([1.0, 1.0, 0.0], 1, "unknown-quantity"),
+        ([1.0, 1.0, 0.0], usize::MAX, "unknown-quantity"),
     ] {
         let trial = Function {
             quantities: 1,

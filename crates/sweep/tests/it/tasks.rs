@@ -76,7 +76,7 @@ fn rich(
 }
 
 #[test]
-fn slices_of_blocks_leave_no_trace() {
+fn slices_of_blocks_do_not_change_results() {
     for places in [1, 9] {
         // Most blocks of fast trials are whole. Blocks of slow trials are divided into slices of about 40 trials.
         let whole = statistics(1, &rich(0, places, 2500));
@@ -174,7 +174,7 @@ fn trials(
 }
 
 #[test]
-fn a_cell_ends_when_its_statistic_is_known() {
+fn a_cell_ends_when_its_statistic_is_accurate() {
     // Relative standard errors of N Gaussian errors: 1/√(2N) of their rms, √(π/2 − 1)/√N of their mean magnitude, and
     // 0.1/√N of a mean that is ten standard deviations from 0.
     for scale in [1.0, 1e-200, 1e200] {
@@ -218,7 +218,7 @@ fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
 }
 
 #[test]
-fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
+fn threads_that_share_a_cell_do_not_change_results() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
@@ -249,39 +249,7 @@ fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
 }
 
 #[test]
-fn threads_share_a_cell_with_a_rule() {
-    // Sleeping trials, so that the number of processors does not matter.
-    struct Sleeps;
-    impl Trial for Sleeps {
-        fn quantities(&self) -> usize {
-            1
-        }
-        fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-            std::thread::sleep(Duration::from_micros(300));
-            record.observe(0, observation(normal(trial), 0.0, None));
-            Ok(())
-        }
-    }
-    let time = |threads| {
-        let sweep = ruled(1, 4096, 0.02, |_| Ok(Sleeps));
-        let start = Instant::now();
-        assert_eq!(statistics(threads, &sweep)[0].trials, 2 * BLOCK);
-        start.elapsed().as_secs_f64()
-    };
-    assert!(time(4) < 0.6 * time(1));
-}
-
-#[test]
-fn a_cell_with_a_rule_in_which_nothing_is_random_has_one_trial() {
-    let sweep = ruled(2, u64::MAX, 0.01, |_| Ok(Still));
-    for threads in [1, 3] {
-        let all = statistics(threads, &sweep);
-        assert_eq!((all[0].trials, &all[0]), (1, &all[1]));
-    }
-}
-
-#[test]
-fn observations_of_one_trial_count_as_one_where_they_go_together() {
+fn equal_observations_of_a_trial_count_as_one() {
     assert_eq!(
         trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
         8 * BLOCK
@@ -294,7 +262,7 @@ fn observations_of_one_trial_count_as_one_where_they_go_together() {
 }
 
 #[test]
-fn a_sweep_that_is_left_off_has_given_the_first_results() {
+fn a_cancelled_sweep_has_returned_the_first_results() {
     let mut taken = 0;
     let take = &mut |_: u64, _: SweepOutput<CellStatistics>| {
         taken += 1;
