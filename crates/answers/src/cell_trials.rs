@@ -18,7 +18,7 @@ const MAX_CACHED_SCENES: usize = 64;
 /// Failure of readings that determine an estimate only because of their noise.
 const UNDETERMINED: &str = "undetermined";
 
-/// Trials of the cells of a study at values of the searched field, as far as the search has run them.
+/// Trials of the cells of a study at the values of the searched field that the search has run.
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,

@@ -197,12 +197,12 @@ impl Discrimination {
     }
 
     /// Settings of a group in words; empty if no other field is swept.
-    pub fn settings_in_words(&self, group: &Group) -> String {
+    pub(crate) fn settings_in_words(&self, group: &Group) -> String {
         settings_in_words(&self.columns, &group.settings)
     }
 
     /// Object in words: its swept values with their units.
-    pub fn object_in_words(&self, object: &Object) -> String {
+    pub(crate) fn object_in_words(&self, object: &Object) -> String {
         let pairs = self.object_columns.iter().zip(&object.label);
         let said = pairs.map(|(column, text)| Label::of_field(column).value(text));
         said.collect::<Vec<_>>().join(", ")
@@ -223,7 +223,9 @@ impl Discrimination {
                 format!("about {} {trials} for {sure} %", number::grouped(count))
             }
             Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
-            Repeats::Unknown => format!("more {trials} than these can tell for {sure} %"),
+            Repeats::Unknown => {
+                format!("more {trials} than were simulated are needed for {sure} %")
+            }
         };
         let failing = objects
             .into_iter()
@@ -309,9 +311,12 @@ impl Discrimination {
             }
         };
         let by = label::quantity(self.quantity.name);
-        let told = match self.quantity == Quantity::CLASS {
-            true => "classes of most places of both right".to_owned(),
-            false => format!("estimates of {by} in the right order"),
+        let (right, equal) = match self.quantity == Quantity::CLASS {
+            true => ("classes of most places of both right".to_owned(), ""),
+            false => (
+                format!("estimates of {by} in the right order"),
+                ", a pair of equal estimates as half right",
+            ),
         };
         let objects = self.groups.iter().flat_map(|group| &group.objects);
         let most = objects.map(|object| object.counts.trials).max();
@@ -324,14 +329,12 @@ impl Discrimination {
             name: name.to_owned(),
             title: title.to_owned(),
             subtitle: format!(
-                "Share of pairs of single trials with {told}; {} trials of each object.",
+                "Share of pairs of single trials with {right}; {} trials of each object.",
                 number::grouped(most.unwrap_or(0))
             ),
             axis: objects.join(", "),
             panels: self.groups.iter().map(panel).collect(),
-            notes: vec![
-                "A trial that fails, and estimates that are alike, do not tell.".to_owned(),
-            ],
+            notes: vec![format!("A failed trial counts as wrong{equal}.")],
         })
     }
 }

@@ -52,7 +52,7 @@ pub enum AnswerError {
     },
     /// No object is swept.
     #[error(
-        "no field of `scene.object` is swept, so there is nothing to tell apart: vary one, such as \
+        "no field of `scene.object` is swept, so there are no objects to compare: vary one, such as \
          scene.object.radius=20,25,30"
     )]
     NoObjects,

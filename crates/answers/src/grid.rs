@@ -33,7 +33,7 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// Combinations midway between the best one and its neighbours among the `known` ones along each range.
+/// Combinations midway between the best combination and its neighbours among the `known` combinations, along each range.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -18,7 +18,7 @@ pub struct Question {
     pub searched: Vary,
     /// The other varied fields. Each takes some values of its range, or all listed values.
     pub grid: Vec<Vary>,
-    /// Field whose best value is wanted: the searched one or one of the grid.
+    /// Field whose best value the answer names: the searched field or a field of the grid.
     pub sought: Option<Sought>,
     /// Fields with one value each.
     pub set: Vec<(String, toml::Value)>,

@@ -225,7 +225,7 @@ impl Region {
 
     /// The sample that decides at a tried value: if too many trials fail in some cell, the one with the largest share of
     /// failures, else the one whose statistic is furthest on the wrong side.
-    pub fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
+    pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }

@@ -95,7 +95,7 @@ impl Region {
     }
 
     /// The target in words: the statistic with its limit, the allowed failures, and the cells.
-    pub fn target_in_words(&self) -> String {
+    pub(crate) fn target_in_words(&self) -> String {
         let label = self.label();
         let bound = match self.question.target.bound {
             Bound::AtMost => "at most",
@@ -187,7 +187,7 @@ impl Region {
         }
     }
 
-    /// Failures because of which values next to those that meet the target miss it.
+    /// Reason for which the neighbours of the values that meet the target miss it, if too many of their trials fail.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -370,7 +370,7 @@ impl Region {
                 self.certainty()
             ),
             false => format!(
-                "no value of {words} is known to meet the target{places}, some are undecided"
+                "no value of {words} certainly meets the target{places}; some are undecided"
             ),
         };
         match self.nearest(&self.columns) {

@@ -27,14 +27,14 @@ impl TrialCounts {
     }
 
     /// Share of the trials that failed; 1 without trials.
-    pub fn failure_rate(&self) -> f64 {
+    pub(crate) fn failure_rate(&self) -> f64 {
         match self.trials {
             0 => 1.0,
             trials => self.failed as f64 / trials as f64,
         }
     }
 
-    /// The failures in words, with the share of the most frequent kind. `trials` names the trials, `at` what they are of.
+    /// The failures in words, with the share of the most frequent kind. `trials` is the word for trials, `at` names the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),

@@ -39,7 +39,7 @@ impl MeasuredSensor {
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
-    pub fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
+    pub(crate) fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
         let mut needs = vec![format!("{markers} markers, no contact").into()];

@@ -41,7 +41,7 @@ pub enum PressFailure {
 
 impl PressFailure {
     /// The stable name of the failure.
-    pub fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         self.into()
     }
 }

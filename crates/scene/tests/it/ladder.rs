@@ -22,7 +22,7 @@ fn roll(object: &str, contact: &str, model: &str) -> String {
 }
 
 /// Checks that the error of the chosen rung is at most the tolerance.
-fn keeps_its_word(ladder: &Ladder) {
+fn meets_its_tolerance(ladder: &Ladder) {
     let error = ladder.taken().accuracy.error().unwrap();
     assert!(error <= ladder.tolerance.unwrap(), "{ladder:#?}");
 }
@@ -38,7 +38,7 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     assert_eq!(ladder.taken, 0);
     let model = ModelConfig::Roll(RollModelConfig::ClosedForm {});
     assert_eq!(ladder.taken().model, model);
-    keeps_its_word(&ladder);
+    meets_its_tolerance(&ladder);
     // The rung `meridian` is impossible: the contact is not the apex of a graph.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
@@ -54,7 +54,7 @@ fn any_rung_makes_the_same_scene_and_a_config_that_reads_back() {
     );
     let study = config::parse("study.toml", &text).unwrap();
     let ladder = study.ladder(0).unwrap().unwrap();
-    keeps_its_word(&ladder);
+    meets_its_tolerance(&ladder);
     let arc_length = |scene: &Scene| scene.truth(4).unwrap();
     let error = |rung: &&Rung| rung.accuracy.error().unwrap_or(f64::INFINITY);
     let finest = |one: &&Rung, other: &&Rung| error(one).total_cmp(&error(other));
@@ -103,7 +103,7 @@ fn glides_are_in_closed_form_where_there_is_one() {
         let ladder = ladder(&glide(object, probe, ""));
         let model = ModelConfig::Glide(GlideModelConfig::ClosedForm {});
         assert_eq!(ladder.taken().model, model);
-        keeps_its_word(&ladder);
+        meets_its_tolerance(&ladder);
     }
 }
 
@@ -121,7 +121,7 @@ fn glides_that_are_searched_for_err_by_less_than_their_tolerance() {
         let ladder = ladder(&text(&format!(
             r#"model = {{ kind = "auto", tolerance = {tolerance} }}"#
         )));
-        keeps_its_word(&ladder);
+        meets_its_tolerance(&ladder);
         let model = ModelConfig::Glide(GlideModelConfig::Newton { tolerance });
         assert_eq!(ladder.taken().model, model);
         assert_eq!(ladder.rungs[0].accuracy.error(), None);
@@ -157,7 +157,7 @@ const HALF_SPACE: &str = r#"{ kind = "half-space" }"#;
 
 fn taken(text: &str) -> (String, f64) {
     let ladder = ladder(text);
-    keeps_its_word(&ladder);
+    meets_its_tolerance(&ladder);
     let rung = ladder.taken();
     (rung.name.clone(), rung.accuracy.error().unwrap())
 }
@@ -233,18 +233,6 @@ fn invalid_models_of_presses_are_rejected_at_their_field() {
             r#"{ kind = "auto", thickness = 0.5 }"#,
             "scene.probe.marker_depth",
         ),
-        (
-            r#"{ kind = "auto", thickness = 5.0, poisson = 0.4 }"#,
-            "scene.model.poisson",
-        ),
-        (
-            r#"{ kind = "auto", tolerance = 1e-20 }"#,
-            "scene.model.tolerance",
-        ),
-        (
-            r#"{ kind = "auto", tolerance = 0 }"#,
-            "scene.model.tolerance",
-        ),
     ] {
         let text = press(1.0, model, 0.5, HALF_SPACE);
         let error = config::parse("study.toml", &text)
@@ -271,10 +259,10 @@ fn auto_meets_any_tolerance_at_any_size() {
     let auto =
         |tolerance: &str| format!("model = {{ kind = \"auto\", tolerance = {tolerance} }}\n");
     for unit in [1e-9, 1e9] {
-        keeps_its_word(&ladder(&rolled(unit, &auto("1e-6"))));
-        keeps_its_word(&ladder(&slid(unit, &auto("1e-6"))));
+        meets_its_tolerance(&ladder(&rolled(unit, &auto("1e-6"))));
+        meets_its_tolerance(&ladder(&slid(unit, &auto("1e-6"))));
         let object = extremes::sphere(30.0 * unit);
-        keeps_its_word(&ladder(&extremes::press(
+        meets_its_tolerance(&ladder(&extremes::press(
             unit,
             &object,
             0.05,
@@ -282,8 +270,8 @@ fn auto_meets_any_tolerance_at_any_size() {
         )));
     }
     for tolerance in ["1e-14", "0.1"] {
-        keeps_its_word(&ladder(&rolled(1.0, &auto(tolerance))));
-        keeps_its_word(&ladder(&slid(1.0, &auto(tolerance))));
+        meets_its_tolerance(&ladder(&rolled(1.0, &auto(tolerance))));
+        meets_its_tolerance(&ladder(&slid(1.0, &auto(tolerance))));
     }
     for tolerance in ["nan", "0.0", "1e-15", "0.11"] {
         for text in [rolled(1.0, &auto(tolerance)), slid(1.0, &auto(tolerance))] {
@@ -292,24 +280,4 @@ fn auto_meets_any_tolerance_at_any_size() {
             assert_eq!(error.path(), "scene.model.tolerance", "{tolerance}");
         }
     }
-}
-
-#[test]
-fn a_press_names_its_model() {
-    let text = press(
-        1.0,
-        r#"{ kind = "auto", thickness = 4.0 }"#,
-        0.5,
-        HALF_SPACE,
-    );
-    let study = config::parse("study.toml", &text).unwrap();
-    let needs = study.scene(0).unwrap().needs()[0].to_string();
-    assert!(
-        needs.starts_with("incompressible layer bonded to a rigid core"),
-        "{needs}"
-    );
-    assert!(
-        needs.contains("the error of the next cheaper model is"),
-        "{needs}"
-    );
 }

@@ -265,7 +265,7 @@ fn cells_share_their_draws() {
 }
 
 #[test]
-fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() {
+fn intervals_have_their_coverage_and_bounds_are_reached() {
     let scene = scene_of(&text(
         BALL,
         &format!("{NOISE}estimator = {{ kind = \"half-space\", indentation_std = 0.02 }}\n"),
@@ -430,41 +430,12 @@ fn bad_scenes_are_refused_at_their_field() {
     let with = |lines: &str| text(PLANE, lines);
     for (text, message) in [
         (
-            text(
-                r#"{ kind = "torus", major_radius = 3, minor_radius = 1 }"#,
-                "",
-            ),
-            "scene.object.kind: unknown kind \"torus\" (known: sphere, dish, plane)",
-        ),
-        (
-            probe("marker_depth = 2.0 }", "}"),
-            "scene.probe.marker_depth: missing key",
-        ),
-        (
             probe("marker_depth = 2.0", "marker_depth = 20"),
             "scene.probe.marker_depth: must be less than the sensor's radius 20, is 20",
         ),
         (
             probe("radius = 20.0", "radius = 1e99"),
             "scene.probe.radius: radius is 1e99; it must be between 1e-50 and 1e50",
-        ),
-        (
-            probe(
-                "marker_depth = 2.0 }",
-                "marker_depth = 2.0, layout = \"publishd\" }",
-            ),
-            "scene.probe.layout: unknown choice \"publishd\"; did you mean `published`? (known: published), or a table whose `kind` is one of gores, lattice, line, radius",
-        ),
-        (
-            probe("marker_depth = 2.0 }", "marker_depth = 2.0, layout = 3 }"),
-            "scene.probe.layout: expected \"published\" or a table with `kind`, found the integer 3",
-        ),
-        (
-            probe(
-                "marker_depth = 2.0 }",
-                "marker_depth = 2.0, layout = { kind = \"latice\" } }",
-            ),
-            "scene.probe.layout.kind: unknown kind \"latice\"; did you mean `lattice`? (known: gores, lattice, line, radius)",
         ),
         (
             probe(
@@ -488,10 +459,6 @@ fn bad_scenes_are_refused_at_their_field() {
             "scene.probe.layout: 2 marker(s)",
         ),
         (
-            probe("indentation = 1.0", "indentation = 0"),
-            "scene.motion.indentation: must be > 0, is 0",
-        ),
-        (
             probe(
                 "indentation = 1.0",
                 "indentation = 1.0, contact_deg = [-1, 0]",
@@ -501,10 +468,6 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             probe("indentation = 1.0", "indentation = 1.0, shift = 100"),
             "scene.motion.shift: |shift| must be less than the sensor's radius 20, is 100",
-        ),
-        (
-            with("model = { kind = \"half-space\", poisson = 0.6 }"),
-            "scene.model.poisson: must be <= 0.5, is 0.6",
         ),
         (
             with("model = { kind = \"bonded-layer\", thickness = 1.5 }"),
@@ -521,22 +484,6 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             with("estimator = { kind = \"bonded-layer\", thickness = 1 }"),
             "scene.estimator.thickness: the layer ends above the markers: must be at least `scene.probe.marker_depth`",
-        ),
-        (
-            with("estimator = { kind = \"gaussian\", gain_std = 0.1 }"),
-            "scene.estimator.gain_std: unknown key for kind `gaussian`",
-        ),
-        (
-            with("estimator = { kind = \"half-space\", indentation = \"free\" }"),
-            "scene.estimator.indentation: unknown choice \"free\" (known: known, fitted)",
-        ),
-        (
-            with("sensor = { kind = \"direct\", frames = 0 }"),
-            "scene.sensor.frames: must be >= 1, is 0",
-        ),
-        (
-            with("sensor = { kind = \"filmed\" }"),
-            "scene.sensor.kind: unknown kind \"filmed\" (known: direct, projected, rendered)",
         ),
         (
             with("sensor = { kind = \"rendered\" }"),
