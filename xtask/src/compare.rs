@@ -302,24 +302,4 @@ cell,radius,quantity,truth,mean
         let error = study("s", old, new, false).unwrap_err().to_string();
         assert!(error.contains("cargo xtask reproduce s"), "{error}");
     }
-
-    #[test]
-    fn only_some_differences_are_printed() {
-        let difference = |row: &str| Difference {
-            file: "s/cells.csv".to_owned(),
-            row: row.to_owned(),
-            column: "mean".to_owned(),
-            committed: "1".to_owned(),
-            now: "2".to_owned(),
-        };
-        let mut differences = ["7 50", "8", "9"].map(difference);
-        differences[2].now = ABSENT.to_owned();
-        assert_eq!(
-            render(&differences, 2),
-            "2 numbers differ, the most by 5.0e-1 of the larger; 1 texts or rows differ\n\
-             s/cells.csv, 7 50, mean: 1 committed, 2 now\n\
-             s/cells.csv, 8, mean: 1 committed, 2 now\n\
-             … and 1 more\n"
-        );
-    }
 }

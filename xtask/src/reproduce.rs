@@ -169,34 +169,3 @@ fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     }
     Ok(asked.to_vec())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_unknown_name_is_an_error_with_the_known_ones() {
-        let known = ["one".to_owned(), "two".to_owned()];
-        assert_eq!(chosen(&known, &known[1..]).unwrap(), ["two"]);
-        let error = chosen(&known, &["three".to_owned()])
-            .unwrap_err()
-            .to_string();
-        assert_eq!(
-            error,
-            "no study `three` in sim-configs/; known:\n  one\n  two"
-        );
-    }
-
-    #[test]
-    fn studies_are_the_configs_themselves() {
-        let directory = tempfile::tempdir().unwrap();
-        let shell = Shell::new().unwrap();
-        shell.change_dir(directory.path());
-        for file in ["b.toml", "a.toml", "notes.md", "sub/c.toml"] {
-            shell
-                .write_file(Path::new("sim-configs").join(file), "")
-                .unwrap();
-        }
-        assert_eq!(known_studies(&shell).unwrap(), ["a", "b"]);
-    }
-}

@@ -283,42 +283,4 @@ mod tests {
             [["a", "3", "old"], ["b", "9", "new"], ["c", "5", "old"]]
         );
     }
-
-    fn line(task: &str, time: f64) -> String {
-        format!(
-            "{{\"task\": \"{task}\", \"peer\": \"p\", \"version\": \"1\", \"time_us\": {time}, \"error\": 0.5}}\n"
-        )
-    }
-
-    #[test]
-    fn rounds_become_medians_per_task() {
-        let lines: String = [
-            ("b", 9.0),
-            ("a", 1.0),
-            ("b", 2.0),
-            ("a", 7.0),
-            ("b", 3.0),
-            ("a", 4.0),
-        ]
-        .map(|(task, time)| line(task, time))
-        .concat();
-        let medians = medians(Figure::read(&lines).unwrap());
-        let short: Vec<_> = medians
-            .iter()
-            .map(|one| (one.task.as_str(), one.time_us))
-            .collect();
-        assert_eq!(short, [("b", 3.0), ("a", 4.0)]);
-    }
-
-    #[test]
-    fn an_incomplete_figure_is_named() {
-        let error = Figure::read("{\"task\": \"a\"}").unwrap_err();
-        let text = format!("{error:#}");
-        assert!(
-            text.starts_with("not a figure: {\"task\": \"a\"}: missing field `peer`"),
-            "{text}"
-        );
-        // JSON has no infinity, so a peer that misses markers is an error.
-        assert!(Figure::read(&line("a", f64::INFINITY)).is_err());
-    }
 }
