@@ -5,7 +5,7 @@ use palpate_study::{Quantity, QuantityKind, Statistic};
 
 /// Note on the error bars of a figure.
 pub(crate) const BARS: &str =
-    "Bars, where longer than their marker: 95 % intervals by the number of trials.";
+    "Bars: 95 % intervals of the Monte Carlo error. Bars shorter than their marker are not drawn.";
 /// Half-width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
