@@ -43,7 +43,9 @@ fn figures_are_the_committed_ones() {
             count += drawn(&folder, press_figures(&Files::in_folder(&folder)).unwrap());
         }
     }
-    assert!(count > 60, "{count}");
+    let folder = results().join("tradeoff");
+    let fronts = tradeoff_figures(&Files::in_folder(&folder)).unwrap();
+    assert!(count + drawn(&folder, fronts) > 70);
 }
 
 #[test]
