@@ -11,6 +11,7 @@ use super::{plot, sample, schema, sweep, tree, validate};
 use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
 use crate::table::ColumnType;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
@@ -20,23 +21,23 @@ use toml::Value;
 /// Largest size of a config, MiB.
 const MAX_MIB: u64 = 16;
 
-/// A study: a valid config. Its cells are valid too, as far as [`Study::sample`] says.
+/// A study: a valid config. The cells in [`Study::sample`] are valid too.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// The config of the first cell, defaults filled in, with the sweeps and plots of the study: what `run.toml` holds.
+    /// The config of the first cell, defaults filled in, with the sweeps and plots of the study, as in `run.toml`.
     /// It makes the same cells again.
     pub config: StudyConfig,
     /// The swept fields, in the order of the config.
     pub paths: Vec<String>,
-    /// The columns of the swept fields: their paths with the unit appended where they have one.
+    /// The columns of the swept fields: their paths, with the unit appended if they have one.
     pub columns: Vec<String>,
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. Then limits of its field are all that the schema asks
-    /// of it, whatever the others are, and cells need not be validated again.
+    /// Whether every swept value is a number, a word or a truth value. Then each value can be validated alone, and cells
+    /// need not be validated again.
     has_plain_values: bool,
-    /// Whether palpate wrote the config, every swept field of which has its first value.
+    /// Whether palpate wrote the config. Then every swept field has its first value.
     is_resolved: bool,
 }
 
@@ -81,7 +82,7 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
     }
 }
 
-/// Reads a study from a text; `file` is the name that errors give.
+/// Reads a study from a text; `file` is its name in errors.
 ///
 /// ```
 /// use palpate_study::config::parse;
@@ -131,16 +132,16 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let grid = Grid::new(base, axes);
     let sample = sample::sample(&grid);
 
-    let mut first = None;
-    for &number in &sample {
-        let config = checked(&source, &grid, number)?;
-        first.get_or_insert(config);
-    }
-    let Some(first) = first else {
+    let Some((&number, others)) = sample.split_first() else {
         return Err(ConfigError::of_file(&source.file, "the study has no cell"));
     };
-    if sample.len() < grid.cells() {
+    let first = checked(&source, &grid, number)?;
+    let has_plain_values = grid.has_plain_values();
+    if has_plain_values || sample.len() < grid.cells() {
         check_values(&source, &grid)?;
+    }
+    for &number in others {
+        cell_config(&source, &grid, number, has_plain_values)?;
     }
     plot::check(&plots.0, &plots.1, &grid, &first.outputs).map_err(faulty)?;
     check_columns(&first).map_err(faulty)?;
@@ -163,7 +164,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
         config,
         paths,
         columns,
-        has_plain_values: grid.has_plain_values(),
+        has_plain_values,
         source,
         grid,
         sample,
@@ -202,7 +203,7 @@ fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
         .map_err(|error| Fault::new(error.message).under(error.key).under("columns"))
 }
 
-/// Refuses numbers of trials that a rule by which cells have had enough of them contradicts.
+/// Refuses numbers of trials that contradict the rule that ends them.
 fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     let number = |path: &str| tree::at(base, path).and_then(as_number);
     if base.get("stop").is_none() {
@@ -231,7 +232,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Holds every row of every axis against the limits of its fields, with the first rows of the other axes.
+/// Validates every row of every axis against the limits of its fields, with the first rows of the other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
@@ -258,7 +259,7 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Reads the plots alone of a study's config, whose other parts are not looked at; `file` is the name that errors give.
+/// Reads only the plots of a study's config; `file` is the name in errors.
 ///
 /// ```
 /// use palpate_study::config::{PlotKind, plots};
@@ -314,22 +315,34 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
 /// Validates a cell's tree, which has no sweeps and plots, and reads it.
 fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     validate::validate(&SCHEMA, tree)?;
-    read_cell(tree)
-}
-
-/// Reads a cell's tree that is valid by the schema.
-fn read_cell(tree: &Value) -> Result<StudyConfig, Fault> {
     let config: StudyConfig = deserialise(tree)?;
     let rules = config.scene.check();
     rules.map_err(|(path, message)| Fault::new(message).under(path))?;
     Ok(config)
 }
 
-/// Reads a validated tree. What serde refuses after all has a field but no place in the text.
+/// Config of a cell. If all swept values are plain and valid, only the rules that join several fields can be broken.
+fn cell_config(
+    source: &Source,
+    grid: &Grid,
+    number: usize,
+    has_plain_values: bool,
+) -> Result<StudyConfig, ConfigError> {
+    let plain = match has_plain_values.then(|| grid.tree(number)) {
+        Some((tree, None)) => StudyConfig::deserialize(tree).ok(),
+        _ => None,
+    };
+    let plain = plain.filter(|config| config.scene.check().is_ok());
+    plain.map_or_else(|| checked(source, grid, number), Ok)
+}
+
+/// Reads a validated tree. Paths of errors cost time, so they are only found after an error.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
-    serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
-        path: error.path().to_string(),
-        ..Fault::new(error.inner().to_string().trim_end())
+    T::deserialize(tree.clone()).or_else(|_| {
+        serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
+            path: error.path().to_string(),
+            ..Fault::new(error.inner().to_string().trim_end())
+        })
     })
 }
 
@@ -347,7 +360,7 @@ impl Study {
         &self.source.file
     }
 
-    /// Tree of the first cell, as far as its swept paths name something.
+    /// Tree of the first cell, without the swept paths that name no field.
     pub(super) fn first_tree(&self) -> Value {
         self.grid.tree(0).0
     }
@@ -367,14 +380,7 @@ impl Study {
             let message = format!("there is no cell {number}: the study has {count}");
             return Err(ConfigError::of_file(&self.source.file, message));
         }
-        let plain = match self.grid.tree(number) {
-            (tree, None) if self.has_plain_values => read_cell(&tree).ok(),
-            _ => None,
-        };
-        let mut config = match plain {
-            Some(config) => config,
-            None => checked(&self.source, &self.grid, number)?,
-        };
+        let mut config = cell_config(&self.source, &self.grid, number, self.has_plain_values)?;
         let is_swept = |key: &str| self.paths.iter().any(|path| path == key);
         if !is_swept("seed") {
             config.seed = self.config.seed;
@@ -388,7 +394,7 @@ impl Study {
         })
     }
 
-    /// Number of trials of a cell as the config has it, without the cell being made.
+    /// Number of trials of a cell in the config, without making the cell.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -439,14 +445,14 @@ impl Study {
         }
     }
 
-    /// Numbers of the cells that are known to be valid, ascending: all of a study of up to 10,000 cells. Of more there is a
-    /// sample, and else every swept value is known to be one that its field may have.
+    /// Numbers of the cells that were checked, ascending: all cells of a study of up to 10,000, otherwise a sample. Each
+    /// swept value was checked in some cell.
     pub fn sample(&self) -> &[usize] {
         &self.sample
     }
 
-    /// Numbers of some cells whose rows of each axis have what `filters` ask of swept fields (paths with the texts that are
-    /// allowed), where any has: rows of one axis, with the first of the others.
+    /// Numbers of some cells that pass `filters` (paths of swept fields with the allowed texts): rows of one axis with the
+    /// first rows of the others. A filter that no row of an axis passes is ignored.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();
@@ -485,13 +491,13 @@ impl Study {
         sum.saturating_mul(cells / axis.len() as u64)
     }
 
-    /// Cells in the order of their numbers, each made when it is asked for; one that is not valid is left out.
+    /// Cells in the order of their numbers, each made on demand; invalid cells are omitted.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
 
-    /// Fields that the config writes although it sweeps them, by their paths, with a note for each: the sweep stands in the
-    /// place of what is written. None of a config that palpate wrote.
+    /// Fields that the config writes although it sweeps them, by their paths, with a note for each: the sweep
+    /// replaces the written value. Empty for a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
         let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {
