@@ -46,15 +46,15 @@ subjects! {
         "roll": "A scene in which a round probe rolls a little on an object; the object's curvature follows from how far the contact moves (EP1).";
         "glide": "A scene in which fingers slide over a patch of an object; the curvature all over the patch follows from the places of contact (EP2).";
         "press": "A scene in which a soft ball with markers under its skin is pressed once onto an object; the object's curvature follows from how the markers move.";
-        "fingertip": "A scene without an object: a sensor with markers by itself, of which is measured how it looks (`marker_area`) and how its skin folds (`greatest_fold_strain`, `rms_fold_strain`), with nothing random.";
+        "fingertip": "A scene without an object: a sensor with markers by itself. Its quantities are the image area of a marker (`marker_area`) and the strain of folding the skin (`greatest_fold_strain`, `rms_fold_strain`). Nothing is random.";
         "trace": "One pass of a scene: what was true at each step (trace.csv) and what the sensor read (readings.csv).";
         "claim": "A statement of one of the reproduced papers that is scored from a study's tables: it holds, differs or cannot be tested.";
     }
     "Surfaces and contact" {
         "curvature": "Inverse of a radius: how fast a surface turns, positive where it is convex. All curvatures are in 1/length.";
-        "relative curvature": "Curvature of the sensor plus that of the object, 1/R_s + 1/R_o: what tells how two bodies roll or press on each other. For rolls it is a form with a value in each direction.";
+        "relative curvature": "Curvature of the sensor plus that of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls it is a form with a value in each direction.";
         "principal curvatures": "The least and the greatest normal curvature at a place, k_min and k_max, in directions at right angles to each other.";
-        "shape class": "One of eight shapes of a place, by the signs of Gaussian curvature K and mean curvature H, where what is smaller than a threshold counts as 0: peak, ridge, saddle-ridge, flat, minimal, pit, valley, saddle-valley.";
+        "shape class": "One of eight shapes of a place, by the signs of Gaussian curvature K and mean curvature H; magnitudes below a threshold count as 0: peak, ridge, saddle-ridge, flat, minimal, pit, valley, saddle-valley.";
         "peak": "Shape class of a place that is convex in all directions: K > 0, H > 0.";
         "ridge": "Shape class of a place that is convex across and straight along: K = 0, H > 0.";
         "saddle-ridge": "Shape class of a saddle that is rather convex: K < 0, H > 0.";
@@ -63,7 +63,7 @@ subjects! {
         "pit": "Shape class of a place that is concave in all directions: K > 0, H < 0.";
         "valley": "Shape class of a place that is concave across and straight along: K = 0, H < 0.";
         "saddle-valley": "Shape class of a saddle that is rather concave: K < 0, H < 0.";
-        "shape index": "A number for the shape of a place whatever its size: -1 is a cup, 0 a saddle, 1 a cap.";
+        "shape index": "A number for the shape of a place that does not depend on its size: -1 is a cup, 0 a saddle, 1 a cap.";
         "convex": "Of an object: it bulges towards the sensor; its curvature is positive. As a class by signs: both principal curvatures are positive.";
         "concave": "Of an object: it is hollow; its curvature is negative. As a class by signs: both principal curvatures are negative.";
         "saddle": "Class by signs of a place that is convex one way and concave the other, or flat in some direction.";
@@ -76,10 +76,10 @@ subjects! {
         "half-space": "Soft body that is deep compared with the contact; its displacements under load have a closed form.";
         "bonded-layer": "Soft layer that sticks to a rigid core; its contact is solved as an integral equation.";
         "hertz": "The oldest model of elastic contact: displacements at the surface of a half-space.";
-        "gaussian": "Estimator of the 2020 paper: a bell curve is fitted to the normal displacements, and its width tells the effective radius.";
+        "gaussian": "Estimator of the 2020 paper: a bell curve is fitted to the normal displacements, and its width gives the effective radius.";
     }
     "Sensors and noise" {
-        "pad": "Element of a tactile array: the contact is known to be on it, no better. A roll whose contact stays on one pad tells only a bound on the radius.";
+        "pad": "Element of a tactile array. It reports a contact anywhere on it as its centre. A roll whose contact stays on one pad gives only a bound on the radius.";
         "pitch": "Distance between neighbouring pads or markers, length.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers, and the unit in which the 1996 paper counts the noise of positions (`fraction_of_ifd`, `axis_fractions`).";
         "marker": "Coloured disc under the skin of a camera sensor, or a pair of discs at two depths; presses move it.";
@@ -105,12 +105,12 @@ subjects! {
         "two-pass": "Estimator of glides, the 1996 paper's: two smoothing splines, one over the fingers' paths and one across. It counts lengths in inter-finger distances (IFD).";
         "std": "Standard deviation that the estimator reports of its own value, from the noise that is stated or from the residuals.";
         "interval95": "Interval that holds the true value in 95 of 100 cases, if the model is right; an end that is null is no bound.";
-        "verdict": "Shape of a pressed object as far as the interval of its curvature tells: convex, concave, flat-within-noise or not-resolved.";
+        "verdict": "Shape of a pressed object, by the interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature holds 0 and is narrower than the sensor's own curvature.";
-        "not-resolved": "Verdict of a press: the interval of the object's curvature holds 0 and is at least as wide as the sensor's own curvature, so that the press tells next to nothing.";
+        "not-resolved": "Verdict of a press: the interval of the object's curvature holds 0 and is at least as wide as the sensor's own curvature, so the press determines almost nothing.";
         "amplification": "Factor by which a relative error of the readings grows to one of the curvature, 1 + R_object/R_probe: the flatter the object, the larger.";
         "baseline": "Displacement that all markers have in common beside that of the press, length; fitted where it is asked for.";
-        "gain": "Factor on all inward displacements, 1 where they are read as they are; fitted where it is asked for. No reading tells it from another curvature and indentation.";
+        "gain": "Factor on all inward displacements, 1 if they are read without a scale error; fitted on request. Readings cannot separate it from a change of curvature and indentation.";
         "contact_seen": "Whether the readings show a contact of themselves. Where they do not, but an indentation is stated, the interval has the curvatures of all contacts that would hide in the noise.";
         "radius below": "Status of rolls whose contact stayed on one pad in some direction: the object's radius there is below a bound, and no more is known of it.";
         "wrong markers": "Markers that contradict the others so much that the fit leaves them out.";
@@ -120,7 +120,7 @@ subjects! {
         "smoothing": "Status of two-pass: the smoothing sum is met within its tolerance.";
         "knots-exhausted": "Status of two-pass: the smoothing sum is too small to be met with the knots that there can be; curvatures are of no use. A larger --smoothing helps.";
         "unsettled": "Status of two-pass: the parameter that balances residuals against roughness was not found; curvatures are of no use. Another --smoothing helps.";
-        "never-enough": "Of two objects: no number of trials tells them apart, since a trial is as likely to put them in the wrong order.";
+        "never-enough": "Of two objects: no number of trials distinguishes them, because each trial is as likely to put them in the wrong order.";
     }
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";
@@ -161,7 +161,7 @@ subjects! {
         "lone-marker": "One marker alone shows the contact.";
         "unseen-contact": "Only the stated indentation indicates a contact; the displacements do not show one.";
         "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so that strains are not small.";
-        "gaussian-body": "A Gaussian is no elastic body: its intervals cover only the noise.";
+        "gaussian-body": "The fitted Gaussian is not an elastic contact model, so its intervals cover the noise but not the error of the model.";
         "scatter-at-rest": "The markers in the frame at rest scatter more than the tracker states. The intervals are widened accordingly.";
         "missing-markers": "Markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
@@ -191,10 +191,10 @@ subjects! {
         "bad-normal": "A normal has no length, and so no direction.";
         "missing-normal": "Some contacts have a normal and others none.";
         "coincident": "All contacts lie on one point.";
-        "collinear": "All contacts lie on one line, so that nothing tells the shape across it. A second finger, or a pass beside the first, helps.";
+        "collinear": "All contacts lie on one line, so the shape across it is undetermined. A second finger, or a pass beside the first, helps.";
         "folded": "The patch is no graph over its mean plane: some normal points away by 90 degrees or more. A smaller patch helps, or normals that all point outward.";
         "no-plane": "The contacts spread as far in all directions as those of a closed shape, which has no mean plane.";
-        "tip-too-large": "The centre of a round tip turns more sharply than a tip of that radius can on any object: --tip-radius is too large, or the readings tell the contact rather than the tip.";
+        "tip-too-large": "The centre of a round tip turns more sharply than a tip of that radius can on any object: --tip-radius is too large, or the readings are places of contact, not of the tip.";
         "no-side": "The outward direction lies in the patch's plane, and does not say which side is outside: --outward X,Y,Z.";
         "undetermined": "The readings do not determine all unknowns: some change of them changes no reading.";
     }
@@ -218,7 +218,7 @@ subjects! {
         "too-many-markers": "More markers than can be worked with.";
         "discs-overlap": "Discs of two markers cover each other as seen from the centre.";
         "wrong-count": "The number of motions is not that of the markers.";
-        "impossible-motion": "A disc would move as far as the camera, or by no number.";
+        "impossible-motion": "A disc would move to the camera, or by a number that is not finite.";
         "out-of-field": "What is measured lies outside of the camera's image.";
         "empty-image": "The frame has no pixels.";
         "too-small": "The frame, or what its mask leaves, is too small to hold a marker.";
@@ -235,7 +235,7 @@ subjects! {
         "out-of-range": "The numbers leave the range of double precision: lengths too far apart, or in a strange unit.";
         "bad-setting": "A setting is out of its range; the message names it, its value and what it must be.";
         "negative-std": "An estimator reported a negative standard deviation; this is a defect of palpate.";
-        "unknown-quantity": "A trial told a quantity that its scene does not have; this is a defect of palpate.";
+        "unknown-quantity": "A trial returned a quantity that its scene does not have; this is a defect of palpate.";
         "usage": "Kind of an error: bad arguments or a bad config; status 2.";
         "work": "Kind of an error: the work failed, or the readings are bad; status 1.";
         "stopped": "Kind of an error: a signal stopped the work; status 130 or 143. The same command goes on where it stopped.";

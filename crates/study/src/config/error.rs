@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 /// Bytes of the config's text.
 pub(super) type Span = Range<usize>;
 
-/// A config that cannot be used: what is wrong, in which field, and where it stands.
+/// Error of a config: the problem, the field and its place in the text.
 ///
 /// ```text
 /// study.toml:9:40: scene.object.radius: must be > 0, is -5
@@ -160,7 +160,7 @@ impl Source {
         }
     }
 
-    /// Text that was made from the config in a file, and of which errors name no line.
+    /// Text made from the config in a file. Errors do not name its lines.
     pub(super) fn made(file: &str, text: &str) -> Self {
         Self {
             is_written: false,

@@ -163,7 +163,7 @@ impl Grid {
 }
 
 /// Adds the missing tables and lists that contain a swept field: with their defaults, or else empty, of the only kind that
-/// has the field. The error says what is in the way.
+/// has the field. The error names the value that prevents it.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

@@ -1,20 +1,20 @@
-//! Cells that stand for all of a study that has many.
+//! Sample of the cells of a large study.
 
 use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// Most cells of a study of which every one is checked.
+/// Maximum number of cells of a study whose cells are all checked.
 const MOST_WHOLE: usize = 10_000;
-/// Most rows of an axis of which each is in the sample.
+/// Maximum number of rows of an axis whose rows are all in the sample.
 const MOST_ROWS: usize = 1000;
 /// Cells of a sample that are spread evenly over all.
 const SPREAD: usize = 2000;
 
-/// Numbers of the cells that are checked whole, ascending; the same for the same axes. These are all cells where there are
-/// few. Else each row of an axis (of a long axis [`MOST_ROWS`], spread evenly, and its extremes) with the first rows of the
-/// others and with other rows of them; the extremes of each two axes together, with the first rows of the others; the last
-/// cell; and cells spread evenly.
+/// Numbers of the cells that are checked, ascending; the same for the same axes. A small study is checked completely.
+/// The sample of a large study has: each row of an axis (of a long axis [`MOST_ROWS`], spread evenly, and its extremes)
+/// with the first rows of the others, and with other rows; the extremes of each two axes, with the first rows of the others;
+/// the last cell; and cells spread evenly.
 pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     let cells = grid.cells();
     if cells <= MOST_WHOLE {
@@ -71,8 +71,8 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Rows of an axis by which it is sampled, among some of its rows and ascending: all of a few; of many some spread evenly, the first and
-/// the last, and the extremes of the axis as far as they are among them.
+/// Sample of the given rows of an axis, ascending. All rows if they are few; otherwise rows spread evenly, the first and the
+/// last, and those extremes of the axis that are among the given rows.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {

@@ -1,4 +1,4 @@
-//! The walk of a tree against a JSON Schema: the config's strictness, and all its messages on keys, types and limits.
+//! Validation of a tree against a JSON Schema, with all messages about keys, types and limits.
 
 use super::error::Fault;
 use super::setting_list::Range;
@@ -6,10 +6,10 @@ use super::tree::{as_number, child, describe, nearest, suggest, text};
 use serde_json::Value as Json;
 use toml::Value;
 
-/// The pattern of a name that is fit for a file.
+/// The pattern of a name that may be a file name.
 pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
-/// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` told apart by `kind`),
+/// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` with a `kind` each),
 /// choices of words, choices of either, objects, arrays, numbers and strings; no references. The first fault in the order of the text is reported.
 pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     if let Some(variants) = schema["oneOf"].as_array() {
@@ -65,7 +65,7 @@ pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
-/// Fields that cannot stand beside a field of the schema of its table, because they state the same in another way.
+/// Fields of the same table that exclude this one, because they state the same in another way.
 pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     let names = field["x-instead-of"].as_array();
     names.into_iter().flatten().filter_map(Json::as_str)
@@ -198,7 +198,7 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// Earlier key of a table that states in another way what a key does.
+/// Earlier key of a table that states the same as a key in another way.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))
@@ -251,7 +251,7 @@ fn string(schema: &Json, node: &Value) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a text matches [`NAME`] and is fit for a file's name.
+/// Whether a text matches [`NAME`] and is short enough for a file name.
 fn is_kebab_case(text: &str) -> bool {
     text.len() <= 100
         && text.split('-').all(|part| {

@@ -1,4 +1,4 @@
-//! Fields that take other values than a study's config says: those of `--vary` and `--set`.
+//! Fields whose values replace those of the config: `--vary` and `--set`.
 
 use super::config_output::to_toml;
 use super::error::{ConfigError, Source};
@@ -10,7 +10,7 @@ use super::sweep::SweepConfig;
 use super::validate;
 use std::str::FromStr;
 
-/// A field, by the path that a sweep has, and the values that it is to take: `scene.sensor.pitch=0.05..2` or
+/// A field, by its path as in a sweep, and its values: `scene.sensor.pitch=0.05..2` or
 /// `scene.sensor.normal_from=hue,both`.
 ///
 /// ```
@@ -122,7 +122,7 @@ fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
     }
 }
 
-/// Values as TOML writes them between brackets; where that is no TOML, words without quotation marks.
+/// Values as in a TOML list without brackets. If that is no TOML, words without quotation marks.
 fn listed(values: &str) -> Option<Vec<toml::Value>> {
     let parsed = |text: &str| -> Option<Vec<toml::Value>> {
         let list: toml::Value = format!("[{text}]").parse().ok()?;
@@ -140,10 +140,10 @@ fn listed(values: &str) -> Option<Vec<toml::Value>> {
 }
 
 impl Study {
-    /// The study with these fields as its fastest axes, each with its values, in place of what the config and its sweeps say
-    /// of them, and of those that state the same in another way; without plots, claims and other outputs than the table of cells.
+    /// The study with these fields as its fastest axes, each with its values. They replace the same fields of the config and its
+    /// sweeps, and their alternatives. The study has no plots and claims, and its only output is the table of cells.
     ///
-    /// Errors name the config's file and the field, and no line: the text that is wrong was not written.
+    /// Errors name the config's file and the field, but no line, because the values are not in the file.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -204,7 +204,7 @@ impl Study {
         read(Source::made(self.file(), &to_toml(&config)))
     }
 
-    /// Kinds of values that a field of the first cell takes; `None` where there is no such field.
+    /// Kinds of values that a field of the first cell takes; `None` if there is no such field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
         let keys: Vec<&str> = path.split('.').collect();
         let in_any_kind = || fields_at(&SCHEMA, &keys).into_iter().next();
