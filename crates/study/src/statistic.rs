@@ -153,16 +153,7 @@ impl Statistic {
 
     /// Whether it is a share or a count, which has no unit.
     pub const fn is_number(self) -> bool {
-        matches!(
-            self,
-            Self::Trials
-                | Self::Failures
-                | Self::RelativeRmsError
-                | Self::RelativeMeanAbsError
-                | Self::Coverage50
-                | Self::Coverage80
-                | Self::Coverage95
-        )
+        self.is_relative() || self.is_coverage() || matches!(self, Self::Trials | Self::Failures)
     }
 
     /// Whether it is a share of intervals that contain the true value.
@@ -176,27 +167,17 @@ impl Statistic {
     }
 
     /// Short name, for a legend that already names the quantity.
-    pub const fn short(self) -> &'static str {
+    pub fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",
-            Self::Trials => "trials",
             Self::Failures => "failures",
-            Self::Mean => "mean estimate",
-            Self::Std => "standard deviation",
-            Self::Bias => "bias",
-            Self::RmsError => "rms error",
             Self::RmsErrorStd => "std of the rms error",
-            Self::MeanAbsError => "mean |error|",
-            Self::RelativeRmsError => "rms relative error",
-            Self::RelativeMeanAbsError => "mean |relative error|",
-            Self::Q05 => "q05",
-            Self::Q50 => "median estimate",
-            Self::Q95 => "q95",
-            Self::MeanReportedStd => "mean reported std",
+            Self::Q05 | Self::Q95 => self.name(),
             Self::Coverage50 => "coverage of 50 % intervals",
             Self::Coverage80 => "coverage of 80 % intervals",
             Self::Coverage95 => "coverage of 95 % intervals",
             Self::StdBound => "Cramér–Rao bound",
+            _ => self.words().trim_end_matches(" of {}"),
         }
     }
 
