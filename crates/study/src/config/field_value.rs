@@ -1,35 +1,14 @@
-//! Values of `--set` and `--vary` as the config has them: in the unit of their field, and tables with a label.
+//! Conversion of the values of `--set` and `--vary`: numbers to the unit of their field, and tables to tables with a label.
 
 use super::error::ConfigError;
 use super::load::Study;
 use super::schema::{SCHEMA, unit_of};
 use super::study::LengthUnit;
 use super::sweep::rounded;
+use super::tree::as_number;
 use super::vary::{Takes, Varied, Vary};
+use crate::readings::Measure;
 use toml::Value as Toml;
-
-/// Units of numbers whose key ends with a unit, with the factor to that unit.
-const UNITS_BY_KEY: [(&str, &[(&str, f64)]); 5] = [
-    ("_rad_per_s", &[("rad/s", 1.0), ("deg/s", DEG)]),
-    (
-        "_rad",
-        &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEG), ("°", DEG)],
-    ),
-    (
-        "_deg",
-        &[
-            ("deg", 1.0),
-            ("°", 1.0),
-            ("rad", 1.0 / DEG),
-            ("mrad", 1e-3 / DEG),
-        ],
-    ),
-    ("_s", &[("s", 1.0), ("ms", 1e-3), ("min", 60.0)]),
-    ("_px", &[("px", 1.0)]),
-];
-
-/// A degree in radians.
-const DEG: f64 = std::f64::consts::PI / 180.0;
 
 /// Number and unit that a text such as `8mm` states; `None` if the text does not begin with a finite number.
 pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
@@ -45,40 +24,57 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Units that a field may be given in, with the factors to its own unit.
-fn units_of(path: &str, length: LengthUnit) -> Vec<(String, f64)> {
-    let keys: Vec<&str> = path.split('.').collect();
-    let power = match unit_of(&SCHEMA, &keys) {
-        Some("length") => 1,
-        Some("1/length") => -1,
-        Some("1/length^2") => -2,
-        _ => 0,
-    };
-    if power != 0 {
-        let units = LengthUnit::ALL
-            .into_iter()
-            .filter(|unit| *unit != LengthUnit::Unit);
-        return units
-            .filter_map(|unit| {
-                let name = match power {
-                    1 => unit.as_str().to_owned(),
-                    -1 => format!("/{}", unit.as_str()),
-                    _ => format!("/{}^2", unit.as_str()),
-                };
-                Some((name, unit.to(length)?.powi(power)))
-            })
-            .collect();
+/// Unit of a field: a unit of its measure with a text before and after it.
+struct FieldUnit {
+    measure: Measure,
+    around: [&'static str; 2],
+    power: i32,
+    /// Factor from the base unit of the measure to the unit of the field.
+    factor: f64,
+}
+
+impl FieldUnit {
+    /// Unit of the field at a path; `None` for a pure number.
+    fn of(path: &str) -> Option<Self> {
+        let keys: Vec<&str> = path.split('.').collect();
+        // The index of an item is no key.
+        let key = keys
+            .iter()
+            .rev()
+            .find(|key| key.parse::<usize>().is_err())?;
+        let (measure, around, power, factor) = match unit_of(&SCHEMA, &keys) {
+            Some("length") => (Measure::Length, ["", ""], 1, 1.0),
+            Some("1/length") => (Measure::Length, ["/", ""], -1, 1.0),
+            Some("1/length^2") => (Measure::Length, ["/", "^2"], -2, 1.0),
+            _ if key.ends_with("_rad_per_s") => (Measure::Angle, ["", "/s"], 1, 1.0),
+            _ if key.ends_with("_rad") => (Measure::Angle, ["", ""], 1, 1.0),
+            _ if key.ends_with("_deg") => (Measure::Angle, ["", ""], 1, 1_f64.to_degrees()),
+            _ if key.ends_with("_s") => (Measure::Time, ["", ""], 1, 1.0),
+            _ if key.ends_with("_px") => (Measure::Pixel, ["", ""], 1, 1.0),
+            _ => return None,
+        };
+        Some(Self {
+            measure,
+            around,
+            power,
+            factor,
+        })
     }
-    // The index of an item is no key.
-    let key = keys.iter().rev().find(|key| key.parse::<usize>().is_err());
-    let by_key = UNITS_BY_KEY
-        .iter()
-        .find(|(end, _)| key.is_some_and(|key| key.ends_with(end)));
-    let units = by_key.map_or(&[("%", 0.01)][..], |(_, units)| units);
-    units
-        .iter()
-        .map(|(name, factor)| ((*name).to_owned(), *factor))
-        .collect()
+
+    /// Factor from a unit to that of the field, whose lengths are in `length`.
+    fn factor_from(&self, unit: &str, length: LengthUnit) -> Option<f64> {
+        let [before, after] = self.around;
+        let unit = unit.strip_prefix(before)?.strip_suffix(after)?;
+        Some(self.measure.unit(unit)?.to(length)?.powi(self.power) * self.factor)
+    }
+
+    /// Units that the field may be given in, for messages.
+    fn names(&self) -> String {
+        let [before, after] = self.around;
+        let separator = format!("{after}, {before}");
+        let names = self.measure.units().replace(", ", &separator);
+        format!("{before}{names}{after}")
+    }
 }
 
 impl Study {
@@ -196,18 +192,24 @@ impl Study {
         let number = match unit {
             "" => number,
             unit => {
-                // `µm` may be written as `um`, and `1/mm` as `/mm`.
-                let plain = unit.replace(['µ', 'μ'], "u").replace("1/", "/");
-                let units = units_of(path, self.config.length_unit);
-                let factor = units.iter().find(|(name, _)| *name == plain);
-                let Some((_, factor)) = factor else {
-                    let message = match units.as_slice() {
-                        [] => "the config states no `length_unit`; leave the unit out".to_owned(),
-                        units => {
-                            let names: Vec<&str> =
-                                units.iter().map(|(name, _)| name.as_str()).collect();
-                            format!("its unit may be {}", names.join(", "))
+                let length = self.config.length_unit;
+                let of_field = FieldUnit::of(path);
+                // `1/mm` may be written as `/mm`.
+                let plain = unit.replace("1/", "/");
+                let factor = match &of_field {
+                    Some(of_field) => of_field.factor_from(&plain, length),
+                    None => (plain == "%").then_some(0.01),
+                };
+                let Some(factor) = factor else {
+                    let message = match of_field {
+                        Some(of_field)
+                            if of_field.measure == Measure::Length
+                                && length == LengthUnit::Unit =>
+                        {
+                            "the config states no `length_unit`; leave the unit out".to_owned()
                         }
+                        Some(of_field) => format!("its unit may be {}", of_field.names()),
+                        None => "its unit may be %".to_owned(),
                     };
                     return Err(format!("{text:?} has the unit {unit:?}; {message}"));
                 };
@@ -218,14 +220,6 @@ impl Study {
             true => Toml::Integer(number as i64),
             false => Toml::Float(number),
         })
-    }
-}
-
-fn as_number(value: &Toml) -> Option<f64> {
-    match value {
-        Toml::Integer(number) => Some(*number as f64),
-        Toml::Float(number) => Some(*number),
-        _ => None,
     }
 }
 

@@ -76,8 +76,10 @@ object_contact=["1mm", "2mm"] | scene.object_contact [0.1, 0.2]
 object.kind=plane | scene.object.kind "plane"
 object.formula="2x" | scene.object.formula "2x"
 object.radius=two | scene.object.radius "two"
-object.radius=2s | study.toml: scene.object.radius: "2s" has the unit "s"; its unit may be m, cm, mm, um
-duration_s=2mm | study.toml: scene.motion.duration_s: "2mm" has the unit "mm"; its unit may be s, ms, min
+object.radius=2s | study.toml: scene.object.radius: "2s" has the unit "s"; its unit may be m, cm, mm, um, nm, in
+duration_s=2mm | study.toml: scene.motion.duration_s: "2mm" has the unit "mm"; its unit may be s, ms, us, ns, min
+object.c=2s | study.toml: scene.object.c: "2s" has the unit "s"; its unit may be /m, /cm, /mm, /um, /nm, /in
+object.radius=1in | scene.object.radius 2.54
 object.radius=2cm..1mm | study.toml: scene.object.radius: the range 2cm..1mm runs downwards; write 1mm..2cm
 "#,
     );
@@ -108,18 +110,18 @@ fn tables_that_the_config_leaves_out_are_made() {
     let noise = |arguments: &[&str]| -> Result<String, String> {
         let study = with(&study, arguments)?;
         match study.cell(0).unwrap().config.scene {
-            SceneConfig::Roll(roll) => Ok(serde_json::to_string(&roll.noise).unwrap()),
+            SceneConfig::Roll(roll) => Ok(toml::Value::try_from(&roll.noise).unwrap().to_string()),
             other => panic!("{other:?}"),
         }
     };
     for (arguments, expected) in [
         (
             &["noise.rotation.std_deg=0.1"][..],
-            r#"{"rotation":{"kind":"gaussian","std_deg":0.1}}"#,
+            r#"{ rotation = { kind = "gaussian", std_deg = 0.1 } }"#,
         ),
         (
             &["encoder.step_deg=0.1", "rotation.std_rad=0.1"],
-            r#"{"rotation":{"kind":"gaussian","std_rad":0.1},"encoder":{"step_deg":0.1}}"#,
+            r#"{ rotation = { kind = "gaussian", std_rad = 0.1 }, encoder = { step_deg = 0.1 } }"#,
         ),
         (
             // The kind may follow the fields that it has.
@@ -127,7 +129,7 @@ fn tables_that_the_config_leaves_out_are_made() {
                 "angular_velocity.fraction=0.1",
                 "angular_velocity.kind=uniform",
             ],
-            r#"{"angular_velocity":{"kind":"uniform","fraction":0.1,"when":"per-probe","side":"motion","instants":100}}"#,
+            r#"{ angular_velocity = { kind = "uniform", fraction = 0.1, when = "per-probe", side = "motion", instants = 100 } }"#,
         ),
     ] {
         assert_eq!(noise(arguments).unwrap(), expected);
