@@ -5,7 +5,7 @@ use palpate_ep2::{
     TangentNormals, TwoPass,
 };
 
-use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
+use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf, StatedNoise};
 
 /// One of the EP2 methods, with its settings.
 #[derive(Clone, Debug)]
@@ -40,9 +40,9 @@ impl GlideFit {
     /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
     /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
-        let noise = |position_std, normal_std_deg: Option<f64>| Noise {
-            position_std,
-            normal_std_rad: normal_std_deg.map(f64::to_radians),
+        let noise = |noise: StatedNoise| Noise {
+            position_std: noise.position_std,
+            normal_std_rad: noise.normal_std_deg.map(f64::to_radians),
         };
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),
@@ -53,9 +53,7 @@ impl GlideFit {
                 intervals,
                 criterion,
                 gamma,
-                position_std,
-                position_fraction_of_ifd: _,
-                normal_std_deg,
+                noise: stated,
             } => Self::Penalised(Penalised {
                 intervals: intervals.map(|intervals| intervals as usize),
                 criterion: match criterion {
@@ -63,7 +61,7 @@ impl GlideFit {
                     CriterionName::Gcv => Criterion::Gcv,
                     CriterionName::Reml => Criterion::Reml,
                 },
-                noise: noise(position_std, normal_std_deg),
+                noise: noise(stated),
             }),
             GlideEstimatorConfig::TwoPass {
                 first_degree,
@@ -93,12 +91,8 @@ impl GlideFit {
                 },
                 ..TwoPass::default()
             }),
-            GlideEstimatorConfig::Quadric {
-                position_std,
-                position_fraction_of_ifd: _,
-                normal_std_deg,
-            } => Self::Quadric(Quadric {
-                noise: noise(position_std, normal_std_deg),
+            GlideEstimatorConfig::Quadric(stated) => Self::Quadric(Quadric {
+                noise: noise(stated),
             }),
         }
     }

@@ -149,13 +149,13 @@ fn layout_of(config: &LayoutConfig) -> Layout {
             pitch: *pitch,
             cap_deg: *cap_deg,
         },
-        LayoutConfig::Table(LayoutTable::Line { markers, length }) => Layout::Line {
-            markers: *markers,
-            length: *length,
+        LayoutConfig::Table(LayoutTable::Line(row)) => Layout::Line {
+            markers: row.markers,
+            length: row.length,
         },
-        LayoutConfig::Table(LayoutTable::Radius { markers, length }) => Layout::Radius {
-            markers: *markers,
-            length: *length,
+        LayoutConfig::Table(LayoutTable::Radius(row)) => Layout::Radius {
+            markers: row.markers,
+            length: row.length,
         },
     }
 }

@@ -13,7 +13,7 @@ use palpate_geometry::formula::Formula;
 use palpate_recorded::{
     CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
 };
-use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig};
+use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig, StatedNoise};
 use palpate_tracking::Finder;
 
 /// A reader under test.
@@ -120,11 +120,7 @@ pub fn readings(bytes: &[u8]) -> Outcome {
     });
     let glide = finite(palpate_recorded::parse_glide(file())).map(|readings| {
         let options = GlideOptions {
-            estimator: GlideEstimatorConfig::Quadric {
-                position_std: None,
-                position_fraction_of_ifd: None,
-                normal_std_deg: None,
-            },
+            estimator: GlideEstimatorConfig::Quadric(StatedNoise::default()),
             grid: 3,
             ..GlideOptions::default()
         };
@@ -140,11 +136,8 @@ pub fn readings(bytes: &[u8]) -> Outcome {
             tangential_std: Some(0.02),
             ..PressOptions::new(20.0)
         };
-        if let PressEstimatorConfig::HalfSpace {
-            indentation_std, ..
-        } = &mut options.estimator
-        {
-            *indentation_std = 0.02;
+        if let PressEstimatorConfig::HalfSpace { prior, .. } = &mut options.estimator {
+            prior.indentation_std = 0.02;
         }
         if is_short {
             let _ = finite(palpate_recorded::estimate_press(&readings, &options));

@@ -3,9 +3,7 @@
 use std::fmt::{Display, Write};
 
 use palpate_scene::map_table_of;
-use palpate_study::config::{
-    LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study, StudyConfig, to_toml,
-};
+use palpate_study::config::{LengthUnit, SceneConfig, Study, StudyConfig, to_toml};
 use palpate_study::number::Shortest;
 use palpate_study::{Column, Quantity, Statistic, Table, push_row};
 
@@ -57,18 +55,14 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
 
 /// Swept fields with a column of their own. A swept number of trials is in the column of the statistic `trials`.
 fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
-    (0..study.paths.len()).filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
+    (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }
 
 /// Columns of `cells.csv`.
 pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
     let statistic = |name| match name {
         Statistic::Trials | Statistic::Failures => Column::count(name.name()),
-        Statistic::RelativeRmsError
-        | Statistic::RelativeMeanAbsError
-        | Statistic::Coverage50
-        | Statistic::Coverage80
-        | Statistic::Coverage95 => Column::number(name.name(), "1"),
+        share if share.is_number() => Column::number(share.name(), "1"),
         other => in_unit_of_row(other.name()),
     };
     [Column::count("cell")]
@@ -76,7 +70,7 @@ pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
         .chain(swept(study).map(|place| swept_column(study, place)))
         .chain(["quantity", "unit"].map(Column::text))
         .chain(Statistic::ALL.map(statistic))
-        .chain(states_bounds.then(|| in_unit_of_row(STD_BOUND)))
+        .chain(states_bounds.then(|| in_unit_of_row(Statistic::StdBound.name())))
         .collect()
 }
 
@@ -157,7 +151,7 @@ fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn F
     }
 }
 
-/// The statistics of a quantity, in the order of [`STATISTICS`].
+/// The statistics of a quantity, in the order of [`Statistic::ALL`].
 fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);

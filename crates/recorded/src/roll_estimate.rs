@@ -157,7 +157,7 @@ pub fn estimate_roll(
         fail(explained(message, error.name()))
     };
 
-    let RollEstimatorConfig::LeastSquares {} = options.estimator;
+    let RollEstimatorConfig::LeastSquares = options.estimator;
     let stated = options.noise;
     let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
     let (mut fitted, mut estimate) = fit(stated)?;

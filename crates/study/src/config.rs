@@ -5,7 +5,8 @@
 //! 1. `tree`: the text is parsed to a tree of values. Errors name paths in it; `error` finds their place in the text.
 //! 2. `sweep`, `grid`: the `[[sweep]]` axes are multiplied. A cell is the tree with one combination of values.
 //! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines keys,
-//!    types, kinds and limits. In a study of many cells, only the cells of a `sample` and every swept value are validated.
+//!    types, kinds and limits. If all swept values are plain, the first cell and then each value are validated. In a study of
+//!    many cells, only the cells of a `sample` are read.
 //! 4. serde converts the tree to a [`StudyConfig`], and the few rules that concern several fields are checked.
 //!
 //! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.
@@ -22,6 +23,7 @@ mod glide_estimator;
 mod grid;
 mod load;
 mod marker_sensor;
+mod number_default;
 mod object;
 mod plot;
 mod press;
@@ -40,39 +42,18 @@ pub use config_builder::{of_json, with_axes, with_fields};
 pub use config_output::to_toml;
 pub use error::{ConfigError, FieldError};
 pub use field::field;
-pub use glide::{
-    EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
-    GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, PositionNoise, Reports,
-};
-pub use glide_estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
+pub use glide::*;
+pub use glide_estimator::*;
 pub use load::{Cell, Study, load, parse, plots};
-pub use marker_sensor::{
-    BareFingertipConfig, CalibrationConfig, CameraConfig, DiscsConfig, LayoutConfig, LayoutTable,
-    LensConfig, LensName, NamedLayout, NormalFrom, PressProbeConfig, PressSensorConfig,
-    ShownMarkers, ViewConfig,
-};
+pub use marker_sensor::*;
 pub use object::ObjectConfig;
-pub use plot::{
-    Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
-};
-pub use press::{
-    CentroidNoise, GainNoise, HueNoise, LengthNoise, LostMarkers, PixelNoise, PressConfig,
-    PressModelConfig, PressMotionConfig, PressNoiseConfig, PressObjectConfig, SensorNoise,
-    SizeNoise, WrongMarkers,
-};
-pub use press_estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
-pub use roll::{
-    AngularVelocityNoise, Chart, EncoderConfig, PadLayout, PadOffset, ProbeConfig, RollAxis,
-    RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig,
-    RollSensorConfig, Side, When,
-};
+pub use plot::*;
+pub use press::*;
+pub use press_estimator::*;
+pub use roll::*;
 pub use schema::schema;
-pub use setting_list::{
-    Accepts, Range, Setting, SettingError, in_unit, rename_settings, setting, settings,
-    split_settings, with_settings,
-};
-pub use study::{
-    LengthUnit, ModelConfig, Output, SceneConfig, StopConfig, StopStatistic, StudyConfig,
-};
+pub use setting_list::*;
+pub use study::*;
 pub use sweep::{RangeConfig, Sample, Spacing, SweepConfig};
+pub(crate) use tree::suggest;
 pub use vary::{Takes, Varied, Vary, VaryError};

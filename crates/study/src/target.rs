@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use crate::config::suggest;
 use crate::number;
 use crate::quantity::{Quantity, QuantityKind};
 use crate::statistic::Statistic;
@@ -22,7 +23,7 @@ use crate::statistic::Statistic;
 /// assert_eq!((target.quantity, target.limit), (Some(Quantity::MEAN_CURVATURE), 0.05));
 /// assert_eq!(target.to_string(), "relative_rms_error(mean_curvature) <= 0.05");
 /// let error = "rms(mean_curvature) <= 0.05".parse::<Target>().expect_err("no such statistic");
-/// assert!(error.to_string().starts_with("there is no statistic \"rms\"; did you mean rms_error?"));
+/// assert!(error.to_string().starts_with("there is no statistic \"rms\"; did you mean `rms_error`?"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +56,7 @@ pub enum TargetError {
     )]
     Malformed(String),
     /// No statistic has this name.
-    #[error("there is no statistic {name:?}; {}", meant(name, known))]
+    #[error("there is no statistic {name:?}; {}", suggest(name, known.iter().copied()))]
     NoStatistic {
         /// The name.
         name: String,
@@ -66,7 +67,7 @@ pub enum TargetError {
     #[error("{0} is no target: {1}")]
     NoTarget(&'static str, &'static str),
     /// No quantity has this name.
-    #[error("there is no quantity {name:?}; {}", meant(name, known))]
+    #[error("there is no quantity {name:?}; {}", suggest(name, known.iter().copied()))]
     NoQuantity {
         /// The name.
         name: String,
@@ -106,18 +107,6 @@ pub enum TargetError {
         /// The limit.
         limit: f64,
     },
-}
-
-/// Suggests the known name that is most similar to `name`, if one is similar, and lists all known names.
-fn meant(name: &str, known: &[&str]) -> String {
-    let likeness = |known: &str| strsim::jaro_winkler(name, known);
-    let nearest = known
-        .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-    match nearest.filter(|nearest| likeness(nearest) >= 0.8) {
-        Some(nearest) => format!("did you mean {nearest}? (known: {})", known.join(", ")),
-        None => format!("known: {}", known.join(", ")),
-    }
 }
 
 impl FromStr for Target {
@@ -289,8 +278,8 @@ mod tests {
             ("rms_error() <= 5", "is no STATISTIC"),
             ("rms_error(mean_curvature <= 5", "is no STATISTIC"),
             ("rms_error <=", "is no STATISTIC"),
-            ("rms_eror <= 5", "did you mean rms_error?"),
-            ("rms_error(mean_curvatur) <= 5", "mean mean_curvature?"),
+            ("rms_eror <= 5", "did you mean `rms_error`?"),
+            ("rms_error(mean_curvatur) <= 5", "mean `mean_curvature`?"),
             ("rms_error(weather) <= 5", "known: normal_curvature_u"),
             ("failures <= 5", "--max-failures"),
             ("truth <= 5", "before any trial"),

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use palpate::family_scene;
 use palpate_scene::{PressFlaw, Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
-use palpate_study::config::{LengthNoise, SceneConfig, parse, with_fields};
+use palpate_study::config::{Length, ReadingNoise, SceneConfig, parse, with_fields};
 use palpate_sweep::Observation;
 use serde_json::json;
 
@@ -90,8 +90,8 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let size = flaw
         .split_whitespace()
         .find_map(|word| word.parse::<f64>().ok());
-    let std = |noise: &Option<LengthNoise>| {
-        let std = noise.as_ref().map(|LengthNoise::Gaussian { std }| std);
+    let std = |noise: &Option<ReadingNoise<Length>>| {
+        let std = noise.map(|ReadingNoise::Gaussian { std }| std.0);
         size.zip(std).map_or(0.0, |(size, std)| size * std)
     };
     let noise = &press.noise;

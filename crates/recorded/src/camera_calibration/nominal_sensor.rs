@@ -5,7 +5,7 @@ use palpate_chromatouch::{
 };
 use palpate_press::{Body, ImageFit, Markers, Seen, Skin};
 use palpate_statistics::Number;
-use palpate_study::config::{CameraConfig, PixelNoise, PressConfig, SensorNoise};
+use palpate_study::config::{CameraConfig, PressConfig, ReadingNoise, SensorNoise};
 use palpate_tracking::{Finder, Found};
 
 use super::nearest::nearest;
@@ -93,8 +93,7 @@ impl<'a> NominalSensor<'a> {
             pixel_std: press
                 .noise
                 .pixel
-                .as_ref()
-                .map_or(0.0, |PixelNoise::Gaussian { std }| *std),
+                .map_or(0.0, |ReadingNoise::Gaussian { std }| std.0),
             blemished: Vec::new(),
         })
     }

@@ -1,7 +1,9 @@
 //! Stated indentations of recorded presses.
 
 use palpate_recorded::{PressOptions, RecordedFile, estimate_press, parse_press};
-use palpate_study::config::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig};
+use palpate_study::config::{
+    DisplacementPriors, Indentation, IndentationPrior, PressEstimatorConfig,
+};
 
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
@@ -21,11 +23,11 @@ fn a_bare_indentation_has_a_standard_deviation() {
             marker_depth: Some(DEPTH),
             estimator: PressEstimatorConfig::HalfSpace {
                 poisson: None,
-                indentation: Indentation::Known,
-                indentation_std,
-                baseline: Baseline::Known,
-                gain_std: 0.0,
-                noise: NoiseKnown::Stated,
+                prior: IndentationPrior {
+                    indentation: Indentation::Known,
+                    indentation_std,
+                },
+                displacements: DisplacementPriors::default(),
             },
             indentation: Some(INDENTATION),
             ..PressOptions::new(RADIUS)

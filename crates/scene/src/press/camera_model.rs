@@ -7,9 +7,7 @@ use palpate_estimators::{marker_image, optics_error};
 use palpate_press::Seen;
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_study::FieldError;
-use palpate_study::config::{
-    CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressNoiseConfig, SizeNoise,
-};
+use palpate_study::config::{CameraConfig, PressNoiseConfig, Pure, ReadingNoise};
 use palpate_tracking::{
     Equidistant, Finder, Found, Ground, Marker, MarkerErrors, Mask, Status, Track, match_markers,
 };
@@ -54,16 +52,13 @@ pub(super) struct ImageNoise {
 
 impl ImageNoise {
     fn new(config: &PressNoiseConfig) -> Result<Self, FieldError> {
-        let hue = config.hue.as_ref();
-        let centroid = config.centroid.as_ref();
-        let size = config.size.as_ref();
+        let pure = |noise: Option<ReadingNoise<Pure>>, key: &str| {
+            gaussian(noise.map(|ReadingNoise::Gaussian { std }| std.0), key)
+        };
         Ok(Self {
-            hue: gaussian(hue.map(|HueNoise::Gaussian { std }| *std), "hue")?,
-            centroid: gaussian(
-                centroid.map(|CentroidNoise::Gaussian { std }| *std),
-                "centroid",
-            )?,
-            size: gaussian(size.map(|SizeNoise::Gaussian { std }| *std), "size")?,
+            hue: pure(config.hue, "hue")?,
+            centroid: pure(config.centroid, "centroid")?,
+            size: pure(config.size, "size")?,
         })
     }
 
@@ -136,8 +131,8 @@ impl SimulatedCamera {
             ..
         } = *config;
         let noise = &setup.config.noise;
-        let pixel = noise.pixel.as_ref();
-        let pixel = gaussian(pixel.map(|PixelNoise::Gaussian { std }| *std), "pixel")?;
+        let pixel = noise.pixel.map(|ReadingNoise::Gaussian { std }| std.0);
+        let pixel = gaussian(pixel, "pixel")?;
         let lens = Lens::fisheye(OddTerms { k3, k5 });
         let camera = Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))?;
         let blemishes = Blemishes {

@@ -5,9 +5,8 @@ use palpate_press::{ContactRegime, PressEstimate};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{
-    Baseline, CameraConfig, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown,
-    NormalFrom, PixelNoise, PressModelConfig, PressNoiseConfig, PressProbeConfig,
-    PressSensorConfig, SizeNoise,
+    Baseline, CameraConfig, Indentation, Level, LostMarkers, NoiseKnown, NormalFrom,
+    PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig, Pure, ReadingNoise,
 };
 
 use super::reading::PressNoise;
@@ -231,16 +230,16 @@ fn calibration_text(camera: &CameraConfig) -> String {
 /// The noise of the camera, if there is any.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
-    if let Some(PixelNoise::Gaussian { std }) = noise.pixel {
+    if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {
         errors.push(format!("{std} levels of 255 in each colour of each pixel"));
     }
-    if let Some(HueNoise::Gaussian { std }) = noise.hue {
+    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.hue {
         errors.push(format!("{std} turns in each hue"));
     }
-    if let Some(CentroidNoise::Gaussian { std }) = noise.centroid {
+    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.centroid {
         errors.push(format!("{std} px in each centroid"));
     }
-    if let Some(SizeNoise::Gaussian { std }) = noise.size {
+    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.size {
         errors.push(format!("{} % in each size", 100.0 * std));
     }
     if noise.sensor.is_some() {

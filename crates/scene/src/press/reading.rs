@@ -7,7 +7,7 @@ use palpate_estimators::{MarkerImages, pressed_images};
 use palpate_press::{Markers, Measured, Reading};
 use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
 use palpate_study::FieldError;
-use palpate_study::config::{CameraConfig, GainNoise, LengthNoise, PressNoiseConfig};
+use palpate_study::config::{CameraConfig, Length, PressNoiseConfig, ReadingNoise};
 use palpate_tracking::{Change, Marker};
 
 use super::PressFailure;
@@ -186,21 +186,18 @@ impl PressNoise {
         markers: usize,
         seed: u64,
     ) -> Result<Self, FieldError> {
-        let length = |noise: &Option<LengthNoise>, key: &str| {
-            gaussian(
-                noise.as_ref().map(|LengthNoise::Gaussian { std }| *std),
-                key,
-            )
+        let length = |noise: Option<ReadingNoise<Length>>, key: &str| {
+            gaussian(noise.map(|ReadingNoise::Gaussian { std }| std.0), key)
         };
-        let gain = config.gain.as_ref().map(|GainNoise::Gaussian { std }| *std);
+        let gain = config.gain.map(|ReadingNoise::Gaussian { std }| std.0);
         let wrong = config.wrong_markers.as_ref();
         Ok(Self {
             outliers: marker_count(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?,
-            normal: length(&config.normal_displacement, "normal_displacement")?.averaged(frames),
-            tangential: length(&config.tangential_displacement, "tangential_displacement")?
+            normal: length(config.normal_displacement, "normal_displacement")?.averaged(frames),
+            tangential: length(config.tangential_displacement, "tangential_displacement")?
                 .averaged(frames),
             indentation: IndentationSensor {
-                error: length(&config.indentation, "indentation")?,
+                error: length(config.indentation, "indentation")?,
                 seed,
             },
             gain: gaussian(gain, "gain")?,

@@ -16,8 +16,8 @@ use crate::config_conversion::{range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
 use palpate_study::FieldError;
 use palpate_study::config::{
-    self, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
-    RollEstimatorConfig, RollModelConfig, RollMotionConfig, When,
+    self, AngularVelocityDraws, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig,
+    RollAxis, RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, When,
 };
 
 fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
@@ -44,7 +44,7 @@ impl RollScene {
         let noise = motion_noise(config)?;
         let sensor = RollSensor::new(&config.sensor, radius)?;
         let rotation_sensor = RotationSensor::new(&config.noise)?;
-        let RollEstimatorConfig::LeastSquares {} = config.estimator;
+        let RollEstimatorConfig::LeastSquares = config.estimator;
 
         let (roller, commands) = roller(
             config,
@@ -119,22 +119,16 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     let Some(noise) = &config.noise.angular_velocity else {
         return Ok(None);
     };
-    let distribution = match noise {
-        AngularVelocityNoise::Uniform { .. } => Distribution::Uniform,
-        AngularVelocityNoise::Gaussian { .. } => Distribution::Gaussian,
+    let (distribution, draws) = match noise {
+        AngularVelocityNoise::Uniform(draws) => (Distribution::Uniform, draws),
+        AngularVelocityNoise::Gaussian(draws) => (Distribution::Gaussian, draws),
     };
-    let (AngularVelocityNoise::Uniform {
+    let AngularVelocityDraws {
         fraction,
         when,
         side,
         instants,
-    }
-    | AngularVelocityNoise::Gaussian {
-        fraction,
-        when,
-        side,
-        instants,
-    }) = *noise;
+    } = *draws;
     let error = AngularVelocityError::new(distribution, fraction)
         .map_err(|error| sensor_error("scene.noise.angular_velocity", error))?;
     if fraction == 0.0 {

@@ -31,7 +31,7 @@ impl RollSensor {
     /// Sensor of a config on a probe of this radius.
     pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
         match config {
-            RollSensorConfig::Ideal {} => Ok(Self::Ideal),
+            RollSensorConfig::Ideal => Ok(Self::Ideal),
             RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(Self::Wrist),
             RollSensorConfig::Pads {
                 pitch,

@@ -1,9 +1,10 @@
 //! Output of configs with their defaults, as they are saved with the results.
 
-use super::schema::{schema, variant};
+use super::schema::{SCHEMA, variant};
 use super::study::StudyConfig;
 use super::sweep::SweepConfig;
-use serde_json::Value as Json;
+use super::{tree, validate};
+use toml::Value;
 
 /// A config as TOML, including its defaults. It parses back to the same config.
 ///
@@ -33,36 +34,26 @@ pub fn to_toml(config: &StudyConfig) -> String {
     let swept: Vec<&str> = paths
         .filter_map(|path| path.strip_suffix(".kind"))
         .collect();
-    match text.parse::<toml::Table>() {
-        Ok(mut table) if !swept.is_empty() => {
-            let root = schema();
-            swept
-                .iter()
-                .for_each(|path| drop_defaults(&root, &mut table, path));
-            table.to_string()
+    match text.parse() {
+        Ok(table) if !swept.is_empty() => {
+            let mut config = Value::Table(table);
+            for path in swept {
+                drop_defaults(&mut config, path);
+            }
+            config.as_table().map_or(text, toml::Table::to_string)
         }
         _ => text,
     }
 }
 
 /// Removes the keys of the tagged table at a path that equal their defaults.
-fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
-    let (mut schema, mut table) = (schema, table);
-    let kind = |table: &toml::Table| {
-        table
-            .get("kind")
-            .and_then(|kind| kind.as_str().map(str::to_owned))
+fn drop_defaults(config: &mut Value, path: &str) {
+    let schema = validate::at(&SCHEMA, config, path);
+    let table = tree::at_mut(config, path).and_then(Value::as_table_mut);
+    let Some((schema, table)) = schema.zip(table) else {
+        return;
     };
-    for key in path.split('.') {
-        let Some(variant) = variant(schema, kind(table).as_deref()) else {
-            return;
-        };
-        let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
-            return;
-        };
-        (schema, table) = (&variant["properties"][key], inner);
-    }
-    let Some(variant) = variant(schema, kind(table).as_deref()) else {
+    let Some(variant) = variant(schema, table.get("kind").and_then(Value::as_str)) else {
         return;
     };
     table.retain(|key, value| {

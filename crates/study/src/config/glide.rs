@@ -4,8 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::glide_estimator::GlideEstimatorConfig;
+use super::number_default::{number, whole};
 use super::object::ObjectConfig;
-use super::roll::{PadLayout, right_angle};
+use super::roll::PadLayout;
 
 /// Fingers slide over an object in parallel vertical planes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,12 +17,11 @@ pub struct GlideConfig {
     /// The surface that is explored.
     pub object: ObjectConfig,
     /// The middle of the patch: x and y of the object's frame. By default the origin or the top.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// Paths of the fingers and contacts along them.
     pub motion: GlideMotionConfig,
-    /// How contacts are found.
+    /// How contacts are computed.
     #[serde(default)]
     pub model: GlideModelConfig,
     /// The sensor that reads the contacts.
@@ -30,10 +30,10 @@ pub struct GlideConfig {
     /// Errors of the readings.
     #[serde(default)]
     pub noise: GlideNoiseConfig,
-    /// How the patch follows from the readings.
+    /// The estimator of the patch.
     #[serde(default)]
     pub estimator: GlideEstimatorConfig,
-    /// Places at which estimates are held against the truth.
+    /// Places at which estimates are compared with the truth.
     pub evaluate: EvaluateConfig,
 }
 
@@ -70,9 +70,9 @@ impl GlideConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FingertipConfig {
-    /// A point, which touches where it is held.
+    /// A point, which is itself the contact point.
     Point {},
-    /// A ball, which touches beside its middle wherever the object slopes.
+    /// A ball. On a slope its contact point is not its lowest point.
     Sphere {
         /// Its radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -87,7 +87,7 @@ pub struct GlideMotionConfig {
     /// Positions of the fingers' planes: y from the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
-    /// The distance between fingers in which noise may be counted, and the settings of two-pass are.
+    /// The distance between neighbouring fingers. It is a unit of noise, and the unit of the settings of two-pass.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
     /// How far each finger slides along x, its first and last contact included.
@@ -98,11 +98,11 @@ pub struct GlideMotionConfig {
     pub contacts_per_finger: u32,
 }
 
-/// How the contacts of the fingertips are found.
+/// How the contacts of the fingertips are computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideModelConfig {
-    /// The closed form where there is one, else Newton's method.
+    /// The closed form if there is one, otherwise Newton's method.
     Auto {
         /// Largest error of a contact's place, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -145,8 +145,8 @@ pub enum GlideSensorConfig {
         #[serde(default)]
         reports: Reports,
     },
-    /// An array of pads around the lowest point of a round tip, of which the nearest reports its centre: the direction
-    /// from the tip's centre gives the contact and the normal, so that both carry its quantisation.
+    /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own
+    /// centre. The direction to it from the tip's centre gives the contact and the normal, so both are quantised.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -155,7 +155,7 @@ pub enum GlideSensorConfig {
         #[serde(default)]
         layout: PadLayout,
         /// Polar angle of the last pad, from the middle of the array.
-        #[serde(default = "right_angle")]
+        #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
         /// Whether normals are reported too.
@@ -184,20 +184,18 @@ pub enum Reports {
     /// The contact, wherever it is on the tip.
     #[default]
     Contact,
-    /// The lowest point of the tip. The estimator finds the contact from it, the tip's radius and the normal: the
-    /// sensed one, or without normals that of a first fit to the tips' centres.
+    /// The lowest point of the tip. The estimator computes the contact from it, the tip's radius and the normal. The normal
+    /// is sensed, or else that of a first fit to the tips' centres.
     LowestPoint,
 }
 
-/// Errors of the readings; what is absent has none.
+/// Errors of the readings; a missing one is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideNoiseConfig {
     /// Error of the contacts' coordinates.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<PositionNoise>,
     /// Error of the normals.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<NormalNoise>,
 }
 
@@ -208,11 +206,9 @@ pub enum PositionNoise {
     /// Gaussian with mean 0.
     Gaussian {
         /// The standard deviation as a fraction of the inter-finger distance. This or `std` is given.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["std"]))]
         fraction_of_ifd: Option<f64>,
         /// The standard deviation. This or `fraction_of_ifd` is given.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         std: Option<f64>,
         /// Which coordinates err.
@@ -222,11 +218,9 @@ pub enum PositionNoise {
     /// Uniform between −bound and +bound.
     Uniform {
         /// The bound as a fraction of the inter-finger distance. This or `bound` is given.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["bound"]))]
         fraction_of_ifd: Option<f64>,
         /// The bound. This or `fraction_of_ifd` is given.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         bound: Option<f64>,
         /// Which coordinates err.
@@ -258,26 +252,22 @@ pub enum NormalNoise {
     },
 }
 
-/// Places at which estimates are held against the truth: a square grid around the middle of the patch, and when
-/// curvatures count as zero.
+/// Places at which estimates are compared with the truth, a square grid around the middle of the patch, and thresholds
+/// below which curvatures count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {
     /// Places along each side.
-    #[serde(default = "thirty")]
+    #[serde(default = "whole::<30>")]
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: u32,
     /// Half the side of the square, in x and y.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// Below which the Gaussian curvature counts as zero; at least the square of the mean threshold.
+    /// Threshold below which the Gaussian curvature counts as zero; at least the square of the mean threshold.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
-    /// Below which the mean curvature counts as zero.
+    /// Threshold below which the mean curvature counts as zero.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length"))]
     pub mean_threshold: f64,
-}
-
-fn thirty() -> u32 {
-    30
 }

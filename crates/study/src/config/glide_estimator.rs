@@ -1,110 +1,87 @@
-//! How the shape of a patch follows from readings.
+//! The estimator of a glide.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the patch follows from the readings.
+use super::number_default::{number, whole};
+
+/// The estimator of the patch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideEstimatorConfig {
     /// One bicubic spline through heights and slopes, with a penalty on its third derivatives.
     Penalised {
-        /// Intervals of the spline along each side; by default as many as the contacts bear.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// Intervals of the spline along each side; by default chosen from the number of contacts.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
         /// How the weight of the penalty is chosen.
         #[serde(default)]
         criterion: CriterionName,
-        /// How much stronger than plain cross validation the robust one smooths; only used by that, and left at its default with others.
+        /// Factor by which robust cross validation smooths more than plain one; other criteria have no gamma.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
-        /// Standard deviation of a position along each axis; by default found from the contacts.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
-        position_std: Option<f64>,
-        /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
-        /// `position_std`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
-        position_fraction_of_ifd: Option<f64>,
-        /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
-        normal_std_deg: Option<f64>,
+        /// Stated noise of the contacts.
+        #[serde(flatten)]
+        noise: StatedNoise,
     },
     /// The method of the 1996 paper: a smoothing spline, and a second one through it and its tangents. Lengths are
     /// counted in inter-finger distances.
     TwoPass {
         /// Degree of the first spline in both directions.
-        #[serde(default = "two")]
+        #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         first_degree: u32,
         /// Degree of the second spline.
-        #[serde(default = "three")]
+        #[serde(default = "whole::<3>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         second_degree: u32,
         /// Factor on the residuals.
-        #[serde(default = "hundred")]
+        #[serde(default = "number::<100>")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
-        /// Sum of squared weighted residuals that the first spline aims at.
-        #[serde(default = "thousand")]
+        /// Target for the sum of squared weighted residuals of the first spline.
+        #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         smoothing: f64,
-        /// Sum of squared weighted residuals that the second spline aims at.
-        #[serde(default = "thousand")]
+        /// Target for the sum of squared weighted residuals of the second spline.
+        #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         second_smoothing: f64,
         /// Step to either side along the tangent.
         #[serde(default = "twentieth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tangent_step: f64,
-        /// Whose normals the tangents are of.
+        /// Source of the normals from which the tangents are computed.
         #[serde(default)]
         normals: NormalsOf,
         /// How many splines are fitted: 1 stops after the first.
-        #[serde(default = "two")]
+        #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 2))]
         passes: u32,
     },
     /// The weighted least-squares quadric.
-    Quadric {
-        /// Standard deviation of a position along each axis; by default found from the contacts.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
-        position_std: Option<f64>,
-        /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
-        /// `position_std`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
-        position_fraction_of_ifd: Option<f64>,
-        /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
-        normal_std_deg: Option<f64>,
-    },
+    Quadric(StatedNoise),
+}
+
+/// Noise of contacts that is stated instead of estimated.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StatedNoise {
+    /// Standard deviation of a position along each axis; by default estimated from the contacts.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
+    pub position_std: Option<f64>,
+    /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
+    /// `position_std`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
+    pub position_fraction_of_ifd: Option<f64>,
+    /// Standard deviation of a normal's tilt about each tangent; by default estimated from the contacts.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
+    pub normal_std_deg: Option<f64>,
 }
 
 fn gamma() -> f64 {
     1.4
-}
-
-fn two() -> u32 {
-    2
-}
-
-fn three() -> u32 {
-    3
-}
-
-fn hundred() -> f64 {
-    100.0
-}
-
-fn thousand() -> f64 {
-    1000.0
 }
 
 fn twentieth() -> f64 {
@@ -115,7 +92,7 @@ impl GlideEstimatorConfig {
     /// Rules that join several settings; the error is in words.
     ///
     /// # Errors
-    /// A gamma beside a criterion that has none.
+    /// A gamma, and a criterion that has none.
     pub fn check(&self) -> Result<(), &'static str> {
         match *self {
             Self::Penalised {
@@ -129,21 +106,10 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The settings of stated noise: of positions as a length and as a fraction of the inter-finger distance, and of
-    /// normals; `None` for a method without them.
-    const fn noise(&mut self) -> Option<[&mut Option<f64>; 3]> {
+    /// Stated noise; `None` for a method without it.
+    const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
-            Self::Penalised {
-                position_std,
-                position_fraction_of_ifd,
-                normal_std_deg,
-                ..
-            }
-            | Self::Quadric {
-                position_std,
-                position_fraction_of_ifd,
-                normal_std_deg,
-            } => Some([position_std, position_fraction_of_ifd, normal_std_deg]),
+            Self::Penalised { noise, .. } | Self::Quadric(noise) => Some(noise),
             Self::TwoPass { .. } => None,
         }
     }
@@ -151,10 +117,10 @@ impl GlideEstimatorConfig {
     /// The estimator with a noise of positions that is a fraction of the inter-finger distance as a length.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
-        if let Some([position_std, fraction, _]) = self.noise()
-            && let Some(fraction) = fraction.take()
+        if let Some(noise) = self.noise()
+            && let Some(fraction) = noise.position_fraction_of_ifd.take()
         {
-            *position_std = Some(fraction * inter_finger_distance);
+            noise.position_std = Some(fraction * inter_finger_distance);
         }
         self
     }
@@ -162,15 +128,13 @@ impl GlideEstimatorConfig {
     /// The estimator without its stated noise, and this noise: of positions as a length, and of normals.
     #[must_use]
     pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
-        let stated = self
-            .noise()
-            .map(|[position, _, normal]| [position.take(), normal.take()]);
-        (self, stated.unwrap_or_default())
+        let stated = self.noise().map(std::mem::take).unwrap_or_default();
+        (self, [stated.position_std, stated.normal_std_deg])
     }
 
-    /// Noise of positions as a fraction of the inter-finger distance, where it is stated so.
+    /// Noise of positions as a fraction of the inter-finger distance, if it is stated so.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
-        self.clone().noise().and_then(|[_, fraction, _]| *fraction)
+        self.clone().noise()?.position_fraction_of_ifd
     }
 
     /// Name of the kind, as configs have it.
@@ -189,9 +153,7 @@ impl Default for GlideEstimatorConfig {
             intervals: None,
             criterion: CriterionName::default(),
             gamma: gamma(),
-            position_std: None,
-            position_fraction_of_ifd: None,
-            normal_std_deg: None,
+            noise: StatedNoise::default(),
         }
     }
 }
@@ -209,13 +171,13 @@ pub enum CriterionName {
     Reml,
 }
 
-/// Whose normals the tangents of the second spline are of.
+/// Source of the normals from which the tangents of the second spline are computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalsOf {
-    /// The readings'; the first fit's where they have none.
+    /// The readings, or the first fit if they have no normals.
     #[default]
     Measured,
-    /// The first fit's.
+    /// The first fit.
     FirstFit,
 }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::number_default::{number, whole};
+
 /// The sensor that presses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -12,28 +14,22 @@ pub enum PressProbeConfig {
         /// Radius of the skin.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
-        /// How far under the skin the markers lie, less than the radius; where a marker is made of two discs, the mean of their depths.
+        /// Depth of the markers under the skin, less than the radius; of a marker made of two discs, the mean of their depths.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         marker_depth: f64,
         /// Places of the markers along the skin.
         #[serde(default)]
         layout: LayoutConfig,
-        /// The two discs that each marker is made of; a camera sees nothing else.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// The two discs of each marker, which are all that a camera images.
         discs: Option<DiscsConfig>,
-        /// Number of steps in which a gore's outline is drawn from the apex to the equator, on the flat pattern that
-        /// the skin is cut from.
-        #[serde(default = "outline")]
+        /// Number of steps from the apex to the equator in the outline of a gore, on the flat pattern of the skin.
+        #[serde(default = "whole::<24>")]
         #[schemars(extend("minimum" = 1, "maximum" = 1000))]
         outline_samples: u32,
     },
 }
 
-fn outline() -> u32 {
-    24
-}
-
-/// The two discs that each marker is made of.
+/// The two discs of each marker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscsConfig {
@@ -43,16 +39,16 @@ pub struct DiscsConfig {
     /// Diameter of the yellow disc, the outer one.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub yellow_diameter: f64,
-    /// How far the yellow disc lies above the magenta one; `marker_depth` is midway.
+    /// Distance of the yellow disc above the magenta one; `marker_depth` is midway.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub separation: f64,
-    /// How far the discs of a marker are apart along the skin by manufacture, at most, as a share of the yellow diameter; drawn once per seed.
+    /// Largest offset of the two discs of a marker along the skin, as a share of the yellow diameter; drawn once per seed.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
-    /// Share of the skin's strain in a press that the discs take part in: 0 of rigid discs, 1 of discs as soft as the skin. They
-    /// stay circles, as much wider as their area grows; of an incompressible skin.
+    /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. They stay circles
+    /// with the strained area. Only for an incompressible skin.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub strain: f64,
@@ -88,7 +84,7 @@ pub enum NamedLayout {
 pub enum LayoutTable {
     /// A marker at the apex, and rows of markers in each of several equal gores.
     Gores {
-        /// How many gores share the circle.
+        /// Number of gores around the apex.
         #[schemars(extend("minimum" = 1))]
         gores: u32,
         /// Markers of each row of a gore, from the apex outward.
@@ -107,23 +103,21 @@ pub enum LayoutTable {
         cap_deg: f64,
     },
     /// Markers in equal steps on a great circle along x, the apex in their middle.
-    Line {
-        /// How many.
-        #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
-        markers: u32,
-        /// Distance from the first marker to the last along the skin.
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-        length: f64,
-    },
+    Line(MarkerRow),
     /// Markers in equal steps along x, the first at the apex.
-    Radius {
-        /// How many.
-        #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
-        markers: u32,
-        /// Distance from the first marker to the last along the skin.
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-        length: f64,
-    },
+    Radius(MarkerRow),
+}
+
+/// Markers in equal steps along the skin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MarkerRow {
+    /// Number of markers.
+    #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
+    pub markers: u32,
+    /// Distance from the first marker to the last along the skin.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub length: f64,
 }
 
 /// The sensor that reads the markers' displacements.
@@ -135,12 +129,12 @@ pub enum PressSensorConfig {
         /// Whether displacements along the skin are read too.
         #[serde(default = "yes")]
         tangential: bool,
-        /// How many readings are averaged, which divides the noise of displacements by its square root.
-        #[serde(default = "one")]
+        /// Number of averaged readings; the noise of displacements is divided by its square root.
+        #[serde(default = "whole::<1>")]
         #[schemars(extend("minimum" = 1))]
         frames: u32,
     },
-    /// A camera in the sensor's centre, whose picture of each marker is computed without pixels.
+    /// A camera in the sensor's centre; the image of each marker is computed without pixels.
     Projected(CameraConfig),
     /// A camera in the sensor's centre: frames are rendered, and the markers found and tracked in them.
     Rendered(CameraConfig),
@@ -149,8 +143,8 @@ pub enum PressSensorConfig {
 impl Default for PressSensorConfig {
     fn default() -> Self {
         Self::Direct {
-            tangential: yes(),
-            frames: one(),
+            tangential: true,
+            frames: 1,
         }
     }
 }
@@ -165,7 +159,7 @@ impl PressSensorConfig {
         }
     }
 
-    /// Whether displacements along the skin are read, and how many readings are averaged.
+    /// Whether displacements along the skin are read, and the number of averaged readings.
     pub const fn displacements(&self) -> (bool, u32) {
         match self {
             Self::Direct { tangential, frames } => (*tangential, *frames),
@@ -174,20 +168,20 @@ impl PressSensorConfig {
     }
 }
 
-/// The camera and the way from its pictures to displacements. The lens is a fisheye, equidistant unless it has odd terms.
+/// The camera, and how displacements follow from its images. The lens is a fisheye, equidistant unless it has odd terms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
     /// Pixels along each side of the square image.
-    #[serde(default = "pixels")]
+    #[serde(default = "whole::<640>")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
     /// Polar angle that the image's inscribed circle shows.
-    #[serde(default = "field")]
+    #[serde(default = "number::<65>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
-    /// Odd term of the third power of the fisheye: a polar angle θ, rad, is seen f (θ + k3 θ³ + k5 θ⁵) from the image's centre.
-    /// The rim shows `field_deg` whatever the terms, and f follows from that.
+    /// Odd term of the third power of the fisheye: a polar angle θ, rad, is imaged at f (θ + k3 θ³ + k5 θ⁵) from the image's centre.
+    /// The rim shows `field_deg` for all terms, which determines f.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k3: f64,
@@ -195,8 +189,8 @@ pub struct CameraConfig {
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k5: f64,
-    /// Light at the rim of the field, as a share of that in the middle; of a rendered sensor.
-    #[serde(default = "even")]
+    /// Light at the rim of the field, as a share of the light in the middle; of a rendered sensor.
+    #[serde(default = "number::<1>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub light_at_rim: f64,
     /// Standard deviation of the blur, pixels; of a rendered sensor.
@@ -212,11 +206,11 @@ pub struct CameraConfig {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(extend("x-unit" = "length"))]
     pub place: [f64; 3],
-    /// Turn of the camera about the apex's x and y axes and about the way to the apex, as a rotation vector; by default it
-    /// looks at the apex.
+    /// Turn of the camera about the apex's x and y axes and about the axis towards the apex, as a rotation vector; by default the
+    /// camera points at the apex.
     #[serde(default, skip_serializing_if = "is_default")]
     pub turn_deg: [f64; 3],
-    /// Feature of a marker's picture that tells its normal displacement.
+    /// Feature of a marker's image from which its normal displacement is computed.
     #[serde(default)]
     pub normal_from: NormalFrom,
     /// Presses on a plane that calibrate the sensor.
@@ -225,8 +219,8 @@ pub struct CameraConfig {
     /// Whether displacements along the skin are read too.
     #[serde(default = "yes")]
     pub tangential: bool,
-    /// How many frames of a press are averaged.
-    #[serde(default = "one")]
+    /// Number of averaged frames of a press.
+    #[serde(default = "whole::<1>")]
     #[schemars(extend("minimum" = 1))]
     pub frames: u32,
 }
@@ -235,31 +229,15 @@ fn is_default(numbers: &[f64; 3]) -> bool {
     *numbers == [0.0; 3]
 }
 
-fn pixels() -> u32 {
-    640
-}
-
-fn field() -> f64 {
-    65.0
-}
-
-fn even() -> f64 {
-    1.0
-}
-
 fn yes() -> bool {
     true
 }
 
-fn one() -> u32 {
-    1
-}
-
-/// Feature of a marker's picture that tells its normal displacement.
+/// Feature of a marker's image from which its normal displacement is computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Its mean hue, as the 2020 paper has it: the difference between the displacements of its two discs.
+    /// Its mean hue, as in the 2020 paper: the difference between the displacements of its two discs.
     Hue,
     /// Its size: the displacement towards the camera.
     Size,
@@ -270,42 +248,31 @@ pub enum NormalFrom {
 
 /// Presses on a plane, apex down, that calibrate the sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct CalibrationConfig {
-    /// How many, in equal steps of indentation.
-    #[serde(default = "seven")]
+    /// Number of presses, in equal steps of indentation.
     #[schemars(extend("minimum" = 2, "maximum" = 1000))]
     pub presses: u32,
     /// Indentation of the deepest; by default that of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// How many frames at rest are averaged. They and the calibrating presses are taken once: what they err by is the same in all trials.
-    #[serde(default = "sixteen")]
+    /// Number of averaged frames at rest. They and the calibrating presses are drawn once, so their errors are the same in
+    /// all trials.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
     /// Markers whose normal displacement is known.
-    #[serde(default)]
     pub markers: ShownMarkers,
 }
 
 impl Default for CalibrationConfig {
     fn default() -> Self {
         Self {
-            presses: seven(),
+            presses: 7,
             indentation: None,
-            rest_frames: sixteen(),
+            rest_frames: 16,
             markers: ShownMarkers::default(),
         }
     }
-}
-
-fn seven() -> u32 {
-    7
-}
-
-fn sixteen() -> u32 {
-    16
 }
 
 /// The markers that calibrate.
@@ -319,33 +286,30 @@ pub enum ShownMarkers {
     UnderContact,
 }
 
-/// A sensor is cut, folded and looked at, and pressed onto nothing.
+/// A sensor alone: the strain of folding its skin, and the image of a marker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {
     /// The sensor: a sphere with markers under its skin, as of a press.
     pub probe: PressProbeConfig,
-    /// The camera in its centre, whose lens and pixels the image of a marker depends on.
+    /// The camera in its centre, which images the marker.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Place of the marker that is looked at; how large it looks depends on it.
+    /// Place of the imaged marker.
     #[serde(default)]
     pub view: ViewConfig,
 }
 
 /// A camera in the sensor's centre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct LensConfig {
     /// How angles become distances in the image.
-    #[serde(default)]
     pub lens: LensName,
     /// Pixels along each side of the square image.
-    #[serde(default = "pixels")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
     /// Polar angle that the image's inscribed circle shows: of a pinhole less than 90.
-    #[serde(default = "field")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
 }
@@ -354,8 +318,8 @@ impl Default for LensConfig {
     fn default() -> Self {
         Self {
             lens: LensName::default(),
-            size_px: pixels(),
-            field_deg: field(),
+            size_px: 640,
+            field_deg: 65.0,
         }
     }
 }
@@ -371,7 +335,7 @@ pub enum LensName {
     Pinhole,
 }
 
-/// Place of the marker that is looked at.
+/// Place of the imaged marker.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViewConfig {

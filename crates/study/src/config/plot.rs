@@ -1,9 +1,9 @@
-//! The `[[plot]]` section: what is drawn from a study's tables.
+//! The `[[plot]]` section: plots of a study's tables.
 
 mod check;
 
 use super::validate::NAME;
-use crate::{Statistic, number};
+use crate::number;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,52 +12,30 @@ use std::collections::BTreeMap;
 
 pub(super) use check::{check, check_alone};
 
-/// Names of the columns of a table of cells that hold numbers of a quantity, in their order.
-pub const STATISTICS: [&str; 18] = {
-    let mut names = [""; 18];
-    let mut at = 0;
-    while at < names.len() {
-        names[at] = Statistic::ALL[at].name();
-        at += 1;
-    }
-    names
-};
-
-/// Name of the column after [`STATISTICS`] in the table of a press.
-pub const STD_BOUND: &str = Statistic::StdBound.name();
-
 /// A plot. Columns are named by the path of a swept field or by a statistic of the table of cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlotConfig {
     /// Name of the plot's file, by default made from its columns.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: Option<String>,
     /// Title, by default that of the study.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
     /// Kind of the plot. Every kind has a name, a title and, but for contacts, `where`; a profile has a component,
     /// panels, marks and points too, and lines have all but a component.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
     /// Column along x; lines need it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<String>,
     /// Statistic along y; lines need it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub y: Option<String>,
     /// The quantity that is drawn, by default every one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<String>,
     /// Column whose values make one line each.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
     /// Displacement that a profile shows, by default the normal one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<Component>,
     /// Column whose values make one panel each.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panels: Option<String>,
     /// Only rows (of a class map or profile: cells) in which a column (in quotes) has this value, or one of these.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
@@ -67,7 +45,6 @@ pub struct PlotConfig {
     #[serde(default)]
     pub scale: Scale,
     /// A second statistic, drawn for comparison.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<String>,
     /// Lines across the plot at given values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -141,29 +118,17 @@ impl PlotKind {
     }
 
     /// Its name in configs, and the keys besides `kind` that a plot of this kind may have.
-    fn keys(self) -> (&'static str, &'static [&'static str]) {
+    fn keys(self) -> (&'static str, &'static str) {
         match self {
             Self::Lines => (
                 "lines",
-                &[
-                    "name", "title", "x", "y", "quantity", "series", "panels", "where", "scale",
-                    "compare", "marks", "points",
-                ],
+                "name, title, x, y, quantity, series, panels, where, scale, compare, marks, points",
             ),
-            Self::ClassMap => ("class-map", &["name", "title", "where", "scale"]),
-            Self::Contacts => ("contacts", &["name", "title", "scale"]),
+            Self::ClassMap => ("class-map", "name, title, where, scale"),
+            Self::Contacts => ("contacts", "name, title, scale"),
             Self::Profile => (
                 "profile",
-                &[
-                    "name",
-                    "title",
-                    "component",
-                    "panels",
-                    "where",
-                    "scale",
-                    "marks",
-                    "points",
-                ],
+                "name, title, component, panels, where, scale, marks, points",
             ),
         }
     }
@@ -238,9 +203,7 @@ pub struct Points {
     /// Places along y, in the unit of the axis; as many as `x`.
     pub y: Vec<f64>,
     /// The series (of a profile: the line) whose colour they take.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
     /// The panel they are drawn in, by default every one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panel: Option<String>,
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::marker_sensor::{LayoutConfig, LayoutTable, PressProbeConfig, PressSensorConfig};
 use super::press_estimator::PressEstimatorConfig;
 
-/// A sensor is pressed onto an object, and the object's curvature is estimated from how its markers move.
+/// A sensor is pressed onto an object, and the object's curvature is estimated from the displacements of the markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressConfig {
@@ -14,7 +14,7 @@ pub struct PressConfig {
     pub probe: PressProbeConfig,
     /// The object that is pressed on.
     pub object: PressObjectConfig,
-    /// How deep, and with which part of the skin.
+    /// Indentation, and place of the contact on the skin.
     pub motion: PressMotionConfig,
     /// The model of the markers' displacements in the press.
     #[serde(default)]
@@ -25,7 +25,7 @@ pub struct PressConfig {
     /// Errors of the readings.
     #[serde(default)]
     pub noise: PressNoiseConfig,
-    /// How curvature follows from the readings.
+    /// The estimator of the curvature.
     #[serde(default)]
     pub estimator: PressEstimatorConfig,
 }
@@ -163,7 +163,7 @@ pub enum PressObjectConfig {
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
-    /// The inside of a sphere. One that is not wider than the sensor is not touched in one point: trials fail.
+    /// The inside of a sphere. If it is not wider than the sensor, the contact is not one point and the trials fail.
     Dish {
         /// Its radius, without a sign.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -173,7 +173,7 @@ pub enum PressObjectConfig {
     Plane {},
 }
 
-/// How deep the press goes, and with which part of the skin.
+/// Indentation, and place of the contact on the skin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressMotionConfig {
@@ -183,7 +183,7 @@ pub struct PressMotionConfig {
     /// Place of the contact on the skin: polar angle from the apex, from 0 to 180, and azimuth from x.
     #[serde(default)]
     pub contact_deg: [f64; 2],
-    /// How far the object then moves sideways, along x, sticking to the skin; of a half-space.
+    /// Sideways movement of the object along x after the press, without slip. Only for a half-space.
     #[serde(default)]
     #[schemars(extend("x-unit" = "length"))]
     pub shift: f64,
@@ -193,7 +193,7 @@ pub struct PressMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
-    /// The cheapest of the others that meets the tolerance: of a layer if there is a `thickness`, else of a half-space.
+    /// The cheapest other model that meets the tolerance: a layer if `thickness` is given, otherwise a half-space.
     Auto {
         /// Thickness of the layer on a rigid core, at most the radius of the sensor; without it there is no core.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -208,7 +208,7 @@ pub enum PressModelConfig {
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
     },
-    /// Hertz contact, seen at the skin's surface whatever the markers' depth.
+    /// Hertz contact with displacements at the skin's surface, also for markers below it.
     Hertz {
         /// Poisson's ratio of the soft body.
         #[serde(default = "half")]
@@ -222,7 +222,7 @@ pub enum PressModelConfig {
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
     },
-    /// An incompressible layer bonded to a rigid core; the contact is solved for.
+    /// An incompressible layer bonded to a rigid core; the contact is computed numerically.
     BondedLayer {
         /// Thickness of the layer, at most the radius of the sensor.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -278,167 +278,106 @@ impl PressModelConfig {
     }
 }
 
-/// Errors of the readings; what is absent has none.
+/// Errors of the readings; a missing one is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's displacement along the normal; behind a camera, on top of what its pictures err by.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal_displacement: Option<LengthNoise>,
-    /// Error of each component of each marker's displacement along the skin; behind a camera, likewise.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tangential_displacement: Option<LengthNoise>,
-    /// Error of the known indentation that the estimator is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub indentation: Option<LengthNoise>,
-    /// Error of a factor, which should be 1, on all normal displacements of a press.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gain: Option<GainNoise>,
-    /// Markers that err by more, others in every trial.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Error of each marker's displacement along the normal; of a camera sensor, in addition to the errors of its images.
+    pub normal_displacement: Option<ReadingNoise<Length>>,
+    /// Error of each component of each marker's displacement along the skin; of a camera sensor, in addition to the errors of its images.
+    pub tangential_displacement: Option<ReadingNoise<Length>>,
+    /// Error of the indentation that the estimator receives.
+    pub indentation: Option<ReadingNoise<Length>>,
+    /// Error of the factor on all normal displacements of a press, which should be 1.
+    pub gain: Option<ReadingNoise<Pure>>,
+    /// Markers with a larger error, drawn anew in every trial.
     pub wrong_markers: Option<WrongMarkers>,
-    /// Error of each colour of each pixel of a rendered frame.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pixel: Option<PixelNoise>,
-    /// Error of each marker's mean hue, of a projected sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hue: Option<HueNoise>,
-    /// Error of each coordinate of each marker's centroid, of a projected sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub centroid: Option<CentroidNoise>,
-    /// Error of each marker's size, of a projected sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub size: Option<SizeNoise>,
-    /// Markers that a camera does not see once the sensor is pressed, others in every trial.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Error of each colour of each pixel of a rendered frame, in levels; full light has 255.
+    pub pixel: Option<ReadingNoise<Level>>,
+    /// Error of each marker's mean hue, turns; of a projected sensor.
+    pub hue: Option<ReadingNoise<Pure>>,
+    /// Error of each coordinate of each marker's centroid, pixels; of a projected sensor.
+    pub centroid: Option<ReadingNoise<Pure>>,
+    /// Relative error of each marker's size; of a projected sensor.
+    pub size: Option<ReadingNoise<Pure>>,
+    /// Markers that are missing in the pressed frame, drawn anew in every trial.
     pub lost_markers: Option<LostMarkers>,
-    /// How far the sensor before a camera departs from what calibration knows of it: another sensor in every trial, with
-    /// frames at rest and misalignments of its own. An estimator of kind `image` is told the standard deviations.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Departure of a camera sensor from its calibration. The sensor is redrawn in every trial, with its own frames at
+    /// rest and misalignments. These standard deviations are an input of the estimator `image`.
     pub sensor: Option<SensorNoise>,
 }
 
-/// Standard deviations of what calibration knows only roughly of a sensor; what is absent is known exactly.
+/// Standard deviations of the sensor parameters that calibration leaves; a missing one is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
     /// Standard deviation of either coordinate of the image's centre, pixels: the phase of the pixel grid, and the camera's aim.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,
     /// Standard deviation of the pixels per radian, as a share.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub scale: f64,
     /// Standard deviation of each coordinate of the camera's place.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub place: f64,
     /// Standard deviation of the camera's turn about each axis.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub turn_deg: f64,
     /// Standard deviation of the depth of the discs of either colour.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub disc_depth: f64,
     /// Standard deviation of the diameter of the discs of either colour, as a share.
-    #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Standard deviation of the share of red, of green and of blue light that discs of either colour let through.
-    #[serde(default)]
+    /// Standard deviation of the share of red, of green and of blue light that the discs of either colour transmit.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
 }
 
-/// Error of a length.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Distribution of the error of a reading. `S` is the type of its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum LengthNoise {
+pub enum ReadingNoise<S> {
     /// Gaussian with mean 0.
     Gaussian {
         /// Standard deviation.
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        std: f64,
+        std: S,
     },
 }
 
-/// Error of a factor.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum GainNoise {
-    /// Gaussian with mean 0.
-    Gaussian {
-        /// Standard deviation, a share of the displacement.
-        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
-        std: f64,
-    },
-}
+/// A length that is not negative.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+#[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+pub struct Length(pub f64);
 
-/// Error of a pixel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum PixelNoise {
-    /// Gaussian with mean 0.
-    Gaussian {
-        /// Standard deviation, in levels of which full light has 255.
-        #[schemars(extend("minimum" = 0, "maximum" = 255, "x-unit" = "1"))]
-        std: f64,
-    },
-}
+/// A pure number that is not negative.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+#[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+pub struct Pure(pub f64);
 
-/// Error of a hue.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum HueNoise {
-    /// Gaussian with mean 0.
-    Gaussian {
-        /// Standard deviation, turns.
-        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
-        std: f64,
-    },
-}
+/// A level of light; full light has 255.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+#[schemars(extend("minimum" = 0, "maximum" = 255, "x-unit" = "1"))]
+pub struct Level(pub f64);
 
-/// Error of a place in the image.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum CentroidNoise {
-    /// Gaussian with mean 0.
-    Gaussian {
-        /// Standard deviation, pixels.
-        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
-        std: f64,
-    },
-}
-
-/// Error of a size in the image.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum SizeNoise {
-    /// Gaussian with mean 0.
-    Gaussian {
-        /// Standard deviation, a share of the size.
-        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
-        std: f64,
-    },
-}
-
-/// Markers that are not seen.
+/// Markers that are missing in the pressed frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostMarkers {
-    /// How many, drawn anew in every trial.
+    /// Number of these markers, which are drawn anew in every trial.
     pub count: u32,
 }
 
-/// Markers that are taken for others, say.
+/// Markers with a larger error, for example because they were confused with others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WrongMarkers {
-    /// How many, drawn anew in every trial.
+    /// Number of these markers, which are drawn anew in every trial.
     pub count: u32,
-    /// Standard deviation of their Gaussian error on top of the others': of the normal displacement and of both tangential components.
+    /// Standard deviation of their additional Gaussian error, of the normal displacement and of both tangential components.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub std: f64,
 }

@@ -1,106 +1,70 @@
-//! How curvature follows from the readings of a press.
+//! The estimator of a press.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How curvature follows from the readings: a least-squares fit of what one of these bodies does.
+/// The estimator of the curvature: a least-squares fit of one of these bodies to the readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
     /// An elastic half-space at the markers' depth.
     HalfSpace {
         /// Poisson's ratio; by default the model's, or 0.5 where that has none.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Whether the indentation is given.
-        #[serde(default)]
-        indentation: Indentation,
-        /// Standard deviation that the estimator ascribes to an indentation that is given.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        indentation_std: f64,
-        /// Whether displacements are known to be 0 without a press.
-        #[serde(default)]
-        baseline: Baseline,
-        /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
-        gain_std: f64,
-        /// Whether the noise of displacements is told.
-        #[serde(default)]
-        noise: NoiseKnown,
+        /// Prior of the indentation.
+        #[serde(flatten)]
+        prior: IndentationPrior,
+        /// Priors of the displacements.
+        #[serde(flatten)]
+        displacements: DisplacementPriors,
     },
     /// An incompressible layer bonded to a rigid core.
     BondedLayer {
         /// Thickness of the layer; by default the model's.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Whether the indentation is given.
-        #[serde(default)]
-        indentation: Indentation,
-        /// Standard deviation that the estimator ascribes to an indentation that is given.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        indentation_std: f64,
-        /// Whether displacements are known to be 0 without a press.
-        #[serde(default)]
-        baseline: Baseline,
-        /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
-        gain_std: f64,
-        /// Whether the noise of displacements is told.
-        #[serde(default)]
-        noise: NoiseKnown,
+        /// Prior of the indentation.
+        #[serde(flatten)]
+        prior: IndentationPrior,
+        /// Priors of the displacements.
+        #[serde(flatten)]
+        displacements: DisplacementPriors,
     },
-    /// The 2020 paper's Gaussian, R = c σ²/δ, fitted to normal displacements. Its amplitude is fitted too where the
-    /// indentation is given, and stands for the indentation where it is not.
+    /// The 2020 paper's Gaussian, R = c σ²/δ, fitted to normal displacements. If the indentation is
+    /// given, the amplitude is fitted too; otherwise the amplitude is the indentation.
     Gaussian {
-        /// The c; by default what gives the sensor's own radius on a plane pressed as deep, without noise.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// The c; by default the value that gives the sensor's own radius on a plane at the same indentation without noise.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
         c: Option<f64>,
-        /// Only markers within this distance of the contact count; by default all.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// Only markers within this distance of the contact are fitted; by default all.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         window: Option<f64>,
-        /// Whether the indentation is given.
-        #[serde(default)]
-        indentation: Indentation,
-        /// Standard deviation that the estimator ascribes to an indentation that is given.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        indentation_std: f64,
+        /// Prior of the indentation.
+        #[serde(flatten)]
+        prior: IndentationPrior,
         /// Whether displacements are known to be 0 without a press.
         #[serde(default)]
         baseline: Baseline,
-        /// Whether the noise of displacements is told.
+        /// Whether the noise of displacements is stated or estimated.
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// A layer bonded to a rigid core, where there is a `thickness`, else a half-space, as a camera sees it: fitted to
-    /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
-    /// roughly the sensor is known (`noise.sensor`).
+    /// The images of the markers on a layer bonded to a rigid core if there is a `thickness`, otherwise on a half-space: fitted to
+    /// centroid, hue and size of each marker, at rest and pressed. Its inputs include the errors that the tracker
+    /// states and the standard deviations of the sensor parameters (`noise.sensor`).
     Image {
         /// Thickness of the layer; by default the model's, if that has one and `poisson` is left out.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none. Where it is given and
-        /// `thickness` is not, the body is a half-space, whatever the model is.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none. If it is given and
+        /// `thickness` is not, the body is a half-space, also if the model is a layer.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Whether the indentation is given.
-        #[serde(default)]
-        indentation: Indentation,
-        /// Standard deviation that the estimator ascribes to an indentation that is given.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-        indentation_std: f64,
-        /// Standard deviation that the estimator ascribes to a sideways move of the object, along either axis; of a
+        /// Prior of the indentation.
+        #[serde(flatten)]
+        prior: IndentationPrior,
+        /// Standard deviation that the estimator assumes for a sideways movement of the object, along either axis; of a
         /// half-space.
         #[serde(default)]
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
@@ -112,13 +76,34 @@ impl Default for PressEstimatorConfig {
     fn default() -> Self {
         Self::HalfSpace {
             poisson: None,
-            indentation: Indentation::default(),
-            indentation_std: 0.0,
-            baseline: Baseline::default(),
-            gain_std: 0.0,
-            noise: NoiseKnown::default(),
+            prior: IndentationPrior::default(),
+            displacements: DisplacementPriors::default(),
         }
     }
+}
+
+/// Prior of the indentation, which all press estimators have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct IndentationPrior {
+    /// Whether the indentation is given.
+    pub indentation: Indentation,
+    /// Standard deviation that the estimator assumes for a given indentation.
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub indentation_std: f64,
+}
+
+/// Priors of displacements that estimators with an elastic body have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct DisplacementPriors {
+    /// Whether displacements are known to be 0 without a press.
+    pub baseline: Baseline,
+    /// Standard deviation that the estimator assumes for the factor on all normal displacements.
+    #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
+    pub gain_std: f64,
+    /// Whether the noise of displacements is stated or estimated.
+    pub noise: NoiseKnown,
 }
 
 /// The settings that all press estimators have.
@@ -126,66 +111,54 @@ impl Default for PressEstimatorConfig {
 pub struct PressPriors {
     /// Whether the indentation is given.
     pub indentation: Indentation,
-    /// Standard deviation ascribed to an indentation that is given, length.
+    /// Standard deviation that the estimator assumes for a given indentation, length.
     pub indentation_std: f64,
     /// Whether displacements are known to be 0 without a press.
     pub baseline: Baseline,
-    /// Standard deviation ascribed to the factor on all normal displacements; `None` for a Gaussian, whose amplitude replaces
-    /// the factor.
+    /// Standard deviation of the factor on all normal displacements; `None` for a Gaussian, whose amplitude replaces the
+    /// factor.
     pub gain_std: Option<f64>,
-    /// Whether the noise of displacements is told.
+    /// Whether the noise of displacements is stated or estimated.
     pub noise: NoiseKnown,
 }
 
 impl PressEstimatorConfig {
     /// The settings that all kinds have.
-    pub const fn priors(&self) -> PressPriors {
-        let (indentation, indentation_std) = match *self {
+    pub fn priors(&self) -> PressPriors {
+        let (prior, displacements) = match *self {
             Self::HalfSpace {
-                indentation,
-                indentation_std,
+                prior,
+                displacements,
                 ..
             }
             | Self::BondedLayer {
-                indentation,
-                indentation_std,
+                prior,
+                displacements,
                 ..
-            }
-            | Self::Gaussian {
-                indentation,
-                indentation_std,
-                ..
-            }
-            | Self::Image {
-                indentation,
-                indentation_std,
-                ..
-            } => (indentation, indentation_std),
-        };
-        let (baseline, gain_std, noise) = match *self {
-            Self::HalfSpace {
-                baseline,
-                gain_std,
-                noise,
-                ..
-            }
-            | Self::BondedLayer {
-                baseline,
-                gain_std,
-                noise,
-                ..
-            } => (baseline, Some(gain_std), noise),
+            } => (prior, displacements),
             Self::Gaussian {
-                baseline, noise, ..
-            } => (baseline, None, noise),
-            Self::Image { .. } => (Baseline::Known, Some(0.0), NoiseKnown::Stated),
+                prior,
+                baseline,
+                noise,
+                ..
+            } => {
+                let gain_std = 0.0;
+                let displacements = DisplacementPriors {
+                    baseline,
+                    gain_std,
+                    noise,
+                };
+                (prior, displacements)
+            }
+            Self::Image { prior, .. } => (prior, DisplacementPriors::default()),
         };
+        let has_gain = !matches!(self, Self::Gaussian { .. });
         PressPriors {
-            indentation,
-            indentation_std,
-            baseline,
-            gain_std,
-            noise,
+            indentation: prior.indentation,
+            indentation_std: prior.indentation_std,
+            baseline: displacements.baseline,
+            gain_std: has_gain.then_some(displacements.gain_std),
+            noise: displacements.noise,
         }
     }
 
@@ -232,10 +205,10 @@ impl PressEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indentation {
-    /// A value that something else tells, a robot's pose say.
+    /// A value from another source, for example the pose of a robot.
     #[default]
     Known,
-    /// An unknown, which follows from the displacements.
+    /// An unknown that is estimated from the displacements.
     Fitted,
 }
 
@@ -250,11 +223,11 @@ pub enum Baseline {
     Fitted,
 }
 
-/// Source of the noise of displacements that the estimator reckons with.
+/// Source of the noise of displacements that the estimator assumes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKnown {
-    /// The noise of the scene; found from the residuals where the scene has none.
+    /// The noise of the scene; estimated from the residuals if the scene has none.
     #[default]
     Stated,
     /// The residuals.

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::number_default::{number, whole};
 use super::object::ObjectConfig;
 
 /// A probe rolls on an object without sliding.
@@ -14,7 +15,6 @@ pub struct RollConfig {
     /// The surface that is explored.
     pub object: ObjectConfig,
     /// Place of the first contact: x and y of the object's frame. By default the origin or the top.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// The commanded rotation.
@@ -28,7 +28,7 @@ pub struct RollConfig {
     /// Errors of the rotation.
     #[serde(default)]
     pub noise: RollNoiseConfig,
-    /// How curvature follows from the readings.
+    /// The estimator of the curvature.
     #[serde(default)]
     pub estimator: RollEstimatorConfig,
 }
@@ -99,22 +99,18 @@ pub enum ProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate of rotation. Needed with `duration_s` and with a spin; else only the times of a trace depend on it, which are
-    /// those of 1 rad/s where it is left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Rate of rotation. Needed with `duration_s` and with a spin. Otherwise only the times of a trace depend on it, and
+    /// the default is 1 rad/s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
-    /// How long each probe rolls. Give either this, `arc_length` or `angle_deg`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Duration of each roll. Give either this, `arc_length` or `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["arc_length", "angle_deg"]))]
     pub duration_s: Option<f64>,
-    /// How long the contact's path on the probe is in each roll, without noise. Give either this, `duration_s` or
+    /// Length of the contact's path on the probe in each roll, without noise. Give either this, `duration_s` or
     /// `angle_deg`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["duration_s", "angle_deg"]))]
     pub arc_length: Option<f64>,
     /// Angle by which each probe turns, without noise and spin. Give either this, `duration_s` or `arc_length`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
     /// Rate of rotation about the contact normal.
@@ -124,7 +120,7 @@ pub struct RollMotionConfig {
     #[serde(default = "four_directions_twice")]
     #[schemars(extend("minItems" = 1))]
     pub directions_deg: Vec<f64>,
-    /// Reference that the axis of rotation keeps to while the contact moves.
+    /// Frame in which the axis of rotation is fixed while the contact moves.
     #[serde(default)]
     pub axis: RollAxis,
 }
@@ -133,7 +129,7 @@ fn four_directions_twice() -> Vec<f64> {
     vec![0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0]
 }
 
-/// Reference that the axis of rotation keeps to while the contact moves.
+/// Frame in which the axis of rotation is fixed while the contact moves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollAxis {
@@ -154,11 +150,11 @@ pub enum RollModelConfig {
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the integration, where one is needed.
+        /// Coordinates of the integration, if one is needed.
         #[serde(default)]
         chart: Chart,
     },
-    /// The closed form, where the shapes have one.
+    /// The closed form, if the shapes have one.
     ClosedForm {},
     /// The closed relation along the meridian of a surface of revolution, rolled through its apex.
     Meridian {},
@@ -197,7 +193,7 @@ impl Default for RollModelConfig {
 }
 
 impl RollModelConfig {
-    /// Coordinates of the integration, where there may be one.
+    /// Coordinates of the integration; `None` for a model without one.
     pub fn chart(&self) -> Option<Chart> {
         match *self {
             Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
@@ -212,7 +208,7 @@ impl RollModelConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chart {
-    /// Points and frames in space, without singular places.
+    /// Points and frames in space, which have no singularities.
     #[default]
     Free,
     /// Montana's form in the charts of the two surfaces.
@@ -220,18 +216,19 @@ pub enum Chart {
 }
 
 /// The sensor that reads the contact's place on the probe.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollSensorConfig {
     /// No error.
-    Ideal {},
+    #[default]
+    Ideal,
     /// A force sensor in the wrist, with an isotropic Gaussian error along the probe's surface.
     Wrist {
         /// Standard deviation in each of the two directions.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         std: f64,
     },
-    /// An array of pads, of which the nearest reports its centre.
+    /// An array of pads. The pad nearest to the contact reports its own centre.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -243,73 +240,51 @@ pub enum RollSensorConfig {
         #[serde(default)]
         offset: PadOffset,
         /// Polar angle of the last pad, from the middle of the array.
-        #[serde(default = "right_angle")]
+        #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
     },
 }
 
-impl Default for RollSensorConfig {
-    fn default() -> Self {
-        Self::Ideal {}
-    }
-}
-
-/// Errors of the rotation; what is absent has none.
+/// Errors of the rotation; a missing one is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollNoiseConfig {
     /// Error of the angular velocity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<AngularVelocityNoise>,
     /// Gaussian error of the measured rotation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation: Option<RotationNoise>,
     /// Quantisation of the measured rotation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub encoder: Option<EncoderConfig>,
 }
 
 /// Error of the angular velocity, each component drawn alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
     /// Uniform between −bound and +bound.
-    Uniform {
-        /// The bound as a fraction of the angular speed.
-        #[schemars(extend("minimum" = 0))]
-        fraction: f64,
-        /// How often the error is drawn.
-        #[serde(default)]
-        when: When,
-        /// Rotation that errs: the true motion or its measurement.
-        #[serde(default)]
-        side: Side,
-        /// Draws per probe; only used per instant.
-        #[serde(default = "hundred")]
-        #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
-        instants: u32,
-    },
+    Uniform(AngularVelocityDraws),
     /// Gaussian with mean 0.
-    Gaussian {
-        /// The standard deviation as a fraction of the angular speed.
-        #[schemars(extend("minimum" = 0))]
-        fraction: f64,
-        /// How often the error is drawn.
-        #[serde(default)]
-        when: When,
-        /// Rotation that errs: the true motion or its measurement.
-        #[serde(default)]
-        side: Side,
-        /// Draws per probe; only used per instant.
-        #[serde(default = "hundred")]
-        #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
-        instants: u32,
-    },
+    Gaussian(AngularVelocityDraws),
 }
 
-fn hundred() -> u32 {
-    100
+/// Size of the error of the angular velocity, and when it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AngularVelocityDraws {
+    /// The bound of uniform noise or the standard deviation of Gaussian noise, as a fraction of the angular speed.
+    #[schemars(extend("minimum" = 0))]
+    pub fraction: f64,
+    /// How often the error is drawn.
+    #[serde(default)]
+    pub when: When,
+    /// Rotation that has the error: the true motion or its measurement.
+    #[serde(default)]
+    pub side: Side,
+    /// Draws per probe; only used per instant.
+    #[serde(default = "whole::<100>")]
+    #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
+    pub instants: u32,
 }
 
 /// How often an error is drawn.
@@ -323,14 +298,14 @@ pub enum When {
     PerInstant,
 }
 
-/// Rotation that errs: the true motion or its measurement.
+/// Rotation that has the error: the true motion or its measurement.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// The true motion errs; the estimator sees the command.
+    /// The true motion errs; the estimator receives the command.
     #[default]
     Motion,
-    /// The motion is as commanded; the estimator sees a noisy measurement.
+    /// The motion is as commanded; the estimator receives a noisy measurement.
     Measurement,
 }
 
@@ -342,11 +317,9 @@ pub struct RotationNoise {
     #[serde(default)]
     pub kind: GaussianKind,
     /// Its standard deviation. Give either this or `std_rad`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
     /// Its standard deviation. Give either this or `std_deg`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
 }
@@ -372,11 +345,9 @@ pub enum GaussianKind {
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
     /// Its step. Give either this or `step_rad`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 360, "x-instead-of" = ["step_rad"]))]
     pub step_deg: Option<f64>,
     /// Its step. Give either this or `step_deg`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = std::f64::consts::TAU, "x-instead-of" = ["step_deg"]))]
     pub step_rad: Option<f64>,
 }
@@ -393,18 +364,13 @@ fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
     deg.map(f64::to_radians).or(rad).unwrap_or_default()
 }
 
-/// How curvature follows from the readings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The estimator of the curvature.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
     /// Least squares over all probes.
-    LeastSquares {},
-}
-
-impl Default for RollEstimatorConfig {
-    fn default() -> Self {
-        Self::LeastSquares {}
-    }
+    #[default]
+    LeastSquares,
 }
 
 /// How pads are laid out on the probe.
@@ -429,9 +395,4 @@ pub enum PadOffset {
     Random,
     /// Anywhere within a pad, drawn once per trial: all rolls of the trial start at the same place.
     RandomPerTrial,
-}
-
-/// By default, pads cover half of the fingertip: up to this angle from its middle, degrees.
-pub(super) fn right_angle() -> f64 {
-    90.0
 }

@@ -1,4 +1,4 @@
-//! The JSON Schema of a config: what editors complete from, what configs are validated against, and where units stand.
+//! The JSON Schema of a config. Editors complete keys from it, configs are validated against it, and it states the units.
 
 use super::study::LengthUnit;
 use super::study::StudyConfig;
@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
 /// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
-/// `1` where others of its name have a unit and it has none. `x-instead-of` names the keys beside which a key cannot stand,
+/// `1` where others of its name have a unit and it has none. `x-instead-of` names the keys that exclude a key,
 /// because they state the same in another way. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
 ///
 /// ```
@@ -49,13 +49,11 @@ pub(super) fn variants(schema: &Json) -> &[Json] {
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Leaves out what TOML cannot write (null) and writes the range of 32 bits as a limit.
+/// Removes null, which TOML cannot represent, and states the range of 32 bits as a limit.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
-            if object.get("default").is_some_and(Json::is_null) {
-                object.remove("default");
-            }
+            object.retain(|_, value| !value.is_null());
             if let Some(Json::Array(types)) = object.get_mut("type") {
                 types.retain(|name| name != "null");
                 if let [single] = &types[..] {
@@ -141,7 +139,7 @@ pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     fields.find_map(unit)
 }
 
-/// Paths of the fields that cannot stand beside the one at a path, in whatever kinds.
+/// Paths of the fields that exclude the field at a path, in all kinds.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
     let keys: Vec<&str> = path.split('.').collect();
     let Some((parent, _)) = path.rsplit_once('.') else {

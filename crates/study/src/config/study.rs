@@ -2,6 +2,7 @@
 
 use super::glide::{GlideConfig, GlideModelConfig};
 use super::marker_sensor::BareFingertipConfig;
+use super::number_default::count;
 use super::plot::PlotConfig;
 use super::press::{PressConfig, PressModelConfig};
 use super::roll::{RollConfig, RollModelConfig};
@@ -32,11 +33,10 @@ pub struct StudyConfig {
     #[serde(default)]
     pub seed: u64,
     /// Trials per cell; a scene without noise runs one.
-    #[serde(default = "ten_thousand")]
+    #[serde(default = "count::<10_000>")]
     #[schemars(extend("minimum" = 1))]
     pub trials: u64,
-    /// Rule by which a cell has had enough trials, instead of a number of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Rule that ends the trials of a cell, instead of a number of trials.
     pub stop: Option<StopConfig>,
     /// Numbers of the published claims that are scored from this study's tables.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -45,13 +45,12 @@ pub struct StudyConfig {
     #[serde(default = "cells_only")]
     pub outputs: Vec<Output>,
     /// Version of the crate that wrote a resolved config; ignored when read.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crate_version: Option<String>,
     /// Names of the columns of recorded readings that `palpate estimate --like` takes with this study, by palpate's own
     /// names: `x = "Finger X [m]"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub columns: ColumnNames,
-    /// The scene: the bodies that touch, and how that is modelled, sensed and estimated.
+    /// The scene: the bodies in contact, the model, the sensor and the estimator.
     pub scene: SceneConfig,
     /// Axes along which fields are varied; axes multiply, the first varies slowest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -73,13 +72,12 @@ pub struct StopConfig {
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub relative_standard_error: f64,
     /// Quantity that is watched, as the results name it; by default the first of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<String>,
     /// Statistic that is watched.
     #[serde(default)]
     pub statistic: StopStatistic,
     /// Fewest trials per cell.
-    #[serde(default = "a_block")]
+    #[serde(default = "count::<1024>")]
     #[schemars(extend("minimum" = 1))]
     pub min_trials: u64,
     /// Most trials per cell.
@@ -98,14 +96,6 @@ pub enum StopStatistic {
     RmsError,
     /// Mean magnitude of the error.
     MeanAbsError,
-}
-
-fn a_block() -> u64 {
-    1024
-}
-
-fn ten_thousand() -> u64 {
-    10_000
 }
 
 fn cells_only() -> Vec<Output> {

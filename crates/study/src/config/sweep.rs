@@ -14,35 +14,26 @@ use toml::Value;
 #[serde(deny_unknown_fields)]
 pub struct SweepConfig {
     /// The field: keys and array indices joined by dots, e.g. `scene.object.radius`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     /// Fields that move together; each of `values` is then an array with one value per field.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minItems" = 1))]
     pub paths: Option<Vec<String>>,
     /// The values. A table needs a `label`, which the results show in its place.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<serde_json::Value>>", extend("minItems" = 1))]
     pub values: Option<Vec<toml::Value>>,
     /// First value of a range.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// Last value of a range.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
     /// Number of values of a range, both ends included.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
     /// How a range is divided. Values between the ends are rounded to 12 digits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<Spacing>,
     /// How points are chosen in `ranges`, `count` of them: far fewer than a grid of as many fields needs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sample: Option<Sample>,
     /// Ranges of the fields that are sampled, by their paths. The order of the paths in the alphabet is that of the
     /// columns.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ranges: Option<BTreeMap<String, RangeConfig>>,
 }
 

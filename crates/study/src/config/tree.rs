@@ -68,15 +68,20 @@ pub(super) fn at<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(tree, child)
 }
 
+/// The value at a path, if there is one; the tree itself at an empty path.
+pub(super) fn at_mut<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
+    let mut keys = path.split('.').filter(|key| !key.is_empty());
+    keys.try_fold(tree, child_mut)
+}
+
 /// Takes the value at a path out of its table, if there is one.
 pub(super) fn take(tree: &mut Value, path: &str) -> Option<Value> {
     let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
-    let mut keys = parents.split('.').filter(|key| !key.is_empty());
-    keys.try_fold(tree, child_mut)?.as_table_mut()?.remove(key)
+    at_mut(tree, parents)?.as_table_mut()?.remove(key)
 }
 
-/// Puts a value at a path of keys and array indices. Everything but the last key must exist. The error says what is in the
-/// way.
+/// Puts a value at a path of keys and array indices. Everything but the last key must exist. The error names the value
+/// that prevents it.
 pub(super) fn set(tree: &mut Value, path: &str, value: Value) -> Result<(), String> {
     let (parents, last) = path.rsplit_once('.').unwrap_or(("", path));
     let (mut node, mut walked) = (tree, String::new());
@@ -176,7 +181,7 @@ pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
 }
 
 /// "did you mean `radius`? (known: kind, radius)", or only the known words if none is near.
-pub(super) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+pub(crate) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all = known.clone().collect::<Vec<_>>().join(", ");
     match nearest(word, known) {
         Some(nearest) => format!("did you mean `{nearest}`? (known: {all})"),

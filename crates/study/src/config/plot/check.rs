@@ -1,6 +1,7 @@
 //! Rules of plots that no schema states: which keys, tables and columns go together.
 
-use super::{PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale};
+use super::{PlotConfig, PlotKind, Points, Scale};
+use crate::Statistic;
 use crate::config::error::Fault;
 use crate::config::grid::Grid;
 use crate::config::study::Output;
@@ -61,9 +62,8 @@ fn check_keys(keys: &[&str], plot: &PlotConfig) -> Result<(), Fault> {
         return Err(Fault::new("missing key").under(key));
     }
     let (name, known) = plot.kind.keys();
-    let is_stray = |key: &&&str| **key != "kind" && !known.contains(key);
+    let is_stray = |key: &&&str| **key != "kind" && !known.split(", ").any(|known| known == **key);
     if let Some(key) = keys.iter().find(is_stray) {
-        let known = known.join(", ");
         let message = format!("unknown key for kind `{name}`; known: {known}, kind");
         return Err(Fault::of_key(key, message));
     }
@@ -102,7 +102,9 @@ fn scene_kind(grid: &Grid) -> Option<&str> {
 /// The statistics that a table of this scene's cells has.
 fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
     let bound = scene_kind(grid) == Some("press");
-    STATISTICS.into_iter().chain(bound.then_some(STD_BOUND))
+    let all = Statistic::ALL.into_iter();
+    let all = all.chain(bound.then_some(Statistic::StdBound));
+    all.map(|statistic| -> &str { statistic.name() })
 }
 
 fn check_columns(plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
@@ -174,8 +176,8 @@ fn check_points(
     Ok(())
 }
 
-/// Checks that points belong to a series and a panel that the plot has. The lines of a profile have labels that only
-/// its table tells.
+/// Checks that points belong to a series and a panel that the plot has. The labels of a profile's lines are only in
+/// its table.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),
