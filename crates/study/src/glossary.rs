@@ -51,6 +51,9 @@ subjects! {
         "claim": "A statement of one of the reproduced papers that is scored from a study's tables: it holds, differs or cannot be tested.";
     }
     "Surfaces and contact" {
+        "probe": "The body that touches: a fingertip, a point, or a soft sphere with markers.";
+        "u": "First tangent direction at the contact. For a roll it is the x axis of the first contact frame, so normal_curvature_u is the object's curvature in that direction.";
+        "v": "Second tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius: how fast a surface turns, positive where it is convex. All curvatures are in 1/length.";
         "relative curvature": "Curvature of the sensor plus that of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls it is a form with a value in each direction.";
         "principal curvatures": "The least and the greatest normal curvature at a place, k_min and k_max, in directions at right angles to each other.";
@@ -80,6 +83,7 @@ subjects! {
     }
     "Sensors and noise" {
         "pad": "Element of a tactile array. It reports a contact anywhere on it as its centre. A roll whose contact stays on one pad gives only a bound on the radius.";
+        "encoder": "Sensor of the rotation of a roll. It reports whole steps (`scene.noise.encoder`).";
         "pitch": "Distance between neighbouring pads or markers, length.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers, and the unit in which the 1996 paper counts the noise of positions (`fraction_of_ifd`, `axis_fractions`).";
         "marker": "Coloured disc under the skin of a camera sensor, or a pair of discs at two depths; presses move it.";
@@ -121,6 +125,23 @@ subjects! {
         "knots-exhausted": "Status of two-pass: the smoothing sum is too small to be met with the knots that there can be; curvatures are of no use. A larger --smoothing helps.";
         "unsettled": "Status of two-pass: the parameter that balances residuals against roughness was not found; curvatures are of no use. Another --smoothing helps.";
         "never-enough": "Of two objects: no number of trials distinguishes them, because each trial is as likely to put them in the wrong order.";
+    }
+    "Fields of estimates" {
+        "amplification_u": "Factor from a relative error of a roll's readings to that of the curvature along u: 1 + 1/RCR. `amplification_v` is that along v.";
+        "principal_curvature_min": "Smallest normal curvature from rolls; `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v.";
+        "residual_rms": "Root mean square of the shifts that the fit of rolls does not explain.";
+        "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
+        "unresolved_probes": "Rolls during which no pad changed, with the bound on the object's radius if there is one.";
+        "k_min": "Smallest normal curvature at a place; `direction_of_min` is its direction.";
+        "k_max": "Largest normal curvature at a place; `direction_of_max` is its direction.";
+        "class_probabilities": "Probability of each of the eight shape classes, by the uncertainty of K and H.";
+        "sign_class": "Class by the signs of the principal curvatures alone: convex, concave or saddle.";
+        "regions": "Connected parts of a patch that have one shape class, with area, mean curvatures, direction and coherence.";
+        "status": "Outcome of a smoothing spline of two-pass. The curvature is usable unless it is knots-exhausted or unsettled.";
+        "contact": "Place of the contact on the skin: x and y along the skin from the apex.";
+        "regime": "Kind of contact of a press: convex, flat, concave, conforming or edge.";
+        "unit": "Unit of a value. Curvatures have the inverse of the length unit.";
+        "format_version": "Version of the JSON. It rises if a key goes or changes its meaning.";
     }
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";

@@ -18,6 +18,15 @@ fn words_are_explained() {
         ("relative curvature", "1/R_s + 1/R_o"),
         ("coverage95", "Share of the estimator's 95 % intervals"),
         ("fingertip", "A scene without an object"),
+        ("u", "First tangent direction"),
+        (
+            "Encoder",
+            "scene.noise.encoder\n  Quantisation of the measured rotation",
+        ),
+        (
+            "radius",
+            "scene.probe.radius\n  Radius of the skin. Unit: length.\n",
+        ),
     ] {
         desk.palpate(&format!("explain {word}")).prints(words);
     }
@@ -37,6 +46,23 @@ fn words_are_explained() {
     );
     desk.palpate("explain zzzzzz")
         .fails(2, "`palpate explain` lists all words");
+}
+
+#[test]
+fn the_glossary_has_words_quantities_statistics_and_keys() {
+    let glossary = Desk::new().palpate("explain --markdown").printed();
+    for row in [
+        "| rung | One of several models",
+        "| `mean_curvature` | Mean curvature of the object. Unit: 1/length. Scenes: roll, glide. |",
+        "| `rms_error` | Root mean square of the errors. |",
+        "| `scene.object.kind` | `dish`: The inside of a sphere, touched on its lower half. |",
+    ] {
+        assert!(glossary.contains(&format!("\n{row}")), "{row}: {glossary}");
+    }
+    let columns = glossary.lines().filter(|line| line.starts_with('|'));
+    for line in columns {
+        assert_eq!(line.replace("\\|", "").matches('|').count(), 3, "{line}");
+    }
 }
 
 #[test]

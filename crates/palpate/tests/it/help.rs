@@ -24,12 +24,18 @@ fn every_command_shows_an_example() {
     ];
     for command in commands {
         let printed = Desk::new().palpate(&format!("{command} --help")).printed();
-        let example = printed.split("Example").nth(1).unwrap_or_default();
+        let (example, _) = printed.split_once("\n\n").unwrap_or_default();
         assert!(
-            example.contains(&format!("palpate {command}")),
+            example.starts_with("Example") && example.contains(&format!("palpate {command}")),
             "{command}: {printed}"
         );
     }
+}
+
+#[test]
+fn no_command_shows_first_steps() {
+    let printed = Desk::new().palpate("").printed();
+    assert_eq!(printed.matches("\n  palpate ").count(), 4, "{printed}");
 }
 
 #[test]

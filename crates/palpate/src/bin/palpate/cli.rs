@@ -159,10 +159,11 @@ Example:
   palpate schema > palpate.schema.json
   palpate schema --quantities")]
     Schema(SchemaArgs),
-    /// Tell what a word means: a failure, a status, an estimator, a quantity, a term of the trade.
+    /// Explain a word: a failure, a status, an estimator, a quantity, a key of configs, a term of the field.
     #[command(after_help = "Examples:
   palpate explain not-rolling
   palpate explain relative curvature
+  palpate explain radius
   palpate explain")]
     Explain(ExplainArgs),
 }
@@ -339,6 +340,9 @@ pub(crate) struct SchemaArgs {
 pub(crate) struct ExplainArgs {
     /// The word or words; none to list all.
     pub(crate) term: Vec<String>,
+    /// Print all words with their meanings as Markdown: the glossary of the book.
+    #[arg(long, conflicts_with = "term")]
+    pub(crate) markdown: bool,
 }
 
 #[derive(Debug, Args)]

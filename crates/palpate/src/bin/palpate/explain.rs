@@ -3,8 +3,11 @@
 use std::fmt::Write as _;
 
 use anyhow::anyhow;
+use palpate_study::config::schema;
 use palpate_study::glossary::{SUBJECTS, meaning, similar};
+use palpate_study::readings::spelt;
 use palpate_study::{Quantity, Statistic, Unit};
+use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::output;
@@ -20,23 +23,117 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
             let names = names.join(", ");
             format!("{}\n{}", subject.title, wrapped(&names, "  "))
         });
-        let others = "`palpate explain WORD` tells what it means; quantities and statistics, which it explains too, are \
-                      listed by `palpate schema --quantities`.";
+        let others = "`palpate explain WORD` explains one. It also explains the quantities and statistics that \
+                      `palpate schema --quantities` lists, and every key of configs.";
         let all: Vec<String> = subjects.chain([wrapped(others, "")]).collect();
         return output::print(&all.join("\n\n"));
     }
-    let Some(term) = meaning(word) else {
-        let known = similar(word);
-        let known = match known.is_empty() {
-            true => "`palpate explain` lists all words".to_owned(),
-            false => format!("did you mean {}?", known.join(", ")),
+    let term = meaning(word).map(|term| (term.name.to_owned(), term.meaning.to_owned()));
+    let keys = config_keys()
+        .into_iter()
+        .filter(|(path, _)| spelt(path.rsplit('.').next().unwrap_or_default()) == spelt(word));
+    let entries: Vec<String> = term
+        .into_iter()
+        .chain(keys)
+        .map(|(name, meaning)| format!("{name}\n{}", wrapped(&meaning, "  ")))
+        .collect();
+    if entries.is_empty() {
+        let similar = match similar(word) {
+            similar if similar.is_empty() => "`palpate explain` lists all words".to_owned(),
+            similar => format!("did you mean {}?", similar.join(", ")),
         };
         return Err(Failure::usage(anyhow!(
-            "`{}` is no word of palpate; {known}",
+            "`{}` is no word of palpate; {similar}",
             word.trim()
         )));
-    };
-    output::print(&format!("{}\n{}", term.name, wrapped(term.meaning, "  ")))
+    }
+    output::print(&entries.join("\n"))
+}
+
+/// Prints all words as Markdown.
+pub(crate) fn glossary() -> Result<(), Failure> {
+    let mut text = "# Glossary\n\n`palpate explain WORD` prints one entry. `cargo xtask book` writes this page from \
+                    `palpate explain --markdown`.\n"
+        .to_owned();
+    for subject in SUBJECTS {
+        let rows = subject
+            .terms
+            .iter()
+            .map(|term| (term.name.to_owned(), term.meaning.to_owned()));
+        text += &section(subject.title, "word", rows);
+    }
+    let quantities = Quantity::ALL.iter().map(|quantity| {
+        let unit = in_words(quantity.unit);
+        let scenes = quantity.scenes.join(", ");
+        let meaning = quantity.meaning.trim();
+        (
+            format!("`{}`", quantity.name),
+            format!("{meaning} Unit: {unit}. Scenes: {scenes}."),
+        )
+    });
+    text += &section("Quantities", "quantity", quantities);
+    let statistics = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
+    let statistics =
+        statistics.map(|one| (format!("`{}`", one.name()), one.meaning().trim().to_owned()));
+    text += &section("Statistics of a grid point", "statistic", statistics);
+    let keys = config_keys()
+        .into_iter()
+        .map(|(path, meaning)| (format!("`{path}`"), meaning));
+    text += &section("Keys of configs", "key", keys);
+    output::print(text.trim_end())
+}
+
+/// A section of the glossary with a table.
+fn section(title: &str, column: &str, rows: impl Iterator<Item = (String, String)>) -> String {
+    let cell = |text: String| text.replace('\n', " ").replace('|', "\\|");
+    let rows: String = rows
+        .map(|(name, meaning)| format!("| {} | {} |\n", cell(name), cell(meaning)))
+        .collect();
+    format!("\n## {title}\n\n| {column} | meaning |\n|---|---|\n{rows}")
+}
+
+/// Keys of configs by their paths, with unit, default and meaning. A key that several kinds of scenes describe alike is
+/// listed once.
+fn config_keys() -> Vec<(String, String)> {
+    let mut keys = Vec::new();
+    collect_keys(&schema(), "", &mut keys);
+    keys
+}
+
+fn collect_keys(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
+    for (name, key) in schema["properties"].as_object().into_iter().flatten() {
+        let path = match path {
+            "" => name.clone(),
+            _ => format!("{path}.{name}"),
+        };
+        let described = |key: &Value| key["description"].as_str().map(str::to_owned);
+        let meaning = match key["const"].as_str() {
+            Some(kind) => described(schema).map(|text| format!("`{kind}`: {text}")),
+            None => described(key),
+        };
+        if let Some(mut meaning) = meaning {
+            if let Some(unit) = key["x-unit"].as_str().filter(|unit| *unit != "1") {
+                let _ = write!(meaning, " Unit: {unit}.");
+            }
+            let default = &key["default"];
+            if default.is_number() || default.is_boolean() || default.is_string() {
+                let _ = write!(meaning, " Default: {default}.");
+            }
+            let entry = (path.clone(), meaning);
+            if !keys.contains(&entry) {
+                keys.push(entry);
+            }
+        }
+        collect_keys(key, &path, keys);
+    }
+    for variant in schema["oneOf"].as_array().into_iter().flatten() {
+        collect_keys(variant, path, keys);
+    }
+    for part in ["items", "additionalProperties"] {
+        if let Some(schema) = schema.get(part) {
+            collect_keys(schema, path, keys);
+        }
+    }
 }
 
 /// Prints the quantities and statistics that plots may name.

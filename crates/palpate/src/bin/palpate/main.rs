@@ -25,13 +25,35 @@ mod submit;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use cli::{Cli, Command, ErrorFormat, Estimator, Scheduler};
 use failure::Failure;
 
+/// What `palpate` prints without a command.
+const FIRST_STEPS: &str = "\
+palpate estimates the curvature of a surface from touch. Four first steps, in a clone of the repository:
+
+  palpate check examples/press-a-ball.toml
+      Prints the models of a study, and how long a run takes.
+  palpate run examples/press-a-ball.toml && palpate plot out/press-a-ball
+      Runs the study and draws its figures.
+  palpate design examples/pads-for-a-ball.toml --set arc_length=4 --vary pitch=0.05..2 \\
+    --target 'relative_rms_error(mean_curvature) <= 5 %'
+      Finds the sensor pitch that meets a target.
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
+      Estimates curvature from your own readings.
+
+`palpate help` lists all commands, `palpate help COMMAND` shows examples of one, and
+`palpate explain WORD` explains a word.";
+
 fn main() -> ExitCode {
-    let (command, format) = match Cli::try_parse() {
+    if std::env::args_os().len() < 2 {
+        println!("{FIRST_STEPS}");
+        return ExitCode::SUCCESS;
+    }
+    let parsed = examples_first(Cli::command()).try_get_matches();
+    let (command, format) = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(Cli {
             command,
             error_format,
@@ -54,6 +76,21 @@ fn main() -> ExitCode {
             failure.exit_code()
         }
     }
+}
+
+/// The command and its subcommands, each with the examples of its help in front.
+fn examples_first(command: clap::Command) -> clap::Command {
+    let command = command.mut_subcommands(examples_first);
+    let help = command.get_after_help().map(ToString::to_string);
+    let Some((before, examples)) = help.as_deref().and_then(|help| {
+        let start = help.find("Example:").or_else(|| help.find("Examples:"))?;
+        Some(help.split_at(start))
+    }) else {
+        return command;
+    };
+    let (examples, after) = examples.split_once("\n\n").unwrap_or((examples, ""));
+    let rest = format!("{before}{after}").trim().to_owned();
+    command.before_help(examples.to_owned()).after_help(rest)
 }
 
 /// Whether arguments that cannot be read ask for errors as JSON.
@@ -81,6 +118,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),
         Command::Schema(args) => schema(args.quantities),
+        Command::Explain(args) if args.markdown => explain::glossary(),
         Command::Explain(args) => explain::explain(&args.term.join(" ")),
     }
 }
