@@ -6,9 +6,7 @@ use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
 use crate::programs::{FEATURES, PYTHON};
-use crate::{
-    assay_harness, bench_check, crate_imports, programs, python, readme, reproduce, tools,
-};
+use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
 
 /// Environment for checks of the Python package, which need no interpreter to link against.
 const NO_INTERPRETER: [(&str, &str); 2] = [
@@ -32,7 +30,7 @@ const STEPS: [Step; 14] = [
     ("answers", assay_harness::check_answers),
     ("python", python),
     ("instructions and accuracy", bench),
-    ("README", readme::check),
+    ("documents", book::check),
 ];
 
 /// Runs every step; stops at the first that fails.

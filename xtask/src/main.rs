@@ -4,6 +4,7 @@
 mod assay_harness;
 mod baseline;
 mod bench_check;
+mod book;
 mod ci;
 mod compare;
 mod crate_imports;
@@ -11,7 +12,6 @@ mod fuzz;
 mod peers;
 mod programs;
 mod python;
-mod readme;
 mod reproduce;
 mod scale;
 mod tools;
@@ -34,7 +34,7 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Run all checks of a change: format, lints, tests, docs, licences, results, README.
+    /// Run all checks of a change: format, lints, tests, docs, licences, results, documents.
     Ci,
     /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
     Reproduce(reproduce::Options),
@@ -54,6 +54,8 @@ enum Task {
     Python(python::Options),
     /// Fuzz the readers of files.
     Fuzz(fuzz::Options),
+    /// Write the glossary, and build the book from README.md and docs/.
+    Book,
     /// Check that crates import each other only as ARCHITECTURE.md allows.
     House,
 }
@@ -85,6 +87,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Python(options) => python::run(&shell, &options),
         Task::Fuzz(options) => fuzz::run(&shell, &options),
+        Task::Book => book::run(&shell),
         Task::House => crate_imports::check(&shell),
     }
 }

@@ -81,12 +81,13 @@ def test_examples_in_the_docstrings():
         assert runner.summarize().failed == 0, name
 
 
-def test_the_readme_example_runs(monkeypatch, capsys):
+def test_the_examples_of_the_documents_run(monkeypatch, capsys):
     root = EXAMPLES.parent
     monkeypatch.chdir(root)
-    (block,) = re.findall(r"```python\n(.*?)```", (root / "README.md").read_text(), re.S)
-    assert block.count("\n") <= 12
-    exec(compile(block, "README.md", "exec"), {})
+    for page in [root / "README.md", *sorted((root / "docs").glob("*.md"))]:
+        for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
+            assert page.name != "README.md" or block.count("\n") <= 12
+            exec(compile(block, page.name, "exec"), {})
     assert "1/mm" in capsys.readouterr().out
 
 

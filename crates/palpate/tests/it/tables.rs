@@ -358,19 +358,19 @@ fn messages_propose_names_of_columns() {
     );
 }
 
-/// README's two commands for a foreign table: the first fails and proposes the second; that prints the curvature.
+/// The book's two commands for a foreign table: the first fails and proposes the second; that prints the curvature.
 #[test]
 fn the_second_command_prints_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";
-    const README: &str = include_str!("../../../../README.md");
+    const PAGE: &str = include_str!("../../../../docs/recorded-data.md");
     let desk = Desk::new();
     std::fs::create_dir(desk.path("examples")).unwrap();
     desk.write(NAME, include_str!("../../../../examples/foreign-glide.csv"));
     let said = desk.palpate(&format!("estimate glide {NAME}")).said(1);
-    assert!(README.contains(&said), "{said}");
+    assert!(PAGE.contains(&said), "{said}");
     let typed = said.trim_end().split("write ").nth(1).unwrap();
     let line = format!("palpate estimate glide {NAME} {typed} --length-unit mm");
-    assert!(README.contains(&format!("\n{line}\n")), "{line}");
+    assert!(PAGE.contains(&format!("\n{line}\n")), "{line}");
     let printed = desk
         .shell(&line.replacen("palpate", "\"$palpate\"", 1))
         .printed();
