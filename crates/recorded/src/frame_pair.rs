@@ -4,8 +4,7 @@ use std::num::NonZeroU8;
 
 use image::RgbImage;
 use palpate_tracking::{
-    Change, Finder, Found, Marker, Status, Track, TrackingError, difference,
-    match_markers,
+    Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
 use serde::Serialize;
 

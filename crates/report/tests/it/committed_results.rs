@@ -1,6 +1,8 @@
 //! The tables in `results/` give the committed figures, scores and page.
 
-use palpate_report::{Figure, Files, Study, claims_table, figures, page, press_figures, score};
+use palpate_report::{
+    Figure, Files, Study, claims_table, figures, page, press_figures, score, tradeoff_figures,
+};
 use std::fs::{read_dir, read_to_string};
 use std::path::{Path, PathBuf};
 
