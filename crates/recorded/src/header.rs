@@ -8,8 +8,6 @@ use super::table_format::pair;
 
 /// Smallest similarity, from 0 to 1, at which a column of the file is proposed for a missing one.
 const SIMILAR: f64 = 0.8;
-/// Largest number of column names that a message lists.
-const MOST_LISTED: usize = 30;
 
 /// A name in the file's header.
 struct Heading<'a> {
@@ -270,13 +268,9 @@ impl<'a> Header<'a> {
     }
 
     fn listed(&self) -> String {
-        let names = self.headings.iter().take(MOST_LISTED);
+        let names = self.headings.iter();
         let names: Vec<String> = names.map(|heading| format!("`{}`", heading.name)).collect();
-        let more = match self.headings.len().saturating_sub(MOST_LISTED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        format!("the file has {}{more}", names.join(", "))
+        format!("the file has {}", names.join(", "))
     }
 
     /// Message about missing columns.
