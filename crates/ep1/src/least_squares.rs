@@ -71,8 +71,6 @@ pub(crate) struct Law {
     inverse: Symmetric3,
     /// Mean amount by which errors of measured rotations reduce the sum of `g d`, `d = Δp − R₁ g`, length.
     added: f64,
-    /// Variance of a shift, divided by the squared radius.
-    shift_variance: f64,
     /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
     from_shifts: Symmetric3,
     /// Their covariance due to the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
@@ -166,13 +164,15 @@ impl LeastSquares {
                 per_probe: 1.0 / rotations.len() as f64,
                 inverse: Symmetric3::of(&(inverse * probe_curvature)),
                 added: radius * added,
-                shift_variance,
                 from_shifts: from_shifts.with_diagonal(ROUNDING * ROUNDING),
-                from_rotations: [
-                    unit(1.0, 0.0, 0.0),
-                    unit(0.0, 1.0, 0.0),
-                    unit(0.0, 0.0, 1.0),
-                ],
+                from_rotations: match weighted == Symmetric::default() {
+                    true => [Symmetric3::default(); 3],
+                    false => [
+                        unit(1.0, 0.0, 0.0),
+                        unit(0.0, 1.0, 0.0),
+                        unit(0.0, 0.0, 1.0),
+                    ],
+                },
             },
         })
     }
@@ -299,11 +299,6 @@ impl LeastSquares {
         }))
     }
 
-    /// Noise of the readings, as it was stated.
-    pub(crate) const fn noise(&self) -> ReadingNoise {
-        self.noise
-    }
-
     /// Estimates from the first `count` of `moments`. They equal those of [`LeastSquares::estimate`] to the last bit. Returns
     /// the number of estimates before the first one that is not determined.
     ///
@@ -365,42 +360,6 @@ impl LeastSquares {
 }
 
 impl Law {
-    /// Law of probes of `radius` whose shifts alone err, with this inverse of the normal equations.
-    #[inline(always)]
-    pub(crate) fn of_shifts(
-        radius: f64,
-        shift_std: f64,
-        probes: usize,
-        inverse: &Symmetric3,
-    ) -> Self {
-        let probe_curvature = 1.0 / radius;
-        let relative_shift_std = shift_std * probe_curvature;
-        Self {
-            radius,
-            probe_curvature,
-            per_probe: 1.0 / probes as f64,
-            inverse: inverse.scaled(probe_curvature),
-            added: 0.0,
-            shift_variance: relative_shift_std * relative_shift_std,
-            from_shifts: inverse
-                .scaled(relative_shift_std * relative_shift_std)
-                .with_diagonal(ROUNDING * ROUNDING),
-            from_rotations: [Symmetric3::unit(0.0); 3],
-        }
-    }
-
-    /// This law for other rotations, from the inverse of their normal equations. Only for rotations without noise.
-    #[inline(always)]
-    pub(crate) fn with_rotations(self, inverse: &Symmetric3) -> Self {
-        Self {
-            inverse: inverse.scaled(self.inverse.first()),
-            from_shifts: inverse
-                .scaled(self.shift_variance)
-                .with_diagonal(ROUNDING * ROUNDING),
-            ..self
-        }
-    }
-
     #[inline(always)]
     fn solve_batch<const IS_STATED: bool>(
         self,

@@ -16,7 +16,6 @@ mod estimate;
 mod least_squares;
 mod misfit;
 mod reading;
-mod sets;
 mod symmetric;
 
 pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
@@ -25,7 +24,6 @@ pub use estimate::{Estimate, Measured};
 pub use least_squares::{LeastSquares, rounding_std};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
-pub use sets::{SetRow, Sets};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, POOR_FIT_LEVEL, StatedQuantity};
 
-use crate::{Estimate, LeastSquares, ProbeReading, ReadingNoise};
+use crate::{Estimate, ProbeReading, ReadingNoise};
 
 /// Number of entries of `B`, and the same with the common shift of all probes over pads.
 const MOBILITY_ENTRIES: usize = 3;
@@ -27,8 +27,8 @@ const MIN_NOISE_RATIO: f64 = 4.0;
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 type Slopes = SMatrix<f64, 2, UNKNOWNS>;
 
-impl LeastSquares {
-    /// Goodness of fit of an estimate that this fit made of the readings; `None` if no noise is stated. For pads the p-value is
+impl Estimate {
+    /// Goodness of fit of this estimate to its readings; `None` if no noise is stated. For pads the p-value is
     /// rather too large, because their errors are not independent. Takes time in proportion to the number of probes.
     ///
     /// ```
@@ -47,30 +47,28 @@ impl LeastSquares {
     ///     })
     ///     .collect();
     /// let noise = ReadingNoise { shift_std: 0.01, ..ReadingNoise::default() };
-    /// let (fit, estimate) = LeastSquares::fitted(2.0, noise, &readings)?;
-    /// let goodness = fit.goodness(&estimate, &readings).ok_or("noise is stated")?;
+    /// let estimate = LeastSquares::of(2.0, noise, &readings)?;
+    /// let goodness = estimate.goodness(noise, &readings).ok_or("noise is stated")?;
     /// assert!(goodness.freedom == 13 && goodness.p_value < 1e-8);
-    /// let misfits = fit.misfits(&estimate, &readings);
+    /// let misfits = estimate.misfits(noise, &readings);
     /// assert!(misfits.iter().any(|misfit| matches!(misfit, Misfit::Outlier { reading: 5, .. })));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn goodness(
         &self,
-        estimate: &Estimate,
+        noise: ReadingNoise,
         readings: &[ProbeReading],
     ) -> Option<GoodnessOfFit> {
-        let noise = self.noise();
         let is_stated = noise.is_stated();
-        is_stated.then(|| Refit::new(noise, estimate, readings).map(|refit| refit.goodness()))?
+        is_stated.then(|| Refit::new(noise, self, readings).map(|refit| refit.goodness()))?
     }
 
     /// Ways in which the readings contradict the model. Without a stated noise, only an outlier can be found.
     ///
     /// A wrong gain of all shifts or rotations, or a wrong radius of the probe, causes no misfit: no reading distinguishes it
     /// from another curvature.
-    pub fn misfits(&self, estimate: &Estimate, readings: &[ProbeReading]) -> Vec<Misfit> {
-        let noise = self.noise();
-        let (residual, _) = estimate.residual(readings);
+    pub fn misfits(&self, noise: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
+        let (residual, _) = self.residual(readings);
         let longest = readings.iter().map(|reading| reading.shift.norm());
         let longest = longest.fold(0.0, f64::max);
         let is_stated = noise.is_stated();
@@ -85,7 +83,7 @@ impl LeastSquares {
                 ..noise
             },
         };
-        let Some(refit) = Refit::new(tested, estimate, readings) else {
+        let Some(refit) = Refit::new(tested, self, readings) else {
             return Vec::new();
         };
         let goodness = is_stated.then(|| refit.goodness());

@@ -64,63 +64,13 @@ impl Symmetric {
 }
 
 /// A symmetric 3×3 matrix: its diagonal, and the entries (1,2), (1,3), (2,3).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Symmetric3 {
     diagonal: [f64; 3],
     beside: [f64; 3],
 }
 
 impl Symmetric3 {
-    /// The unit matrix times a number.
-    pub(crate) const fn unit(size: f64) -> Self {
-        Self {
-            diagonal: [size; 3],
-            beside: [0.0; 3],
-        }
-    }
-
-    /// First entry of the diagonal.
-    pub(crate) const fn first(&self) -> f64 {
-        self.diagonal[0]
-    }
-
-    /// The inverse of the normal equations with this Gram matrix, to the last bit as nalgebra finds it, and whether the
-    /// matrix spans the plane and the determinant is in range.
-    #[inline(always)]
-    pub(crate) fn inverse_of_normal(gram: &Symmetric) -> (Self, bool) {
-        let Symmetric { uu, uv, vv } = *gram;
-        let trace = uu + vv;
-        let least = SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace;
-        let (of_uu, square) = (vv * trace - uv * uv, uv * uv);
-        let determinant = uu * of_uu - uv * (uv * vv);
-        let inverse = Self {
-            diagonal: [
-                of_uu / determinant,
-                (uu * trace - square) / determinant,
-                uu * vv / determinant,
-            ],
-            beside: [
-                square / determinant,
-                -(vv * uv) / determinant,
-                -(uv * uu) / determinant,
-            ],
-        };
-        let is_sound = (least < gram.determinant())
-            & (f64::MIN_POSITIVE < determinant)
-            & (determinant < f64::INFINITY);
-        (inverse, is_sound)
-    }
-
-    /// This matrix times a number.
-    #[inline(always)]
-    pub(crate) fn scaled(&self, by: f64) -> Self {
-        let ([d1, d2, d3], [b1, b2, b3]) = (self.diagonal, self.beside);
-        Self {
-            diagonal: [d1 * by, d2 * by, d3 * by],
-            beside: [b1 * by, b2 * by, b3 * by],
-        }
-    }
-
     pub(crate) fn of(matrix: &Matrix3<f64>) -> Self {
         let mean = |(i, j)| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
         Self {

@@ -115,8 +115,10 @@ pub fn readings(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
     let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MAX_ROWS;
     let roll = finite(palpate_recorded::parse_roll(file())).map(|readings| {
-        let estimate = palpate_recorded::estimate_roll(&readings, &RollOptions::new(1.0));
-        let _ = finite(estimate).map(|estimate| check_finite(&estimate.warnings()));
+        let estimate = palpate_recorded::estimate_roll(readings, &RollOptions::new(1.0));
+        let _ = finite(estimate).map(|estimate| {
+            check_finite(&(estimate.values(), estimate.p_value(), estimate.warnings()));
+        });
     });
     let glide = finite(palpate_recorded::parse_glide(file())).map(|readings| {
         let options = GlideOptions {

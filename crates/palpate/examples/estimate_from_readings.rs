@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         noise: RollOptions::noise_of_pads(10.0, 0.1)?,
         ..RollOptions::new(10.0)
     };
-    let estimate = estimate_roll(&readings, &options)?;
-    println!("{}", serde_json::to_string_pretty(&estimate.report())?);
+    let estimate = estimate_roll(readings, &options)?;
+    println!("{}", serde_json::to_string_pretty(&estimate)?);
     Ok(())
 }

@@ -42,6 +42,7 @@
 //! ```
 
 mod check;
+mod check_json;
 mod columns;
 mod coverage;
 mod ladder_timing;

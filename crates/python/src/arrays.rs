@@ -5,60 +5,36 @@ use numpy::{
     get_array_module,
 };
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyList};
+use pyo3::types::{PyFloat, PyList};
 
 use crate::error;
 
-/// Array of an argument, one number after the other, the last axis fastest. It is the caller's own memory where that is so
-/// laid out, else a copy.
+/// Array of an argument, its last axis fastest: the caller's own memory if it has this layout, otherwise a copy.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
-    shape: Vec<usize>,
-    stored: Stored<'py>,
-}
-
-/// Where the numbers are.
-enum Stored<'py> {
-    Shared(PyReadonlyArrayDyn<'py, f64>),
-    Copied(Vec<f64>),
+    array: PyReadonlyArrayDyn<'py, f64>,
 }
 
 impl<'py> Numbers<'py> {
-    /// Array of an argument: of NumPy, or what NumPy can make one of.
+    /// Array of an argument: an array of NumPy, or anything that NumPy converts to one.
     pub(crate) fn of(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         let array = match value.cast::<PyArrayDyn<f64>>() {
-            Ok(array) => array.clone(),
-            Err(_) => {
-                if let Some((numbers, columns)) = rows_of_lists(value) {
-                    return Ok(Self {
-                        name,
-                        shape: vec![numbers.len() / columns, columns],
-                        stored: Stored::Copied(numbers),
-                    });
-                }
-                converted(name, value)?
-            }
+            Ok(array) if array.is_c_contiguous() => array.clone(),
+            _ => match rows_of_lists(value) {
+                Some((numbers, shape)) => array(value.py(), numbers, &shape)?.cast_into()?,
+                None => converted(name, value)?,
+            },
         };
         let busy = |_| {
             let message = format!("{name}: is being written by another thread");
             error::argument(name, &[], None, message)
         };
         let array = array.try_readonly().map_err(busy)?;
-        // A slice may also be of an array whose first axis is the fastest.
-        let shape = array.shape().to_vec();
-        let stored = match array.is_c_contiguous() {
-            true => Stored::Shared(array),
-            false => Stored::Copied(array.as_array().iter().copied().collect()),
-        };
-        Ok(Self {
-            name,
-            shape,
-            stored,
-        })
+        Ok(Self { name, array })
     }
 
     pub(crate) fn shape(&self) -> &[usize] {
-        &self.shape
+        self.array.shape()
     }
 
     pub(crate) fn name(&self) -> &'static str {
@@ -66,11 +42,7 @@ impl<'py> Numbers<'py> {
     }
 
     pub(crate) fn flat(&self) -> &[f64] {
-        match &self.stored {
-            Stored::Copied(numbers) => numbers,
-            // Where it was no slice, it was copied.
-            Stored::Shared(array) => array.as_slice().unwrap_or_default(),
-        }
+        self.array.as_slice().unwrap_or_default()
     }
 
     /// Rows of `D` numbers along the last axis; all axes before it run through them.
@@ -78,18 +50,28 @@ impl<'py> Numbers<'py> {
         self.flat().as_chunks::<D>().0
     }
 
-    /// Length of the last of `axes` axes, if it is one of `columns`.
-    pub(crate) fn columns(&self, axes: usize, columns: &[usize], wanted: &str) -> PyResult<usize> {
-        match self.shape() {
-            [.., last] if self.shape().len() == axes && columns.contains(last) => Ok(*last),
-            found => Err(error::shape(self.name, wanted, found)),
+    /// Number of sets of readings, if the array has an axis for them before rows and columns; and the number of columns,
+    /// one of `columns`.
+    pub(crate) fn sets(&self, columns: &[usize], wanted: &str) -> PyResult<(Option<usize>, usize)> {
+        match *self.shape() {
+            [_, last] if columns.contains(&last) => Ok((None, last)),
+            [sets, _, last] if columns.contains(&last) => Ok((Some(sets), last)),
+            _ => Err(error::shape(self.name, wanted, self.shape())),
+        }
+    }
+
+    /// Rows of a set of readings; all rows of an array without an axis for sets.
+    pub(crate) fn set<const D: usize>(&self, set: usize) -> &[[f64; D]] {
+        match *self.shape() {
+            [_, rows, _] => &self.rows()[set * rows..][..rows],
+            _ => self.rows(),
         }
     }
 }
 
-/// Rows of a list of lists of as many floats each, and how many those are; `None` of anything else, which NumPy knows
-/// better but takes longer over.
-fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, usize)> {
+/// Numbers and shape of a list of lists of floats with the same length; `None` for anything else. NumPy takes longer for
+/// short lists.
+fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     let rows = value.cast_exact::<PyList>().ok()?;
     let mut numbers = Vec::new();
     let mut columns = 0;
@@ -106,10 +88,10 @@ fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, usize)> {
             numbers.push(item.cast_exact::<PyFloat>().ok()?.value());
         }
     }
-    (columns > 0).then_some((numbers, columns))
+    (columns > 0).then_some((numbers, [rows.len(), columns]))
 }
 
-/// Array of doubles that NumPy makes of a value.
+/// Array of doubles that NumPy converts a value to.
 fn converted<'py>(
     name: &'static str,
     value: &Bound<'py, PyAny>,
@@ -127,12 +109,8 @@ fn converted<'py>(
         let kind = array.getattr("dtype")?.to_string();
         return Err(no_array(format!("its type is {kind}")));
     }
-    let copy = PyDict::new(py);
-    copy.set_item("copy", false)?;
-    let array = array
-        .call_method("astype", ("f8",), Some(&copy))
-        .map_err(refused)?;
-    Ok(array.cast_into::<PyArrayDyn<f64>>()?)
+    let array = numpy.call_method1("ascontiguousarray", (array, "f8"));
+    Ok(array.map_err(refused)?.cast_into()?)
 }
 
 /// Whole numbers from 0, of an array.

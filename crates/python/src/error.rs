@@ -1,4 +1,4 @@
-//! Exceptions, and errors of the library as such.
+//! Exceptions, and errors of the library as exceptions.
 
 use std::fmt::Display;
 
@@ -14,34 +14,34 @@ create_exception!(
     palpate,
     PalpateError,
     PyValueError,
-    "Error of palpate, a ValueError.\n\n`argument` is the name of the argument at fault, or None; `index` the place in it, counted from 0;\n`value` the number there, or None."
+    "Error of palpate, a ValueError.\n\n`argument` is the name of the argument at fault, or None; `index` is the place in it, counted from 0;\n`value` is the number there, or None."
 );
 create_exception!(
     palpate,
     ArgumentError,
     PalpateError,
-    "Argument that cannot be: a shape, a number that is not finite, a setting out of its range or of no use beside\nthe others."
+    "Invalid argument: a wrong shape, a number that is not finite, a setting out of its range or without effect beside\nthe others."
 );
 create_exception!(
     palpate,
     ReadingsError,
     PalpateError,
-    "Readings that tell no curvature, with the reason."
+    "Readings that do not determine a curvature, with the reason."
 );
 create_exception!(
     palpate,
     ConfigError,
     PalpateError,
-    "Config of a study that cannot be used. `path` is the field at fault, as keys joined by dots."
+    "Invalid config of a study. `path` is the field at fault, as keys joined by dots."
 );
 create_exception!(
     palpate,
     RunError,
     PalpateError,
-    "Work on a study that failed, with the reason."
+    "Failed work on a study, with the reason."
 );
 
-/// Adds the exceptions to the module, with what each of them has.
+/// Adds the exceptions with their attributes to the module.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let base = py.get_type::<PalpateError>();
@@ -82,12 +82,8 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
         [one] => format!("({one},)"),
         all => format!("({})", all.join(", ")),
     };
-    argument(
-        name,
-        &[],
-        None,
-        format!("{name}: must have shape {wanted}, has {found}"),
-    )
+    let message = format!("{name}: must have shape {wanted}, has {found}");
+    argument(name, &[], None, message)
 }
 
 /// Settings whose arguments have other names: pairs of key and argument.
@@ -126,6 +122,11 @@ pub(crate) fn recorded(error: RecordedError) -> PyErr {
         } => argument(array, &index, value, message),
         _ => ReadingsError::new_err(message),
     }
+}
+
+/// Error of work on a study.
+pub(crate) fn run(error: impl Display) -> PyErr {
+    RunError::new_err(error.to_string())
 }
 
 /// Error of settings.

@@ -11,5 +11,5 @@ pub(crate) use batch::Batch;
 pub(crate) use glide::{GlideEstimate, estimate_glide};
 pub(crate) use like::like;
 pub(crate) use press::{PressEstimate, estimate_press};
-pub(crate) use roll::{RollBatch, RollEstimate, estimate_roll};
+pub(crate) use roll::{RollEstimate, estimate_roll};
 pub(crate) use settings::{given, length_unit};

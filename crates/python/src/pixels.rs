@@ -9,32 +9,20 @@ use crate::error;
 
 /// Frame of an argument.
 pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
-    let array = match value.cast::<PyArray3<u8>>() {
-        Ok(array) => array.clone(),
-        Err(_) => {
-            let array = get_array_module(value.py())?.call_method1("asarray", (value,))?;
-            array.cast_into::<PyArray3<u8>>().map_err(|error| {
-                let array = error.into_inner();
-                let told = |name: &str| array.getattr(name).map(|one| one.to_string());
-                let [shape, kind] = ["shape", "dtype"].map(|one| told(one).unwrap_or_default());
-                let wanted = "must be uint8 of shape (h, w, 3)";
-                let message = format!("{name}: {wanted}, is {kind} of {shape}");
-                error::argument(name, &[], None, message)
-            })?
-        }
+    let numpy = get_array_module(value.py())?;
+    let array = numpy.call_method1("ascontiguousarray", (value,))?;
+    let array = array.cast_into::<PyArray3<u8>>().map_err(|error| {
+        let array = error.into_inner();
+        let text = |name: &str| array.getattr(name).map(|one| one.to_string());
+        let [shape, kind] = ["shape", "dtype"].map(|one| text(one).unwrap_or_default());
+        let message = format!("{name}: must be uint8 of shape (h, w, 3), is {kind} of {shape}");
+        error::argument(name, &[], None, message)
+    })?;
+    let sides = match *array.shape() {
+        [height, width, 3] => [width, height].map(u32::try_from),
+        _ => return Err(error::shape(name, "(h, w, 3)", array.shape())),
     };
-    let [height, width, colours] = *array.shape() else {
-        return Err(error::shape(name, "(h, w, 3)", array.shape()));
-    };
-    if colours != 3 {
-        return Err(error::shape(name, "(h, w, 3)", array.shape()));
-    }
-    let read = array.readonly();
-    let bytes = match read.as_slice() {
-        Ok(bytes) if read.is_c_contiguous() => bytes.to_vec(),
-        _ => read.as_array().iter().copied().collect(),
-    };
-    let sides = [width, height].map(u32::try_from);
+    let bytes = array.readonly().as_slice()?.to_vec();
     let frame = match sides {
         [Ok(width), Ok(height)] => palpate::frame(name, width, height, bytes),
         _ => None,
@@ -43,9 +31,9 @@ pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
 }
 
 /// Pixels as an array (h, w, 3) of uint8.
-pub(crate) fn pixels(py: Python<'_>, picture: RgbImage) -> PyResult<Py<PyAny>> {
+pub(crate) fn pixels(py: Python<'_>, picture: RgbImage) -> PyResult<Bound<'_, PyAny>> {
     let (width, height) = picture.dimensions();
     let bytes = PyArray1::from_vec(py, picture.into_raw());
     let shaped = bytes.reshape([height as usize, width as usize, 3])?;
-    Ok(shaped.into_any().unbind())
+    Ok(shaped.into_any())
 }

@@ -1,34 +1,46 @@
 //! Results with named fields.
 
 use palpate::Warning;
+use palpate::recorded::Value;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
 use serde::Serialize;
 
 use crate::json::to_python;
 
-/// Source that a result is made from: its fields are not made before they are asked for.
+/// Value of the library behind a result, whose fields are made when they are asked for.
 pub(crate) trait Made: Send + Sync {
     /// Fields as plain values: what the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// Names of the fields beside them: arrays, tables, figures.
+    /// A field that takes much less time alone than with all others.
+    fn alone(&self, _: &str) -> Option<Alone> {
+        None
+    }
+
+    /// Names of the fields that JSON does not have: arrays, tables, figures.
     fn others(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// One of the fields beside them, by its name.
+    /// The field of `others` with this name.
     fn other<'py>(&self, _: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         Err(PyAttributeError::new_err(name.to_owned()))
     }
 }
 
+/// Field that is made without the others.
+pub(crate) enum Alone {
+    Number(Option<f64>),
+    Value(Value),
+}
+
 /// Result with named fields.
 ///
-/// A field that is a table is a `Record` itself, one that is a list of numbers an array of float64, in which NaN stands for
-/// none. `float(record)` is its `value`; `record["name"]` is the field of any name.
+/// A field that is a table is a `Record` itself. A list of numbers is an array of float64, with NaN for a missing number.
+/// `float(record)` is its `value`; `record["name"]` is the field of any name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
     made: Option<Box<dyn Made>>,
@@ -48,25 +60,29 @@ impl Record {
     pub(crate) fn restored(fields: Bound<'_, PyDict>, arrays: Option<Bound<'_, PyDict>>) -> Self {
         let py = fields.py();
         let arrays = arrays.unwrap_or_else(|| PyDict::new(py));
-        let known = |dict: Bound<'_, PyDict>| {
+        let full = |dict: Bound<'_, PyDict>| {
             let lock = PyOnceLock::new();
             lock.get_or_init(py, || dict.unbind());
             lock
         };
         Self {
             made: None,
-            fields: known(fields),
-            arrays: known(arrays),
+            fields: full(fields),
+            arrays: full(arrays),
         }
     }
 
     /// Record of a value that serialises.
-    pub(crate) fn of(py: Python<'_>, value: &impl Serialize) -> PyResult<Self> {
-        let fields = to_python(py, value)?.cast_into::<PyDict>()?;
-        Ok(Self::restored(fields, None))
+    pub(crate) fn of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+        field(to_python(py, value)?)
     }
 
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+    /// A field that is made without the others.
+    pub(crate) fn alone(&self, name: &str) -> Option<Alone> {
+        self.made.as_ref()?.alone(name)
+    }
+
+    pub(crate) fn fields<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         let fields = self.fields.get_or_try_init(py, || match &self.made {
             Some(made) => Ok(made.fields(py)?.cast_into::<PyDict>()?.unbind()),
             None => Ok::<_, PyErr>(PyDict::new(py).unbind()),
@@ -74,41 +90,42 @@ impl Record {
         Ok(fields.bind(py))
     }
 
-    /// A field of either kind, as it is handed out.
+    /// The field with this name.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        // Those beside the plain ones first, for which these need not be made.
-        let value = match self.array(py, name)? {
-            Some(value) => Some(value),
-            None => self.fields(py)?.get_item(name)?,
+        let value = match self.alone(name) {
+            Some(Alone::Number(number)) => return Ok(Some(number.into_pyobject(py)?)),
+            Some(Alone::Value(value)) => Some(to_python(py, &value)?),
+            None => match self.array(py, name)? {
+                Some(value) => Some(value),
+                None => self.fields(py)?.get_item(name)?,
+            },
         };
         value.map(field).transpose()
     }
 
-    /// Fields beside the plain ones, as far as they were made.
+    /// Fields that JSON does not have, if they were made.
     fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
         let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
         arrays.bind(py)
     }
 
-    /// A field beside the plain ones, made where it was not.
+    /// A field that JSON does not have.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let arrays = self.made_arrays(py);
         if let Some(value) = arrays.get_item(name)? {
             return Ok(Some(value));
         }
-        let Some(made) = self
-            .made
-            .as_ref()
-            .filter(|made| made.others().contains(&name))
-        else {
-            return Ok(None);
-        };
-        let value = made.other(py, name)?;
-        arrays.set_item(name, &value)?;
-        Ok(Some(value))
+        match &self.made {
+            Some(made) if made.others().contains(&name) => {
+                let value = made.other(py, name)?;
+                arrays.set_item(name, &value)?;
+                Ok(Some(value))
+            }
+            _ => Ok(None),
+        }
     }
 
-    /// All fields beside the plain ones.
+    /// All fields that JSON does not have.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         for name in self.made.iter().flat_map(|made| made.others()) {
             self.array(py, name)?;
@@ -127,7 +144,7 @@ impl Record {
 
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
-        // A word of the language, such as `class_`.
+        // `class_` stands for `class`, a keyword of Python.
         let key = name.strip_suffix('_').unwrap_or(name);
         match own.field(py, key)? {
             Some(value) => Ok(value),
@@ -135,7 +152,7 @@ impl Record {
         }
     }
 
-    /// Field by its name, also where that is no word of Python: the path of a config's field.
+    /// Field by its name, which may be the path of a config's field.
     fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match slf.get().field(slf.py(), name)? {
             Some(value) => Ok(value),
@@ -143,18 +160,13 @@ impl Record {
         }
     }
 
-    fn __dir__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyList>> {
+    fn __dir__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
-        let of_class = slf.get_type().call_method0("mro")?;
-        let names = PyList::empty(py);
-        for class in of_class.try_iter()? {
-            names.call_method1("extend", (class?.getattr("__dict__")?,))?;
-        }
+        let names = py.get_type::<PyAny>().call_method1("__dir__", (slf,))?;
         names.call_method1("extend", (own.fields(py)?,))?;
         names.call_method1("extend", (own.made_arrays(py),))?;
-        for name in own.made.iter().flat_map(|made| made.others()) {
-            names.append(name)?;
-        }
+        let others: Vec<_> = own.made.iter().flat_map(|made| made.others()).collect();
+        names.call_method1("extend", (others,))?;
         Ok(names)
     }
 
@@ -164,7 +176,7 @@ impl Record {
 
     /// Fields as dictionaries, lists, numbers and texts: what `palpate estimate` prints as JSON.
     ///
-    /// With `arrays=True` also those that are arrays, as such.
+    /// With `arrays=True` also the arrays, tables and figures.
     #[pyo3(signature = (*, arrays=false))]
     fn to_dict<'py>(slf: &Bound<'py, Self>, arrays: bool) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
@@ -185,14 +197,24 @@ impl Record {
     fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let py = slf.py();
         let is_same_kind = slf.get_type().is(other.get_type());
-        match other.cast::<Self>() {
-            // Arrays alone, as of a map, tell whether they are equal only one by one.
-            Ok(other) if is_same_kind && !slf.get().fields(py)?.is_empty() => {
-                slf.get().fields(py)?.eq(other.get().fields(py)?)
-            }
-            Ok(other) => Ok(slf.is(other)),
-            _ => Ok(false),
+        let Ok(other) = other.cast::<Self>() else {
+            return Ok(false);
+        };
+        let [one, two] = [slf.get(), other.get()];
+        // A map has arrays only, and these cannot be compared as a whole.
+        if !is_same_kind || one.fields(py)?.is_empty() {
+            return Ok(slf.is(other));
         }
+        if !one.fields(py)?.eq(two.fields(py)?)? {
+            return Ok(false);
+        }
+        let others = two.arrays(py)?;
+        for (name, table) in one.arrays(py)?.iter() {
+            if table.is_instance_of::<PyDict>() && !table.eq(others.get_item(name)?)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     fn __reduce__<'py>(
@@ -226,7 +248,16 @@ pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny
     Ok(field(to_python(py, &warnings)?)?.unbind())
 }
 
-/// Field as it is handed out.
+/// A number; NaN for None; `None` for anything else.
+pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
+    let is_number = item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>();
+    match is_number && !item.is_instance_of::<PyBool>() {
+        true => item.extract().ok(),
+        false => item.is_none().then_some(f64::NAN),
+    }
+}
+
+/// Field as Python gets it.
 fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     let py = value.py();
     if let Ok(table) = value.cast_exact::<PyDict>() {
@@ -235,22 +266,12 @@ fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     let Ok(list) = value.cast::<PyList>() else {
         return Ok(value);
     };
-    let is_number = |item: &Bound<'_, PyAny>| {
-        item.is_none() || item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>()
-    };
-    if !list.is_empty() && list.iter().all(|item| is_number(&item)) {
-        let number = |item: Bound<'_, PyAny>| match item.is_none() {
-            true => Ok(f64::NAN),
-            false => item.extract(),
-        };
-        let numbers: Vec<f64> = list.iter().map(number).collect::<PyResult<_>>()?;
+    let numbers: Option<Vec<f64>> = list.iter().map(|item| number(&item)).collect();
+    if let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) {
         return Ok(numpy::PyArray1::from_vec(py, numbers).into_any());
     }
-    let handed = PyList::empty(py);
-    for item in list.iter() {
-        handed.append(field(item)?)?;
-    }
-    Ok(handed.into_any())
+    let items = list.iter().map(field).collect::<PyResult<Vec<_>>>()?;
+    Ok(PyList::new(py, items)?.into_any())
 }
 
 /// Declares a class of results.
@@ -261,12 +282,11 @@ macro_rules! record {
         pub(crate) struct $name;
 
         impl $name {
-            /// Result that is made from this.
-            pub(crate) fn of<'py>(
-                py: pyo3::Python<'py>,
-                made: impl $crate::record::Made + 'static,
-            ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
-                let record = $crate::record::Record::new(made);
+            /// Result with the fields of a record.
+            pub(crate) fn of(
+                py: pyo3::Python<'_>,
+                record: $crate::record::Record,
+            ) -> pyo3::PyResult<pyo3::Bound<'_, pyo3::PyAny>> {
                 let class = pyo3::PyClassInitializer::from(record).add_subclass(Self);
                 Ok(pyo3::Bound::new(py, class)?.into_any())
             }

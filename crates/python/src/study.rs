@@ -1,4 +1,4 @@
-//! Studies: configs, what they will do, and their runs.
+//! Studies: configs, their plans and their runs.
 
 mod results;
 mod runs;
@@ -14,12 +14,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::error;
-use crate::json::{from_python, of_json};
+use crate::json::{from_python, to_python};
 use crate::record::Record;
 use crate::sensor;
 
 pub(crate) use results::Results;
-use runs::Asked;
 pub(crate) use runs::runner;
 pub(crate) use trace::Trace;
 
@@ -36,7 +35,7 @@ pub(crate) use trace::Trace;
 /// Raises
 /// ------
 /// ConfigError
-///     Where a field is missing, unknown or out of its range: `path` names it.
+///     If a field is missing, unknown or out of its range. `path` names it.
 ///
 /// Examples
 /// --------
@@ -84,17 +83,10 @@ impl Study {
     fn cells(&self, numbers: Vec<usize>) -> PyResult<Vec<usize>> {
         let count = self.study.cell_count();
         if let Some(place) = numbers.iter().position(|&number| number >= count) {
-            let number = numbers[place];
-            let message = format!(
-                "cells[{place}]: is {number}; the study has cells 0 to {}",
-                count - 1
-            );
-            return Err(error::argument(
-                "cells",
-                &[place],
-                Some(number as f64),
-                message,
-            ));
+            let (number, last) = (numbers[place], count - 1);
+            let message = format!("cells[{place}]: is {number}; the study has cells 0 to {last}");
+            let value = Some(number as f64);
+            return Err(error::argument("cells", &[place], value, message));
         }
         let ascending: BTreeSet<usize> = numbers.into_iter().collect();
         Ok(ascending.into_iter().collect())
@@ -105,7 +97,7 @@ impl Study {
     }
 }
 
-/// Fields that are set, from a dictionary and from keyword arguments.
+/// Fields with their values, from a dictionary and from keyword arguments.
 fn fields(
     fields: Option<&Bound<'_, PyDict>>,
     more: Option<&Bound<'_, PyDict>>,
@@ -167,7 +159,7 @@ impl Study {
         self.study.cell_count()
     }
 
-    /// Number of trials that are asked for, of all cells together; cells in which nothing is random run fewer.
+    /// Number of trials of all cells together. Cells in which nothing is random run fewer.
     #[getter]
     fn trials(&self) -> u64 {
         self.study.trials()
@@ -179,7 +171,7 @@ impl Study {
         self.study.config.seed
     }
 
-    /// Config as it was given, as TOML.
+    /// Config as TOML, without defaults.
     #[getter]
     fn toml(&self) -> &str {
         &self.text
@@ -201,17 +193,17 @@ impl Study {
         let cell = self.study.cell(number).map_err(error::config)?;
         let values = PyDict::new(py);
         for (path, text) in self.study.paths.iter().zip(&cell.coordinates) {
-            // A value as it is written: a number where it is one.
+            // The config has the value as text.
             let value = serde_json::from_str(text);
             let value = value.unwrap_or_else(|_| serde_json::Value::String(text.clone()));
-            values.set_item(path, of_json(py, &value)?)?;
+            values.set_item(path, to_python(py, &value)?)?;
         }
         Ok(values)
     }
 
     /// Study with some fields set, each by its path: `study.with_(**{"scene.sensor.pitch": 0.2}, trials=100)`.
     ///
-    /// None takes a field away. Raises ConfigError.
+    /// None removes a field. Raises ConfigError.
     #[pyo3(signature = (fields=None, /, **more))]
     fn with_(
         &self,
@@ -223,7 +215,7 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// Study with an axis more for each path, which takes the values of a list in turn:
+    /// Study with one more axis for each path, with the values of a list:
     /// `study.sweep(**{"scene.sensor.pitch": [0.1, 0.2, 0.5]})`. Several axes multiply. Raises ConfigError.
     #[pyo3(signature = (axes=None, /, **more))]
     fn sweep(
@@ -236,13 +228,13 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// Plan of a run: cells, trials, models and why, and roughly how long.
+    /// Plan of a run: cells, trials, models with reasons, and the approximate time.
     ///
-    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`, of each
-    /// the number of its `cells`, what it `needs` and why, and the `rungs` of its model with errors and costs (s).
-    /// `intervals` says of numbers of cells how often intervals of 95 % held on random scenes like these (`family`,
-    /// what is `beyond` its draws, `scenes`, `coverage95`, `lowest` of one scene, `holds`), or why that was `not_tested`.
-    /// `threads` are those that the time is for; `progress` is called with numbers of cells.
+    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`. Each group
+    /// has the number of its `cells`, its `needs` with reasons, and the `rungs` of its model with errors and costs (s).
+    /// `intervals` lists, with numbers of `cells`, the measured coverage of 95 % intervals on similar random scenes
+    /// (`family`, numbers `beyond` its ranges, `scenes`, `coverage95`, `lowest` of one scene, `holds`), or the reason why it
+    /// is `not_tested`. The time is for `threads` threads; `progress` is called with numbers of cells.
     /// Raises ConfigError.
     #[pyo3(signature = (*, threads=None, progress=None))]
     fn check<'py>(
@@ -252,11 +244,11 @@ impl Study {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let check = runs::check(py, self.shared(), threads, progress.as_ref())?;
-        Ok(Bound::new(py, Record::of(py, &check)?)?.into_any())
+        Record::of(py, &check)
     }
 
-    /// Study with the number of trials, and the rung of its model, that a budget of time (s) or a target error (the
-    /// relative standard error of every rms error) allow. Raises ConfigError, RunError.
+    /// Study with the number of trials and the rung of its model for a budget of time (s) or a target error, the relative
+    /// standard error of every rms error. Raises ConfigError, RunError.
     #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
     fn plan(
         &self,
@@ -274,27 +266,28 @@ impl Study {
     /// Parameters
     /// ----------
     /// trials, seed : int, optional
-    ///     In place of the study's own.
+    ///     They replace those of the study.
     /// threads : int, optional
-    ///     By default one per processor. No result depends on it.
+    ///     Number of threads; by default one per processor. No result depends on it.
     /// cells : sequence of int, optional
-    ///     Numbers of the cells that are run; by default all. Rows keep them.
+    ///     Numbers of the cells to run; by default all. The rows of the tables keep these numbers.
     /// trials_out : bool
     ///     Whether the results have a table of all trials: that of `palpate run --trials-out`.
     /// progress : callable, optional
-    ///     Called now and then with the number of trials done since it was last called: `tqdm(total=…).update`.
+    ///     Function that is called from time to time with the number of trials done since its last call, for example
+    ///     `tqdm(total=…).update`.
     ///
     /// Returns
     /// -------
     /// Results
-    ///     Tables byte for byte those of `palpate run`. Ctrl-C stops the run within 0.1 s.
+    ///     The tables have the same bytes as those of `palpate run`. Ctrl-C stops the run within 0.1 s.
     ///
     /// Raises
     /// ------
     /// ArgumentError
-    ///     For a cell that there is not.
+    ///     For a cell that the study does not have.
     /// ConfigError
-    ///     Where a cell makes no scene.
+    ///     If a cell makes no valid scene.
     #[pyo3(signature = (*, trials=None, seed=None, threads=None, cells=None, trials_out=false, progress=None))]
     #[allow(clippy::too_many_arguments)]
     fn run(
@@ -308,24 +301,26 @@ impl Study {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Results> {
         let study = Arc::new(self.with(trials, seed)?);
-        let asked = Asked {
-            study: Arc::clone(&study),
-            cells: cells.map(|cells| self.cells(cells)).transpose()?,
-            tells_trials: trials_out,
-        };
-        let found = runs::run(py, asked, threads, progress.as_ref())?;
-        Results::of(py, study, found)
+        let cells = cells.map(|cells| self.cells(cells)).transpose()?;
+        let part = (Arc::clone(&study), cells);
+        let found = runs::run(py, part, trials_out, threads, progress.as_ref())?;
+        Results::of(py, &study, found)
     }
 
-    /// Follows one pass of a cell: noiseless, or as in trial number `trial`. Returns a Trace.
+    /// Records one pass of a cell: without noise, or as in trial number `trial`. Returns a Trace.
     ///
-    /// Raises ConfigError for a cell that there is not, RunError for a pass that ends early.
+    /// Raises ConfigError for a cell that the study does not have, RunError for a pass that ends early.
     #[pyo3(signature = (cell=0, trial=None))]
-    fn trace(&self, py: Python<'_>, cell: usize, trial: Option<u64>) -> PyResult<Trace> {
-        Trace::of(py, self.shared(), cell, trial)
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        cell: usize,
+        trial: Option<u64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        trace::follow(py, self.shared(), cell, trial)
     }
 
-    /// Flat pattern that the sensor's skin is cut from: a Pattern. Raises ConfigError where there is none.
+    /// Flat pattern that the sensor's skin is cut from: a Pattern. Raises ConfigError if there is none.
     fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         sensor::pattern_of(py, &self.study)
     }

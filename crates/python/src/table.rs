@@ -8,13 +8,13 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Table of a CSV text whose lengths are in this unit: a `palpate.Table`, which is a dict of arrays.
-pub(crate) fn table(
-    py: Python<'_>,
+/// Table of a CSV text whose lengths are in this unit: a `palpate.Table`.
+pub(crate) fn table<'py>(
+    py: Python<'py>,
     csv: &str,
     known: &[Column],
     unit: LengthUnit,
-) -> PyResult<Py<PyAny>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let columns = columns(csv, known)
         .map_err(|error| error::RunError::new_err(format!("no table: {error}")))?;
     let (arrays, units) = (PyDict::new(py), PyDict::new(py));
@@ -34,15 +34,14 @@ pub(crate) fn table(
         units.set_item(name, stated.or_else(|| unit_of(&column.name, unit)))?;
     }
     let class = py.import("palpate._table")?.getattr("Table")?;
-    Ok(class.call1((arrays, units, csv))?.unbind())
+    class.call1((arrays, units, csv))
 }
 
 /// Table of rows whose lengths are in this unit.
-pub(crate) fn table_of(py: Python<'_>, rows: &Table, unit: LengthUnit) -> PyResult<Py<PyAny>> {
+pub(crate) fn table_of<'py>(
+    py: Python<'py>,
+    rows: &Table,
+    unit: LengthUnit,
+) -> PyResult<Bound<'py, PyAny>> {
     table(py, &rows.to_csv(), &rows.columns, unit)
-}
-
-/// The CSV text that a table was made of.
-pub(crate) fn csv_of(py: Python<'_>, table: &Py<PyAny>) -> PyResult<String> {
-    table.call_method0(py, "to_csv")?.extract(py)
 }

@@ -1,31 +1,30 @@
-//! Work without the lock of the interpreter, which Ctrl-C stops.
+//! Work without the lock of the interpreter. Ctrl-C stops it.
 
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error;
 
-/// Time between two looks for signals, and between two calls of a progress.
-const LOOK: Duration = Duration::from_millis(40);
+/// Time between two checks for signals, and between two calls of `progress`.
+const CHECK_INTERVAL: Duration = Duration::from_millis(40);
 
-/// Work in hand: whether it is to end, and how much of it is done.
+/// State of running work: whether it must end, and how much of it is done.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
     done: AtomicU64,
     reached: AtomicU64,
-    ended: Mutex<bool>,
-    bell: Condvar,
 }
 
 impl Watch {
-    /// Counts work that is done.
-    pub(crate) fn tell(&self, done: u64) {
+    /// Adds to the work that is done.
+    pub(crate) fn add(&self, done: u64) {
         self.done.fetch_add(done, Ordering::Relaxed);
     }
 
@@ -33,17 +32,16 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Counts work by how much of it is done from its beginning on, and unwinds work that is cancelled, which nothing else
-    /// ends.
+    /// Sets how much of the work is done. Unwinds cancelled work, because nothing else ends it.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
-        self.tell(done.saturating_sub(before));
+        self.add(done.saturating_sub(before));
         if self.is_cancelled() {
             std::panic::resume_unwind(Box::new("cancelled"));
         }
     }
 
-    /// Calls a progress with how much has been done since the last call.
+    /// Calls `progress` with the amount of work since its last call.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);
         match progress {
@@ -51,117 +49,71 @@ impl Watch {
             _ => Ok(()),
         }
     }
-
-    /// Sleeps for a while, or until the work has ended; says whether it has.
-    fn wait(&self) -> bool {
-        let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.bell.wait_timeout_while(ended, LOOK, |ended| !*ended);
-        *waited.unwrap_or_else(PoisonError::into_inner).0
-    }
 }
 
-/// Tells that the work has ended, also where it panics.
-struct Ending<'w>(&'w Watch);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        *self.0.ended.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.0.bell.notify_all();
-    }
-}
-
-/// Looks for signals and calls `progress`, from time to time, with how much has been done since it was last called, until
-/// the work ends.
-///
-/// # Errors
-/// Error that a signal or the progress raises; the work is told to end.
-fn look(watch: &Watch, progress: Option<&Py<PyAny>>) -> PyResult<()> {
-    while !watch.wait() {
-        let raised = Python::attach(|py| {
-            py.check_signals()?;
-            watch.call(py, progress)
-        });
-        if raised.is_err() {
-            watch.cancelled.store(true, Ordering::Relaxed);
-            return raised;
-        }
-    }
-    Ok(())
-}
-
-/// Does work on another thread, which must end soon after it is cancelled, while this one looks for signals.
-///
-/// # Errors
-/// Error that a signal raises; the work has ended then.
-pub(crate) fn watched<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce(&Watch) -> T + Send,
-) -> PyResult<T> {
-    let watch = Watch::default();
-    let done = py.detach(|| {
-        std::thread::scope(|scope| {
-            let worker = scope.spawn(|| {
-                let _ending = Ending(&watch);
-                work(&watch)
-            });
-            look(&watch, None).map(|()| worker.join())
-        })
-    })?;
-    match done {
-        Ok(done) => Ok(done),
-        Err(panic) => std::panic::resume_unwind(panic),
-    }
-}
-
-/// Time for which cancelled work may go on before it is left to itself.
+/// Time that the call waits for cancelled work to end.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-/// Does work on another thread while this one looks for signals and calls `progress`. Work that does not end soon after a
-/// signal goes on by itself until it sees that it is cancelled.
+/// Does work on another thread, without the lock of the interpreter, while this one checks for signals and calls `progress`.
+/// After a signal the work may continue for a while, until it checks whether it is cancelled.
 ///
 /// # Errors
-/// Exception that a signal or the progress raises.
-pub(crate) fn watched_alone<T: Send + 'static>(
+/// Exception that a signal or `progress` raises.
+pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
     let watch = Arc::new(Watch::default());
     let progress = progress.map(|progress| progress.clone().unbind());
+    let (sender, receiver) = channel();
     let worker = std::thread::Builder::new().spawn({
         let watch = Arc::clone(&watch);
-        move || {
-            let _ending = Ending(&watch);
-            work(&watch)
-        }
+        move || sender.send(work(&watch))
     });
-    let worker = worker.map_err(|error| error::RunError::new_err(error.to_string()))?;
-    let done = py.detach(|| match look(&watch, progress.as_ref()) {
-        Ok(()) => Ok(worker.join()),
-        Err(raised) => {
-            let start = Instant::now();
-            while start.elapsed() < PATIENCE && !watch.wait() {}
-            Err(raised)
+    let worker = worker.map_err(error::run)?;
+    let (state, calls) = (&watch, progress.as_ref());
+    let done = py.detach(move || {
+        loop {
+            match receiver.recv_timeout(CHECK_INTERVAL) {
+                Err(RecvTimeoutError::Timeout) => {}
+                done => return Ok(done.ok()),
+            }
+            let raised = Python::attach(|py| {
+                py.check_signals()?;
+                state.call(py, calls)
+            });
+            if raised.is_err() {
+                state.cancelled.store(true, Ordering::Relaxed);
+                let _ = receiver.recv_timeout(PATIENCE);
+                return raised.map(|()| None);
+            }
         }
     })?;
-    let done = match done {
-        Ok(done) => done,
-        Err(panic) => std::panic::resume_unwind(panic),
-    };
-    watch.call(py, progress.as_ref())?;
-    Ok(done)
+    match (done, worker.join()) {
+        (Some(done), _) => watch.call(py, progress.as_ref()).map(|()| done),
+        // Work that panics sends nothing.
+        (None, Err(panic)) => std::panic::resume_unwind(panic),
+        (None, Ok(_)) => Err(error::RunError::new_err("the work has no result")),
+    }
 }
 
-/// Threads for one call: no thread is left behind, so that a program may fork later.
+/// Largest number of threads. More would only take time to start.
+const MAX_THREADS: usize = 256;
+
+/// Number of threads of an argument.
+pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> {
+    let number = threads.map(|threads| NonZeroUsize::new(threads.min(MAX_THREADS)));
+    if number == Some(None) {
+        let message = "threads is 0; it must be at least 1";
+        return Err(error::argument("threads", &[], Some(0.0), message));
+    }
+    Ok(number.flatten())
+}
+
+/// Threads for one call. They end with it, so that a program may fork later.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
-    let threads = match threads {
-        Some(0) => {
-            let message = "threads is 0; it must be at least 1";
-            return Err(error::argument("threads", &[], Some(0.0), message));
-        }
-        Some(threads) => threads,
-        None => std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-    };
+    let threads = self::threads(threads)?.map_or(0, NonZeroUsize::get);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| error::RunError::new_err(error.to_string()))
+    pool.map_err(error::run)
 }

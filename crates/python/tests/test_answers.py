@@ -1,4 +1,4 @@
-"""Answers to questions: those of the command line, and what is said of questions that have none."""
+"""Answers to questions, and errors of questions without an answer."""
 
 import pickle
 import signal
@@ -111,7 +111,7 @@ def test_designs_that_cannot_be(changes, kind, argument, says):
     assert says in str(caught.value)
 
 
-def test_objects_are_told_apart_as_on_the_command_line(cli, tmp_path):
+def test_distinctions_match_the_command_line(cli, tmp_path):
     radii = {"scene.object.radius": [20, 25, 30]}
     config = EXAMPLES / "press-a-ball.toml"
     found = palpate.distinguish(palpate.Study(config), vary=radii, trials=40, threads=2)
@@ -126,7 +126,7 @@ def test_objects_are_told_apart_as_on_the_command_line(cli, tmp_path):
     assert "<svg" in found._repr_html_()
 
 
-def test_objects_that_cannot_be_told_apart(ball):
+def test_objects_that_cannot_be_distinguished(ball):
     balls = {"scene.object.radius": [20.0, 30.0]}
     for arguments, argument, says in [
         ({}, "vary", "nothing to tell apart"),
@@ -139,9 +139,9 @@ def test_objects_that_cannot_be_told_apart(ball):
         assert caught.value.argument == argument and says in str(caught.value)
     with pytest.raises(palpate.ConfigError, match="trials"):
         palpate.distinguish(ball, vary=balls, trials=0)
-    told = []
-    palpate.distinguish(ball, vary=balls, progress=told.append)
-    assert 0 <= sum(told) <= 2
+    done = []
+    palpate.distinguish(ball, vary=balls, progress=done.append)
+    assert 0 <= sum(done) <= 2
 
 
 def test_ctrl_c_ends_a_design():

@@ -282,7 +282,7 @@ def test_extreme_numbers_return_results_or_errors(rolls, glides, presses):
                 found = call()
             except palpate.PalpateError:
                 continue
-            if isinstance(found, palpate.RollBatch):
+            if isinstance(found, palpate.Batch) and len(found) > len(found.errors):
                 assert not np.isinf(found.mean_curvature.value).any()
             else:
                 text = repr(found)

@@ -160,5 +160,5 @@ def test_a_batch_equals_single_estimates(rolls):
                     assert (ours.value[place], ours.std[place]) == (alone.value, alone.std)
                 assert batch.residual_rms.value[place] == one.residual_rms.value
                 assert batch.arc_length.value[place] == one.arc_length.value
-                assert batch.principal_curvature_max[place] == one.principal_curvature_max.value
+                assert batch.principal_curvature_max.value[place] == one.principal_curvature_max.value
                 assert batch.principal_direction_max_deg[place] == one.principal_direction_max_deg

@@ -129,6 +129,17 @@ def test_the_map_of_a_patch(glides):
     assert np.isnan(palpate.estimate_glide(*glides, method="two-pass").covariance).all()
 
 
+def test_fingers_have_numbers_or_names(glides):
+    points, normals, fingers = glides
+    numbered = palpate.estimate_glide(points, normals, fingers)
+    names = np.array(["thumb", "index", "middle"])[fingers]
+    for named in (names, names.tolist(), names.astype(object), fingers + 7):
+        assert palpate.estimate_glide(points, normals, named) == numbered
+    with pytest.raises(palpate.ArgumentError) as caught:
+        palpate.estimate_glide(points, normals, names[:-1])
+    assert caught.value.argument == "fingers"
+
+
 def test_points_of_round_tips():
     """Estimates from the centres or the lowest points of tips on a ball match those from the contacts."""
     tip, ball = 4.0, 30.0
@@ -190,9 +201,16 @@ def test_a_batch_of_rolls_reports_undetermined_sets(rolls):
         assert "half way" in batch.errors[10_000]
         with pytest.raises(palpate.ReadingsError, match="did not move"):
             batch[0]
-        assert batch[1].mean_curvature == pytest.approx(
-            palpate.estimate_roll(rotations, shifts, probe_radius=10).mean_curvature.value
-        )
+        assert batch[1] == palpate.estimate_roll(rotations, shifts, probe_radius=10)
+    batch = palpate.estimate_roll(rotations, many[:9], probe_radius=10, pitch=0.5)
+    again = pickle.loads(pickle.dumps(batch))
+    for name, value in batch[1].to_dict().items():
+        fresh, restored = getattr(batch, name), getattr(again, name)
+        if isinstance(value, dict):
+            fresh, restored = fresh.to_dict(), restored.to_dict()
+            assert fresh.keys() == value.keys() and fresh["unit"] == value["unit"]
+        np.testing.assert_equal(restored, fresh)
+    assert batch.p_value.shape == (9,) and batch.arc_length.std is None
     many[5000, 3, 1] = np.nan
     many[9000, 0, 0] = np.nan
     with pytest.raises(palpate.ArgumentError) as caught:
@@ -212,17 +230,22 @@ def test_many_python_threads_have_the_same_estimate(glides):
 
 
 def test_data_frames_accept_tables(ball):
+    import pandas
     import polars
 
     results = ball.run(trials_out=True)
     for table in (results.cells, results.trials_out):
+        frame = pandas.DataFrame(table)
+        assert list(frame) == list(table) and len(frame) == table.height
+        for name, values in table.items():
+            np.testing.assert_array_equal(frame[name].to_numpy(), values)
         frame = polars.DataFrame(table)
         assert frame.columns == list(table) and frame.height == table.height
         for name, values in table.items():
             assert frame[name].dtype == (polars.String if values.dtype.kind == "U" else polars.Float64)
             np.testing.assert_array_equal(frame[name].to_numpy(), values)
     empty = ball.run(cells=[]).cells
-    assert polars.DataFrame(empty).shape == (0, len(empty))
+    assert polars.DataFrame(empty).shape == pandas.DataFrame(empty).shape == (0, len(empty))
 
 
 def worker(shifts):
@@ -304,5 +327,5 @@ def test_arrays_are_copied_only_if_their_layout_differs():
     for order in "CF":
         done = subprocess.run([sys.executable, "-c", MEMORY, order], capture_output=True, text=True, check=True)
         grown[order] = float(done.stdout)
-    # The array has 160 MB, its estimates 18 MB.
-    assert grown["C"] < 80 < 150 < grown["F"], grown
+    # The array has 160 MB. The estimates keep their readings, 320 MB.
+    assert grown["F"] > grown["C"] + 120, grown

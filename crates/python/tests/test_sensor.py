@@ -69,7 +69,7 @@ def test_two_frames_determine_the_object():
     low, high = tracked.estimate.object_curvature.interval95
     assert tracked.estimate.verdict == "convex" and low < 1 / 30 < high < 1 / 25
     assert tracked.readings.height == tracked.fates.tracked and tracked.field.height > 0
-    assert "Tracked" in repr(tracked) and "PressEstimate" in repr(tracked)
+    assert "Tracked" in repr(tracked) and "PressEstimate" in repr(tracked.estimate)
     with pytest.raises(palpate.ArgumentError, match="sensor_radius"):
         palpate.track(seen.rest, seen.pressed, calibration=calibration)
     with pytest.raises(TypeError, match="thicknes"):
@@ -157,7 +157,12 @@ def test_one_frame_at_rest_locates_the_camera():
 def test_invalid_calibrations_are_refused(trace):
     good = {"normal_displacement": [0.0, 0.5, 1.0], "hue_turns": [0.0, 0.01, 0.02]}
     assert palpate.calibrate(good, length_unit="mm").length_unit == "mm"
-    assert palpate.calibrate({**good, "colour": [1, 2, 3]}) == palpate.calibrate(good)
+    for other in ([1, 2, 3], ["red", "green", "blue"]):
+        assert palpate.calibrate({**good, "colour": other}) == palpate.calibrate(good)
+    many = {f"column{number}": [0.0] for number in range(40)}
+    with pytest.raises(palpate.ReadingsError) as caught:
+        palpate.calibrate(many)
+    assert all(f"`{name}`" in str(caught.value) for name in many)
     for table in (
         {**good, "hue_turns": [0.0, 0.01]},
         {**good, "hue_turns": [0.0, np.nan, 0.02]},

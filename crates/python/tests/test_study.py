@@ -210,5 +210,4 @@ def test_maps_and_passes():
     points = np.stack([readings[axis] for axis in "xyz"], axis=1)
     estimate = palpate.estimate_glide(points, None, readings["finger"], like=study)
     assert estimate.contacts == len(points)
-    with pytest.raises(palpate.RunError, match="camera"):
-        trace.figures
+    assert trace.figures == []

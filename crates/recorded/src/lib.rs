@@ -38,7 +38,6 @@ mod reading_table;
 mod roll_estimate;
 mod roll_misfit;
 mod roll_recording;
-mod roll_sets;
 mod roll_settings;
 mod source;
 mod study_options;
@@ -68,16 +67,15 @@ pub use glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresho
 pub use glide_settings::TipReports;
 pub use image_estimate::{ImageEstimate, PictureOptions, estimate_images};
 pub use overlay::overlay;
-pub use palpate_ep1::{ReadingNoise, SetRow};
+pub use palpate_ep1::ReadingNoise;
 pub use palpate_ep2::{Curvature, MapPoint};
 pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use press_estimate::{PressOptions, estimate_press};
 pub use press_recording::{PressRecording, parse_press, read_press};
 pub use press_report::{PressNoise, PressReport, Radius, Row, Told};
-pub use roll_estimate::{RollEstimate, RollReport, UnresolvedProbe, estimate_roll};
+pub use roll_estimate::{RollEstimate, RollValues, UnresolvedProbe, estimate_roll};
 pub use roll_recording::{RollOptions, RollRecording, parse_roll, read_roll};
-pub use roll_sets::RollSets;
 pub use roll_settings::RollSettings;
 pub use study_options::StudyMismatch;
 pub use table_format::{Decimal, Delimiter, Form, column_names};
@@ -93,11 +91,14 @@ use palpate_study::config::LengthUnit;
 /// A value with its standard deviation, interval and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Value {
-    value: f64,
-    std: Option<f64>,
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation, if it is known.
+    pub std: Option<f64>,
     /// 95 % interval; `None` without a standard deviation.
-    interval95: Option<[f64; 2]>,
-    unit: Cow<'static, str>,
+    pub interval95: Option<[f64; 2]>,
+    /// Unit of all of them.
+    pub unit: Cow<'static, str>,
 }
 
 impl Value {

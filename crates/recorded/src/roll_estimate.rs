@@ -5,15 +5,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
 
 use nalgebra::Vector2;
-use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_ep1::{Ep1Error, Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use palpate_statistics::{NORMAL_95, Number, student_half_width};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::Value;
 use super::consistency::FORMAT_VERSION;
 use super::error::{RecordedError, explained};
 use super::input_checks::of_roll;
-use super::roll_misfit::RollFit;
 use super::roll_recording::{RollOptions, RollRecording};
 use super::source::agreed_unit;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
@@ -32,65 +31,147 @@ pub struct UnresolvedProbe {
     columns: BTreeMap<String, String>,
 }
 
-/// Estimate of the curvature from recorded rolls. Its [`report`](Self::report) has the warnings too.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Estimate of the curvature from recorded rolls. What takes longer than the estimate is computed when it is asked for.
+#[derive(Clone, Debug, PartialEq)]
 pub struct RollEstimate {
+    pub(super) recorded: RollRecording,
+    pub(super) options: RollOptions,
+    pub(super) unit: LengthUnit,
+    /// The noise that the standard deviations follow from: stated, or from the residuals.
+    noise: ReadingNoise,
+    pub(super) estimate: Estimate,
+    residual: f64,
+    /// Half-width of the 95 % intervals, in standard deviations.
+    half_width: f64,
+    std_from: &'static str,
+}
+
+/// Curvatures and lengths of an estimate from rolls.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RollValues {
+    /// Normal curvature along u.
+    pub normal_curvature_u: Value,
+    /// Normal curvature along v.
+    pub normal_curvature_v: Value,
+    /// Gaussian curvature.
+    pub gaussian_curvature: Value,
+    /// Mean curvature.
+    pub mean_curvature: Value,
+    /// Mean length of the shifts.
+    pub arc_length: Value,
+    /// Smallest normal curvature.
+    pub principal_curvature_min: Value,
+    /// Largest normal curvature.
+    pub principal_curvature_max: Value,
+    /// Direction of the largest curvature, from +u towards +v of the readings.
+    pub principal_direction_max_deg: f64,
+    /// Amplification of a relative error of the readings along u: 1 + 1/RCR; `null` if the object is flat.
+    pub amplification_u: Option<f64>,
+    /// The same along v.
+    pub amplification_v: Option<f64>,
+    /// Root mean square of the residuals of the shifts' components.
+    pub residual_rms: Value,
+}
+
+/// Output of `estimate roll`.
+#[derive(Serialize)]
+struct RollReport {
     /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
     format_version: u32,
     method: &'static str,
     probes: usize,
-    normal_curvature_u: Value,
-    normal_curvature_v: Value,
-    gaussian_curvature: Value,
-    mean_curvature: Value,
-    arc_length: Value,
-    principal_curvature_min: Value,
-    principal_curvature_max: Value,
-    /// Direction of the largest curvature, from +u towards +v of the readings.
-    principal_direction_max_deg: f64,
-    /// Amplification of a relative error of the readings: 1 + 1/RCR; `null` if the object is flat.
-    amplification_u: Option<f64>,
-    amplification_v: Option<f64>,
-    /// Root mean square of the residuals of the shifts' components.
-    residual_rms: Value,
-    /// ReadingSource of the standard deviations, in words.
+    #[serde(flatten)]
+    values: RollValues,
+    /// Source of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
     /// Goodness-of-fit p-value by the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
-    #[serde(skip)]
-    fitted: RollFit,
-    #[serde(skip)]
-    covariance: Option<[[f64; 3]; 3]>,
-}
-
-/// Output of `estimate roll`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RollReport<'e> {
-    #[serde(flatten)]
-    estimate: &'e RollEstimate,
     warnings: Vec<Warning>,
 }
 
 impl RollEstimate {
-    /// Contradictions between the readings and the model, and likely mistakes in the readings. They take longer than the
-    /// estimate, so they are computed only here.
-    pub fn warnings(&self) -> Vec<Warning> {
-        self.fitted.warnings()
+    /// Curvatures and lengths.
+    pub fn values(&self) -> RollValues {
+        let Self { estimate, unit, .. } = self;
+        let value = |Measured { value, std }, power: Unit| {
+            Value::within(value, std, self.half_width, power, *unit)
+        };
+        let bare = |value: f64, power: Unit| Value::new(value, None, power, *unit);
+        let principal = estimate.curvature.principal();
+        RollValues {
+            normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
+            normal_curvature_v: value(estimate.normal_curvature_v, Unit::PerLength),
+            gaussian_curvature: value(estimate.gaussian_curvature, Unit::PerLengthSquared),
+            mean_curvature: value(estimate.mean_curvature, Unit::PerLength),
+            arc_length: bare(estimate.arc_length, Unit::Length),
+            principal_curvature_min: bare(principal.k_min, Unit::PerLength),
+            principal_curvature_max: bare(principal.k_max, Unit::PerLength),
+            principal_direction_max_deg: principal.angle_of_max_rad.to_degrees() + 0.0,
+            amplification_u: estimate.amplification(0.0),
+            amplification_v: estimate.amplification(FRAC_PI_2),
+            residual_rms: bare(self.residual, Unit::Length),
+        }
     }
 
-    /// The estimate with its warnings.
-    pub fn report(&self) -> RollReport<'_> {
-        RollReport {
-            estimate: self,
-            warnings: self.warnings(),
-        }
+    /// Goodness-of-fit p-value by the stated noise; `None` if no noise is stated.
+    pub fn p_value(&self) -> Option<f64> {
+        let goodness = self
+            .estimate
+            .goodness(self.options.noise, &self.recorded.readings);
+        goodness.map(|goodness| goodness.p_value)
     }
 
     /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
     /// unknown.
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
-        self.covariance
+        let readings = &self.recorded.readings;
+        let fitted = LeastSquares::fitted(self.options.probe_radius, self.noise, readings);
+        fitted.ok()?.0.covariance(&self.estimate)
+    }
+}
+
+impl Serialize for RollEstimate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let report = RollReport {
+            format_version: FORMAT_VERSION,
+            method: "least-squares",
+            probes: self.recorded.readings.len(),
+            values: self.values(),
+            std_from: self.std_from,
+            unresolved_probes: self.unresolved(),
+            p_value: self.p_value(),
+            warnings: self.warnings(),
+        };
+        report.serialize(serializer)
+    }
+}
+
+impl RollEstimate {
+    /// Probes that rolled without a shift, with the bound on the object's radius that follows.
+    fn unresolved(&self) -> Vec<UnresolvedProbe> {
+        let Self {
+            recorded, options, ..
+        } = self;
+        let still = |(_, reading): &(usize, &ProbeReading)| {
+            reading.shift == Vector2::zeros() && reading.rotation != Vector2::zeros()
+        };
+        let bound = |(place, reading): (usize, &ProbeReading)| {
+            let resolution = options.noise.shift_resolution;
+            let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / options.probe_radius);
+            let is_bound = resolution > 0.0 && radius > 0.0 && radius.is_finite();
+            UnresolvedProbe {
+                probe: recorded.probe(place),
+                radius_below: is_bound.then_some(radius),
+                unit: self.unit.as_str().to_owned(),
+                columns: recorded
+                    .rows
+                    .get(place)
+                    .map_or_else(BTreeMap::new, |&row| recorded.extras.named(row)),
+            }
+        };
+        let readings = recorded.readings.iter().enumerate();
+        readings.filter(still).map(bound).collect()
     }
 }
 
@@ -106,7 +187,7 @@ impl RollEstimate {
 /// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 0.3 / (1/10 + 1/20) = 2.
 /// let csv = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.3,2,0\n1,0.3,0,0,2\n";
 /// let readings = parse_roll(RecordedFile::new("readings.csv", csv.as_bytes().to_vec()))?;
-/// let estimate = estimate_roll(&readings, &RollOptions::new(10.0))?;
+/// let estimate = estimate_roll(readings, &RollOptions::new(10.0))?;
 /// let estimate = serde_json::to_value(estimate)?;
 /// let curvature = estimate["mean_curvature"]["value"].as_f64().ok_or("no number")?;
 /// assert!((curvature - 0.05).abs() < 1e-12);
@@ -116,7 +197,7 @@ impl RollEstimate {
 /// # Errors
 /// [`RecordedError::Readings`] if the options contradict the file or the readings do not determine the curvature.
 pub fn estimate_roll(
-    recorded: &RollRecording,
+    recorded: RollRecording,
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
     let origin = &recorded.origin;
@@ -127,10 +208,10 @@ pub fn estimate_roll(
         origin.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
     let half_way = PI * options.probe_radius;
-    for (probe, reading) in recorded.probes.iter().zip(readings) {
+    for (place, reading) in readings.iter().enumerate() {
         let shift = libm::hypot(reading.shift.x, reading.shift.y);
         if shift > half_way * (1.0 + 1e-9) {
-            let unit = unit.as_str();
+            let (probe, unit) = (recorded.probe(place), unit.as_str());
             return Err(fail(format!(
                 "probe {probe}: a shift of {} {unit} passes half way round the probe ({} {unit})",
                 Number(shift),
@@ -141,10 +222,7 @@ pub fn estimate_roll(
     let refused = |error: Ep1Error| {
         let message = match error {
             Ep1Error::NotFinite { probe } => {
-                format!(
-                    "probe {}: the reading is not finite",
-                    recorded.probes[probe]
-                )
+                format!("probe {}: the reading is not finite", recorded.probe(probe))
             }
             Ep1Error::Unresolved {
                 radius_below: Some(_),
@@ -158,71 +236,36 @@ pub fn estimate_roll(
     };
 
     let RollEstimatorConfig::LeastSquares = options.estimator;
-    let stated = options.noise;
-    let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
-    let (mut fitted, mut estimate) = fit(stated)?;
-    let by_stated_noise = RollFit {
-        recorded: recorded.clone(),
-        options: options.clone(),
-        unit,
-        fit: fitted.clone(),
-        estimate,
-    };
-    let goodness = fitted.goodness(&estimate, readings);
+    let fit = |noise| LeastSquares::of(options.probe_radius, noise, readings).map_err(refused);
+    let mut noise = options.noise;
+    let mut estimate = fit(noise)?;
     let (residual, freedom) = estimate.residual(readings);
-    let mut std_from = match stated {
+    let mut half_width = NORMAL_95;
+    let std_from = match noise {
         ReadingNoise {
             relative_rotation_std: 0.0,
             rotation_std_rad: 0.0,
             shift_resolution,
             ..
         } if shift_resolution > 0.0 => "the pads' pitch",
-        _ => "the stated noise",
-    };
-    if !stated.is_stated() {
-        std_from = "none: the residuals are zero and no pitch is given";
-        if freedom > 0 && residual > 0.0 {
-            std_from = "the residuals";
-            (fitted, estimate) = fit(ReadingNoise {
-                shift_std: residual,
-                ..stated
-            })?;
+        _ if noise.is_stated() => "the stated noise",
+        _ if freedom > 0 && residual > 0.0 => {
+            noise.shift_std = residual;
+            estimate = fit(noise)?;
+            half_width = student_95(freedom);
+            "the residuals"
         }
-    }
-
-    let half_width = match std_from {
-        "the residuals" => half_width(freedom),
-        _ => NORMAL_95,
+        _ => "none: the residuals are zero and no pitch is given",
     };
-    let value =
-        |Measured { value, std }, power: Unit| Value::within(value, std, half_width, power, unit);
-    let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
-    let principal = estimate.curvature.principal();
     Ok(RollEstimate {
-        format_version: FORMAT_VERSION,
-        method: "least-squares",
-        probes: readings.len(),
-        normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
-        normal_curvature_v: value(estimate.normal_curvature_v, Unit::PerLength),
-        gaussian_curvature: value(estimate.gaussian_curvature, Unit::PerLengthSquared),
-        mean_curvature: value(estimate.mean_curvature, Unit::PerLength),
-        arc_length: bare(estimate.arc_length, Unit::Length),
-        principal_curvature_min: bare(principal.k_min, Unit::PerLength),
-        principal_curvature_max: bare(principal.k_max, Unit::PerLength),
-        principal_direction_max_deg: principal.angle_of_max_rad.to_degrees() + 0.0,
-        amplification_u: estimate.amplification(0.0),
-        amplification_v: estimate.amplification(FRAC_PI_2),
-        residual_rms: bare(residual, Unit::Length),
+        options: options.clone(),
+        recorded,
+        unit,
+        noise,
+        estimate,
+        residual,
+        half_width,
         std_from,
-        unresolved_probes: unresolved(
-            recorded,
-            options.probe_radius,
-            stated.shift_resolution,
-            unit,
-        ),
-        p_value: goodness.map(|goodness| goodness.p_value),
-        fitted: by_stated_noise,
-        covariance: fitted.covariance(&estimate),
     })
 }
 
@@ -231,43 +274,10 @@ const MAX_CACHED: usize = 64;
 
 /// Half-width of the 95 % interval in standard deviations with these degrees of freedom. Computing it takes longer than the
 /// estimate of a few rolls.
-fn half_width(freedom: usize) -> f64 {
+fn student_95(freedom: usize) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
     let compute = || student_half_width(0.95, freedom);
     CACHE
         .get(freedom)
         .map_or_else(compute, |half_width| *half_width.get_or_init(compute))
-}
-
-/// Probes that rolled without a shift, with the bound on the object's radius that follows.
-fn unresolved(
-    recorded: &RollRecording,
-    probe_radius: f64,
-    resolution: f64,
-    unit: LengthUnit,
-) -> Vec<UnresolvedProbe> {
-    let still = |reading: &ProbeReading| {
-        reading.shift == Vector2::zeros() && reading.rotation != Vector2::zeros()
-    };
-    recorded
-        .probes
-        .iter()
-        .zip(&recorded.readings)
-        .enumerate()
-        .filter(|(_, (_, reading))| still(reading))
-        .map(|(place, (&probe, reading))| {
-            let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / probe_radius);
-            let radius_below =
-                (resolution > 0.0 && radius > 0.0 && radius.is_finite()).then_some(radius);
-            UnresolvedProbe {
-                probe,
-                radius_below,
-                unit: unit.as_str().to_owned(),
-                columns: recorded
-                    .rows
-                    .get(place)
-                    .map_or_else(BTreeMap::new, |&row| recorded.extras.named(row)),
-            }
-        })
-        .collect()
 }

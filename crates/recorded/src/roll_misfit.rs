@@ -3,45 +3,35 @@
 use std::collections::HashMap;
 
 use nalgebra::Vector2;
-use palpate_ep1::{Estimate, LeastSquares, PadStart, ProbeReading};
+use palpate_ep1::{PadStart, ProbeReading};
 use palpate_statistics::StatedQuantity;
 use palpate_study::Warning;
-use palpate_study::config::LengthUnit;
 
 use super::duplicate_rows::repeated;
 use super::input_checks::{of_flatness, of_pitch, of_roll, of_rotation_noise};
 use super::misfit_warning::ReadingWords;
-use super::roll_recording::{RollOptions, RollRecording};
+use super::roll_estimate::RollEstimate;
+use super::roll_recording::RollRecording;
 
-/// Readings with their fit.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct RollFit {
-    pub(super) recorded: RollRecording,
-    pub(super) options: RollOptions,
-    pub(super) unit: LengthUnit,
-    /// The fit with the stated noise, and its estimate.
-    pub(super) fit: LeastSquares,
-    pub(super) estimate: Estimate,
-}
-
-impl RollFit {
+impl RollEstimate {
     /// Contradictions between the readings and the model, and likely mistakes in the readings.
-    pub(super) fn warnings(&self) -> Vec<Warning> {
+    pub fn warnings(&self) -> Vec<Warning> {
         let Self {
             recorded,
             options,
             unit,
+            estimate,
             ..
         } = self;
         let (readings, noise) = (&recorded.readings, &options.noise);
         let words = ReadingWords {
-            reading: &|probe| format!("probe {}", recorded.probes[probe]),
+            reading: &|probe| format!("probe {}", recorded.probe(probe)),
             noise_of: "shifts",
             unit: unit.as_str(),
         };
         let units = of_roll(readings, options.probe_radius, *unit);
-        let misfits = self.fit.misfits(&self.estimate, readings);
-        let flat = of_flatness(&self.estimate, options.probe_radius, *unit);
+        let misfits = estimate.misfits(*noise, readings);
+        let flat = of_flatness(estimate, options.probe_radius, *unit);
         let pitch = of_pitch(readings, noise.shift_resolution, *unit);
         let rotations = of_rotation_noise(readings, noise);
         Warning::of("units", units)

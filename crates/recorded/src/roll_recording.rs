@@ -84,13 +84,13 @@ impl RollOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollRecording {
     pub(super) origin: ReadingSource,
-    /// The probes' numbers, as recorded.
+    /// The probes' numbers in a file; empty for arrays, whose probes are numbered from 0.
     pub(super) probes: Vec<u64>,
     /// Their readings.
     pub(super) readings: Vec<ProbeReading>,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
-    /// The row of each probe.
+    /// The row of each probe in a file.
     pub(super) rows: Vec<usize>,
     /// Other fields of the file, row by row.
     pub(super) extras: ExtraColumns,
@@ -108,7 +108,7 @@ impl RollRecording {
     /// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 2.
     /// let rotations = [[0.0, -0.3], [0.3, 0.0]];
     /// let readings = RollRecording::new(&rotations, &[[2.0, 0.0], [0.0, 2.0]], None)?;
-    /// let estimate = estimate_roll(&readings, &RollOptions::new(10.0))?;
+    /// let estimate = estimate_roll(readings, &RollOptions::new(10.0))?;
     /// assert_eq!(serde_json::to_value(estimate)?["probes"], 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -127,15 +127,20 @@ impl RollRecording {
         let pairs = rotations.iter().zip(shifts);
         Ok(Self {
             origin: ReadingSource::Arrays,
-            probes: (0..rotations.len() as u64).collect(),
+            probes: Vec::new(),
             readings: pairs
                 .map(|(turned, [u, v])| reading(turned[0], turned[1], *u, *v))
                 .collect(),
             unit,
-            rows: (0..rotations.len()).collect(),
+            rows: Vec::new(),
             extras: ExtraColumns::default(),
             note: None,
         })
+    }
+
+    /// Number of the probe of a reading.
+    pub(super) fn probe(&self, reading: usize) -> u64 {
+        self.probes.get(reading).copied().unwrap_or(reading as u64)
     }
 
     /// The unit of lengths that the header states.

@@ -101,15 +101,14 @@ proptest! {
             pad_start: PadStart::PerRoll,
         };
         for (radius, noise) in [(radius, noise), (1.0, noise), (1.0, ReadingNoise::default())] {
-            let fitted = LeastSquares::fitted(radius, noise, &readings);
-            if let Ok((fit, estimate)) = &fitted {
-                let found = fit.misfits(estimate, &readings);
-                let p_values = found.iter().map(|misfit| misfit.p_value());
-                let goodness = fit.goodness(estimate, &readings);
+            let found = LeastSquares::of(radius, noise, &readings);
+            if let Ok(estimate) = &found {
+                let misfits = estimate.misfits(noise, &readings);
+                let p_values = misfits.iter().map(|misfit| misfit.p_value());
+                let goodness = estimate.goodness(noise, &readings);
                 let p_values = p_values.chain(goodness.map(|goodness| goodness.p_value));
-                prop_assert!(p_values.into_iter().all(|p_value| (0.0..=1.0).contains(&p_value)), "{found:?}");
+                prop_assert!(p_values.into_iter().all(|p_value| (0.0..=1.0).contains(&p_value)), "{misfits:?}");
             }
-            let found = fitted.map(|(_, estimate)| estimate);
             if let Some(expected_error) = expected_error(radius, &noise, &readings) {
                 prop_assert_eq!(&found, &Err(expected_error));
             }

@@ -7,7 +7,6 @@ mod draws;
 mod exact;
 mod misfit;
 mod refusals;
-mod sets;
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::ProbeReading;

@@ -50,13 +50,13 @@ fn askew() -> Vec<(f64, f64)> {
 }
 
 fn goodness(stated: ReadingNoise, readings: &[ProbeReading]) -> Option<GoodnessOfFit> {
-    let (fit, estimate) = LeastSquares::fitted(1.0, stated, readings).unwrap();
-    fit.goodness(&estimate, readings)
+    let estimate = LeastSquares::of(1.0, stated, readings).unwrap();
+    estimate.goodness(stated, readings)
 }
 
 fn misfits(stated: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
-    let (fit, estimate) = LeastSquares::fitted(1.0, stated, readings).unwrap();
-    fit.misfits(&estimate, readings)
+    let estimate = LeastSquares::of(1.0, stated, readings).unwrap();
+    estimate.misfits(stated, readings)
 }
 
 /// Largest distance of the distribution of numbers from the uniform one (Kolmogorov), times the root of their number.

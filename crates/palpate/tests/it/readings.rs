@@ -1,8 +1,8 @@
 //! Tables of readings, and the library's estimates from them.
 
 use palpate::recorded::{
-    Form, GlideOptions, PressOptions, RecordedFile, RollEstimate, RollOptions, column_names,
-    estimate_glide, estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+    Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
+    estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -42,8 +42,8 @@ pub(crate) fn roll(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
         ..RollOptions::new(10.0)
     };
     let readings = parse_roll(file(contents, form));
-    let estimate = readings.and_then(|readings| estimate_roll(&readings, &options));
-    json(estimate.as_ref().map(RollEstimate::report))
+    let estimate = readings.and_then(|readings| estimate_roll(readings, &options));
+    json(estimate)
 }
 
 pub(crate) fn glide(contents: impl AsRef<[u8]>, form: Form) -> Estimated {

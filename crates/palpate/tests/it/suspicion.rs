@@ -36,8 +36,8 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
     match config.scene {
         SceneConfig::Roll(_) => {
             let options = palpate::study_options::roll(config, unit).unwrap();
-            let estimate = estimate_roll(&parse_roll(file).ok()?, &options).ok()?;
-            Some(warnings(&estimate.report()))
+            let estimate = estimate_roll(parse_roll(file).ok()?, &options).ok()?;
+            Some(warnings(&estimate))
         }
         SceneConfig::Glide(_) => {
             let options = GlideOptions {
@@ -198,7 +198,7 @@ fn of_rolls(rotations: &[[f64; 2]], shifts: &[[f64; 2]], noise: ReadingNoise) ->
         noise,
         ..RollOptions::new(8.0)
     };
-    warnings(&estimate_roll(&readings, &options).unwrap().report())
+    warnings(&estimate_roll(readings, &options).unwrap())
 }
 
 fn shift_noise(shift_std: f64) -> ReadingNoise {
@@ -299,7 +299,7 @@ fn a_pitch_that_is_longer_than_shifts_are_is_told() {
         noise: RollOptions::noise_of_pads(8.0, 2.0).unwrap(),
         ..RollOptions::new(8.0)
     };
-    let said = estimate_roll(&readings, &options).unwrap_err().to_string();
+    let said = estimate_roll(readings, &options).unwrap_err().to_string();
     assert!(!said.contains("is the pitch right"), "{said}");
 }
 

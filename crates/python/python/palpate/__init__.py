@@ -1,6 +1,6 @@
 """Curvature from touch.
 
-Estimates of an object's curvature from arrays of readings, and simulated studies of how well such estimates do.
+Estimates of an object's curvature from arrays of readings, and simulated studies of the errors of such estimates.
 
 ====================================  ==========================================================
 to                                    call
@@ -10,17 +10,17 @@ estimate from gliding fingers         estimate_glide(points, normals, fingers)
 estimate from a press                 estimate_press(positions, displacements, sensor_radius=…)
 find markers in camera frames         track(rest, pressed), calibrate(table), calibrate_frames(…)
 find the camera of a sensor           calibrate_camera(rest, study)
-fit what that camera sees             track(rest, pressed, method="image", like=study, calibration=…)
+fit the images of the markers         track(rest, pressed, method="image", like=study, calibration=…)
 lay out a skin, and cut it            Layout(radius), pattern(layout)
 simulate                              Study(toml or dict).run()
-find what sensor or motion will do    design(study, target, vary)
-know which objects can be told apart  distinguish(study, vary=…)
+find a sensor or motion that suffices design(study, target, vary)
+find distinguishable objects          distinguish(study, vary=…)
 score the papers' claims, on a page   report(results, …)
-know what a word means                explain(word)
+explain a word                        explain(word)
 ====================================  ==========================================================
 
-Lengths are in whatever unit the caller has, angles in radians where a name does not end in ``_deg``; a curvature is
-positive where the object is convex. All errors are a PalpateError, which is a ValueError.
+Lengths have the unit of the caller. Angles are in radians, or in degrees if the name ends in ``_deg``. The curvature of a
+convex object is positive. All errors are a PalpateError, which is a ValueError.
 """
 
 from . import _native

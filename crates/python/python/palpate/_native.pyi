@@ -15,6 +15,7 @@ __all__ = [
     "CameraCalibration",
     "ConfigError",
     "DesignAnswer",
+    "Distinction",
     "Figure",
     "GlideEstimate",
     "Layout",
@@ -25,11 +26,9 @@ __all__ = [
     "Record",
     "Report",
     "Results",
-    "RollBatch",
     "RollEstimate",
     "RunError",
     "Study",
-    "ToldApart",
     "Trace",
     "Tracked",
     "__version__",
@@ -82,7 +81,7 @@ class _Value(Record):
     interval95: _Floats | None
     unit: str
 
-class _Told(_Value):
+class _Measured(_Value):
     interval95: _Floats
 
 class _Radius(Record):
@@ -166,13 +165,10 @@ class _Score(Record):
     why: str
 
 @final
-class Report:
-    @property
-    def scores(self) -> list[_Score]: ...
-    @property
-    def text(self) -> str: ...
-    @property
-    def html(self) -> str: ...
+class Report(Record):
+    scores: list[_Score]
+    text: str
+    html: str
 
 class _Pair(Record):
     first: str
@@ -193,7 +189,7 @@ class _Group(Record):
     pairs: list[_Pair]
 
 @final
-class ToldApart(Record):
+class Distinction(Record):
     study: str
     quantity: str
     confidence: float
@@ -256,20 +252,20 @@ class PressEstimate(Record):
     markers: int
     with_tangential: bool
     length_unit: str
-    relative_curvature: _Told
-    effective_radius: _Told
-    object_curvature: _Told
+    relative_curvature: _Measured
+    effective_radius: _Measured
+    object_curvature: _Measured
     object_radius: _Radius
     regime: str
     verdict: str
-    indentation: _Told
-    contact_radius: _Told
+    indentation: _Measured
+    contact_radius: _Measured
     force: _Value | None
     peak_pressure: _Value | None
     contact: _Floats
     contact_std: _Floats
-    baseline: _Told | None
-    gain: _Told | None
+    baseline: _Measured | None
+    gain: _Measured | None
     wrong_markers: list[Record]
     noise: Record
     r_squared: float
@@ -277,35 +273,8 @@ class PressEstimate(Record):
     warnings: list[Record]
 
 @final
-class RollBatch:
-    @property
-    def normal_curvature_u(self) -> Record: ...
-    @property
-    def normal_curvature_v(self) -> Record: ...
-    @property
-    def twist(self) -> _Floats: ...
-    @property
-    def gaussian_curvature(self) -> Record: ...
-    @property
-    def mean_curvature(self) -> Record: ...
-    @property
-    def arc_length(self) -> Record: ...
-    @property
-    def residual_rms(self) -> Record: ...
-    @property
-    def principal_curvature_min(self) -> _Floats: ...
-    @property
-    def principal_curvature_max(self) -> _Floats: ...
-    @property
-    def principal_direction_max_deg(self) -> _Floats: ...
-    @property
-    def errors(self) -> dict[int, str]: ...
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> Record: ...
-    def to_dict(self) -> dict[str, _Floats]: ...
-
-@final
 class Batch:
+    def __new__(cls, estimates: list[tuple[Record | None, str]]) -> Batch: ...
     @property
     def errors(self) -> dict[int, str]: ...
     def __getattr__(self, name: str) -> Any: ...
@@ -351,43 +320,26 @@ class CameraCalibration:
     def to_dict(self) -> dict[str, Any]: ...
 
 @final
-class Tracked:
-    @property
-    def markers(self) -> Table: ...
-    @property
-    def fates(self) -> Record: ...
-    @property
-    def warnings(self) -> list[Record]: ...
-    @property
-    def overlay(self) -> _Pixels: ...
-    @property
-    def difference(self) -> _Pixels: ...
-    @property
-    def readings(self) -> Table | None: ...
-    @property
-    def field(self) -> Table | None: ...
-    @property
-    def estimate(self) -> PressEstimate | None: ...
+class Tracked(Record):
+    fates: Record
+    warnings: list[Record]
+    markers: Table
+    overlay: _Pixels
+    difference: _Pixels
+    readings: Table | None
+    field: Table | None
+    estimate: PressEstimate | None
 
 @final
-class Pattern:
-    @property
-    def svg(self) -> str: ...
-    @property
-    def dxf(self) -> str: ...
-    @property
-    def gores(self) -> int: ...
-    @property
-    def markers(self) -> int: ...
-    @property
-    def greatest_fold_strain(self) -> float: ...
-    @property
-    def rms_fold_strain(self) -> float: ...
-    @property
-    def strain(self) -> Table: ...
-    @property
-    def strain_by_gores(self) -> Table: ...
-    def _repr_svg_(self) -> str: ...
+class Pattern(Record):
+    gores: int
+    markers: int
+    greatest_fold_strain: float
+    rms_fold_strain: float
+    svg: str
+    dxf: str
+    strain: Table
+    strain_by_gores: Table
 
 @final
 class Layout:
@@ -475,21 +427,14 @@ class Results:
     def _repr_html_(self) -> str: ...
 
 @final
-class Trace:
-    @property
-    def what(self) -> str: ...
-    @property
-    def contacts(self) -> Table: ...
-    @property
-    def readings(self) -> Table: ...
-    @property
-    def markers(self) -> Table | None: ...
-    @property
-    def rest(self) -> _Pixels | None: ...
-    @property
-    def pressed(self) -> _Pixels | None: ...
-    @property
-    def figures(self) -> list[Figure]: ...
+class Trace(Record):
+    what: str
+    contacts: Table
+    readings: Table
+    markers: Table | None
+    rest: _Pixels | None
+    pressed: _Pixels | None
+    figures: list[Figure]
 
 def schema() -> dict[str, Any]: ...
 def estimate_roll(
@@ -628,7 +573,7 @@ def distinguish(
     seed: int | None = None,
     threads: int | None = None,
     progress: Callable[[int], Any] | None = None,
-) -> ToldApart: ...
+) -> Distinction: ...
 def report(*studies: Results | str | PathLike[str]) -> Report: ...
 @overload
 def explain(word: str) -> str: ...

@@ -1,4 +1,4 @@
-"""Results as a person reads them: text in a terminal, a table with a figure in a notebook."""
+"""Results in words: text in a terminal, a table with a figure in a notebook."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def _measured(table: dict[str, Any]) -> str | None:
-    """Value with its standard deviation, interval and unit, if the table is one."""
+    """Value with its standard deviation, interval and unit; None for other tables."""
     if "value" not in table:
         return None
     value, unit = table["value"], table.get("unit", "")
@@ -35,7 +35,7 @@ def _measured(table: dict[str, Any]) -> str | None:
 
 
 def _words(value: Any) -> str | None:
-    """One line for a field; None where it has nothing to say."""
+    """One line for a field; None for an empty field."""
     if value is None or value == [] or value == {}:
         return None
     if isinstance(value, bool):
@@ -49,8 +49,8 @@ def _words(value: Any) -> str | None:
         if measured is not None:
             return measured
         parts = ((key, _words(part)) for key, part in value.items())
-        said = [f"{key} {part}" for key, part in parts if part is not None]
-        return ", ".join(said[:_LONG]) + (", …" if len(said) > _LONG else "")
+        shown = [f"{key} {part}" for key, part in parts if part is not None]
+        return ", ".join(shown[:_LONG]) + (", …" if len(shown) > _LONG else "")
     if isinstance(value, list):
         if all(isinstance(item, (int, float)) or item is None for item in value):
             ends = ("-" if item is None else number(item) for item in value)
@@ -75,18 +75,22 @@ def _rows(record: Any) -> list[tuple[str, str]]:
 
 
 def text(record: Any) -> str:
-    """Record in lines, one per field; in one line where it is a single value."""
+    """Record in lines, one per field; a single value in one line."""
+    name = type(record).__name__
+    for field in ("what", "text"):
+        if isinstance(words := getattr(record, field, None), str):
+            return f"{name}: {words}"
     measured = _measured(record.to_dict())
     if measured is not None:
         return measured
     rows = _rows(record)
     width = max((len(key) for key, _ in rows), default=0)
     lines = (f"  {key:{width}}  {words}" for key, words in rows)
-    return "\n".join([type(record).__name__, *lines])
+    return "\n".join([name, *lines])
 
 
 def html(record: Any) -> str:
-    """Record as a table, with its figure below it where it has one."""
+    """Record as a table, with its figure below if it has one."""
     rows = "".join(
         f'<tr><th style="text-align:left">{_html.escape(key)}</th>'
         f'<td style="text-align:left">{_html.escape(words)}</td></tr>'
@@ -99,8 +103,10 @@ def html(record: Any) -> str:
 
 def _figure(record: Any) -> str:
     """Figure of a record as SVG: its own, a map of its mean curvature, or its curvatures with their intervals."""
-    if hasattr(record, "figure"):
-        return str(record.figure.svg)
+    for drawing in (getattr(record, "figure", None), record):
+        svg = getattr(drawing, "svg", None)
+        if svg is not None:
+            return str(svg)
     curvature = getattr(getattr(record, "map", None), "mean_curvature", None)
     if curvature is not None and curvature.ndim == 2:
         return _heat(curvature, f"mean curvature, {record.mean_curvature.unit}")
@@ -115,7 +121,7 @@ def _svg(width: float, height: float, parts: list[str]) -> str:
 
 
 def _heat(values: np.ndarray[Any, Any], title: str) -> str:
-    """Squares, the first axis to the right and the second upwards; darker the larger."""
+    """Squares, the first axis to the right and the second upwards. Larger values are darker."""
     low, high = float(np.min(values)), float(np.max(values))
     columns, rows = values.shape
     side = 240 / max(columns, rows)
@@ -130,7 +136,7 @@ def _heat(values: np.ndarray[Any, Any], title: str) -> str:
 
 
 def _intervals(record: Any) -> str:
-    """Curvatures of one unit as points with 95 % bars; nothing where there is none."""
+    """Curvatures of one unit as points with 95 % bars; empty without curvatures."""
     lines: list[tuple[str, float, float, float]] = []
     for name, value in record.to_dict().items():
         if not isinstance(value, dict) or not str(value.get("unit", "")).startswith("1/"):
@@ -176,6 +182,6 @@ def table(header: list[str], rows: list[list[str]], height: int) -> str:
 
 
 def results(made: Any) -> str:
-    """Results as HTML: their table, and the first figure that the config asks for."""
+    """Results as HTML: their table, and the first figure of the config."""
     figure = made.plot().svg if made.plots else ""
     return f"{made.cells._repr_html_()}{figure}"

@@ -13,8 +13,8 @@ if typing.TYPE_CHECKING:
 class Table(dict[str, "NDArray[Any]"]):
     """Arrays of one value per row by the names of their columns, numbers as float64 with NaN for an empty field.
 
-    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take it as it is. Names do not contain the unit of length:
-    ``units`` has the unit of each column, None where it has none, or each row its own.
+    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` accept it. Names do not contain the unit of length:
+    ``units`` has the unit of each column, or None if the column has no unit or a unit per row.
     """
 
     def __init__(self, arrays: dict[str, NDArray[Any]], units: dict[str, str | None], text: str) -> None:
@@ -28,7 +28,7 @@ class Table(dict[str, "NDArray[Any]"]):
         return len(next(iter(self.values())))
 
     def to_csv(self) -> str:
-        """The table as CSV: the bytes that the command line writes, with units in the names."""
+        """The table as CSV, with units in the names: the bytes that the command line writes."""
         return self._text
 
     def __missing__(self, name: str) -> NDArray[Any]:
@@ -46,7 +46,7 @@ class Table(dict[str, "NDArray[Any]"]):
         return f"<Table of {self.height} rows: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        # Here, so that importing palpate stays quick.
+        # Imported here, to import palpate quickly.
         import csv
         import io
 

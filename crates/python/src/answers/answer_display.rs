@@ -11,14 +11,13 @@ pub(super) fn table<'py>(
     rows: &Rows,
     study: &Study,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let table = crate::table::table_of(py, rows, study.config.length_unit)?;
-    Ok(table.into_bound(py))
+    crate::table::table_of(py, rows, study.config.length_unit)
 }
 
 pub(super) fn figure<'py>(
     py: Python<'py>,
     figure: Result<palpate::Figure, ReportError>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
+    let figure = figure.map_err(error::run)?;
     Ok(Bound::new(py, Figure::from(figure))?.into_any())
 }

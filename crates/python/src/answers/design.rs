@@ -9,14 +9,14 @@ use pyo3::types::PyDict;
 use super::answer_display::{figure, table};
 use super::question::{set as set_of, unanswered, varied};
 use crate::error;
-use crate::json::of_json;
-use crate::record::{Made, record};
+use crate::json::to_python;
+use crate::record::{Made, Record, record};
 use crate::study::{Study, runner};
-use crate::watch::watched_alone;
+use crate::watch::watched;
 
 record!(
     DesignAnswer,
-    "Values of one or several fields that, taken together, meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details,\nin words; `table` is a Table of all trials, `runs` one of the runs that meet or miss the target, `figure` a Figure of them."
+    "Values of one or several fields that, taken together, meet a target. The answer as a whole is right with 95 %.\n\nFields: those that `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details\nin words; `table` is a Table of all trials, `runs` a Table of the runs that meet or miss the target, `figure` a Figure of\nthem."
 );
 
 /// Answer of a design, with its study.
@@ -27,7 +27,7 @@ struct Found {
 
 impl Made for Found {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.region.to_json(&self.study))
+        to_python(py, &self.region.to_json(&self.study))
     }
 
     fn others(&self) -> &'static [&'static str] {
@@ -45,36 +45,36 @@ impl Made for Found {
     }
 }
 
-/// Values of fields at which all cells of a study meet a target: which pads, which roll, which camera will do.
+/// Values of fields at which all cells of a study meet a target, for example the pads, the roll or the camera that suffice.
 ///
-/// At least 16 values are scanned, every crossing is bracketed ever more closely, and fresh trials verify the answer, all
-/// of which is right with 95 %. Between values that were looked at nothing is known. Of several fields one is searched so
-/// at each combination of a grid of the others.
+/// The search scans at least 16 values, narrows every crossing, and verifies the answer with fresh trials. The answer as a
+/// whole is right with 95 %. It makes no statement about values between those that were tried. If several fields are varied,
+/// one of them is searched at each combination of a grid of the others.
 ///
 /// Parameters
 /// ----------
 /// study : Study
-///     Scene, and the cells in all of which the target is to hold at once.
+///     Scene with its cells. The target must hold in all cells at once.
 /// target : str
-///     "STATISTIC(QUANTITY) <= LIMIT" or ">= LIMIT", with the names of `Results.cells`, as
-///     "relative_rms_error(mean_curvature) <= 5 %"; without a quantity the first of the scene is meant.
+///     "STATISTIC(QUANTITY) <= LIMIT" or ">= LIMIT", with the names of `Results.cells`, for example
+///     "relative_rms_error(mean_curvature) <= 5 %". The default quantity is the first of the scene.
 /// vary : str, list of str, or dict
-///     The fields that are varied, with their values: "scene.sensor.pitch=0.05..2", or `{"scene.sensor.pitch": (0.05, 2)}`
-///     for all numbers between, `{"scene.sensor.normal_from": ["hue", "both"]}` for these.
+///     The varied fields with their values: "scene.sensor.pitch=0.05..2" or `{"scene.sensor.pitch": (0.05, 2)}` for a
+///     range, `{"scene.sensor.normal_from": ["hue", "both"]}` for a list.
 /// maximise, minimise : str, optional
-///     Path of a varied field whose largest, or smallest, value that meets the target is asked for; one of them.
+///     Path of a varied field. The answer has its largest, or smallest, value that meets the target. Give one of them.
 /// set : dict, optional
-///     Fields that get one value each, in place of what the study and its sweeps say of them.
+///     Fields with one value each. They replace the values and the sweeps of the study.
 /// max_failures : float
-///     Largest share of the trials that may fail, above 0; 1: however many.
+///     Largest share of the trials that may fail, above 0 and at most 1.
 /// gap : float
-///     Largest gap that is to stay between what meets the target and what misses it: a share of the value where ratios
-///     count, else of half the range.
+///     Largest gap between a value that meets the target and the next value that misses it: a share of the value for
+///     fields with a logarithmic scale, otherwise of half the range.
 /// most_trials : int
-///     Most trials of a cell at one value.
+///     Largest number of trials of a cell at one value.
 /// budget : float, optional
-///     Time after which nothing more is explored, s, by default 60; None: no end, and the answer hangs on the question alone. The scan and
-///     the verification are always done.
+///     Time limit of the search, s, by default 60. The scan and the verification are always completed. With None there is
+///     no limit, and the answer depends on the question alone.
 /// seed, threads, progress
 ///     As of `Study.run`.
 ///
@@ -85,11 +85,11 @@ impl Made for Found {
 /// Raises
 /// ------
 /// ArgumentError
-///     For a target, a field or a setting that cannot be.
+///     For an invalid target, field or setting.
 /// ConfigError
-///     Where a value of the field makes no scene.
+///     If a value of the field makes no valid scene.
 /// RunError
-///     Where the statistic has no value.
+///     If the statistic has no value.
 ///
 /// Examples
 /// --------
@@ -160,15 +160,15 @@ pub(crate) fn design<'py>(
         ..question
     };
     let runner = runner(threads)?;
-    let found = watched_alone(py, progress.as_ref(), move |watch| {
+    let found = watched(py, progress.as_ref(), move |watch| {
         let start = Instant::now();
-        let (clock, tell) = (
+        let (clock, progress) = (
             || start.elapsed(),
             |_values: usize, trials: u64| watch.reach(trials),
         );
-        let region = palpate::design(&study, &question, &runner, &clock, &tell)?;
+        let region = palpate::design(&study, &question, &runner, &clock, &progress)?;
         Ok(Found { region, study })
     })?;
     let found = found.map_err(|error| unanswered(error, "target"))?;
-    DesignAnswer::of(py, found)
+    DesignAnswer::of(py, Record::new(found))
 }

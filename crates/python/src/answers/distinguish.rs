@@ -1,4 +1,4 @@
-//! How surely objects are told apart.
+//! Probabilities that objects are distinguished.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -6,25 +6,25 @@ use pyo3::types::PyDict;
 use super::answer_display::{figure, table};
 use super::question::{listed, set as set_of, unanswered, wrong};
 use crate::error;
-use crate::json::of_json;
-use crate::record::{Made, record};
+use crate::json::to_python;
+use crate::record::{Made, Record, record};
 use crate::study::{Study, runner};
-use crate::watch::watched_alone;
+use crate::watch::watched;
 
 record!(
-    ToldApart,
-    "How surely one trial of each of two objects puts them in the right order, and how many trials do.\n\nFields: what `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs` of `first`, `second`, `told_apart` (a probability, None where they are alike), `low95`, `high95`\nand `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
+    Distinction,
+    "Probabilities that one trial of each of two objects puts them in the right order, and the number of trials that\nsuffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
-/// Source that an answer is made from.
-struct Told {
-    told: palpate::Discrimination,
+/// Answer with its study.
+struct Found {
+    discrimination: palpate::Discrimination,
     study: palpate::Study,
 }
 
-impl Made for Told {
+impl Made for Found {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.told.to_json(&self.study))
+        to_python(py, &self.discrimination.to_json(&self.study))
     }
 
     fn others(&self) -> &'static [&'static str] {
@@ -32,48 +32,51 @@ impl Made for Told {
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Self { told, study } = self;
+        let Self {
+            discrimination,
+            study,
+        } = self;
         match name {
-            "table" => table(py, &told.table(), study),
-            _ => figure(py, told.figure("distinguish", study.heading())),
+            "table" => table(py, &discrimination.table(), study),
+            _ => figure(py, discrimination.figure("distinguish", study.heading())),
         }
     }
 }
 
-/// How surely one trial of each of two objects tells them apart, for every two objects that a study sweeps, and how many
-/// trials do.
+/// Probability that one trial of each of two objects distinguishes them, for every two objects that a study sweeps, and the
+/// number of trials that suffices.
 ///
-/// Two objects are told apart where a trial of each puts their estimates in the right order; by the quantity "class" of a
-/// glide, where most places of both are classified right. A trial that fails does not tell.
+/// Two trials distinguish two objects if their estimates are in the right order; by the quantity "class" of a glide, if most
+/// points of both are classified correctly. A trial that fails distinguishes nothing.
 ///
 /// Parameters
 /// ----------
 /// study : Study
 ///     Scene; its swept fields of `scene.object` make the objects, the others the groups.
 /// vary : dict, optional
-///     Fields of the object with lists of values, in place of what the study says of them:
+///     Fields of the object with lists of values, which replace those of the study:
 ///     `{"scene.object.radius": [20, 25, 30]}`.
 /// set : dict, optional
-///     Fields that get one value each, in place of what the study and its sweeps say of them.
+///     Fields with one value each. They replace the values and the sweeps of the study.
 /// quantity : str, optional
-///     Quantity by which objects are told apart; by default "object_curvature" of a press, else "mean_curvature".
+///     Quantity that distinguishes the objects; by default "object_curvature" of a press, else "mean_curvature".
 /// confidence : float
-///     Probability that the mean of several trials is to reach, above 0 and below 1.
+///     Probability that the mean of several trials must reach, above 0 and below 1.
 /// trials, seed, threads
 ///     As of `Study.run`; no result depends on the threads.
 /// progress : callable, optional
-///     Called now and then with the number of cells done since it was last called.
+///     Function that is called from time to time with the number of cells done since its last call.
 ///
 /// Returns
 /// -------
-/// ToldApart
+/// Distinction
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     Where there is nothing to tell apart, for a quantity that the scene does not have, and a confidence out of its range.
+///     If there are no two objects, for a quantity that the scene does not have, and for a confidence out of its range.
 /// ConfigError
-///     Where a value of a field makes no scene.
+///     If a value of a field makes no valid scene.
 ///
 /// Examples
 /// --------
@@ -84,8 +87,8 @@ impl Made for Told {
 /// ...         motion={"rate_rad_per_s": 0.1, "duration_s": 1.0},
 /// ...         noise={"angular_velocity": {"kind": "uniform", "fraction": 0.05}}),
 /// ... })
-/// >>> told = palpate.distinguish(study, vary={"scene.object.radius": [20, 21, 60]})
-/// >>> [pair.told_apart > 0.99 for pair in told.groups[0].pairs]
+/// >>> found = palpate.distinguish(study, vary={"scene.object.radius": [20, 21, 60]})
+/// >>> [pair.told_apart > 0.99 for pair in found.groups[0].pairs]
 /// [True, True, False]
 #[pyfunction]
 #[pyo3(signature = (study, *, vary=None, set=None, quantity=None, confidence=0.95, trials=None, seed=None, threads=None,
@@ -109,7 +112,7 @@ pub(crate) fn distinguish<'py>(
         let values = listed(&path, &values)?;
         let values = values.ok_or_else(|| {
             wrong(format!(
-                "objects are told apart one by one: list the values of {path}"
+                "objects are distinguished one by one: list the values of {path}"
             ))
         })?;
         fields.push((path, values));
@@ -126,11 +129,16 @@ pub(crate) fn distinguish<'py>(
         study = study.varied(&fields).map_err(error::config)?;
     }
     let runner = runner(threads)?;
-    let told = watched_alone(py, progress.as_ref(), move |watch| {
-        let tell = |done: usize, _all: usize| watch.reach(done as u64);
-        let told = palpate::distinguish(&study, quantity.as_deref(), confidence, &runner, &tell)?;
-        Ok(Told { told, study })
+    let found = watched(py, progress.as_ref(), move |watch| {
+        let progress = |done: usize, _all: usize| watch.reach(done as u64);
+        let quantity = quantity.as_deref();
+        let discrimination =
+            palpate::distinguish(&study, quantity, confidence, &runner, &progress)?;
+        Ok(Found {
+            discrimination,
+            study,
+        })
     })?;
-    let told = told.map_err(|error| unanswered(error, "quantity"))?;
-    ToldApart::of(py, told)
+    let found = found.map_err(|error| unanswered(error, "quantity"))?;
+    Distinction::of(py, Record::new(found))
 }

@@ -1,4 +1,4 @@
-//! Fields of a question, as a call gives them.
+//! Fields of a question, from the arguments of a call.
 
 use palpate::AnswerError;
 use palpate::config::{Varied, Vary};
@@ -28,7 +28,7 @@ pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
 
-/// Fields that are varied, with their values: texts as on the command line, or a dictionary.
+/// Varied fields with their values: texts as on the command line, or a dictionary.
 pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
     if let Ok(one) = vary.cast::<PyString>() {
@@ -58,7 +58,7 @@ pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     }
 }
 
-/// Values of a field: a tuple is a range, a list has them one by one.
+/// Values of a field: a tuple is a range, a list has the values one by one.
 fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     if let Ok(range) = values.cast::<PyTuple>() {
         let (from, to): (f64, f64) = range
@@ -88,7 +88,7 @@ pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<V
     values.collect::<PyResult<_>>().map(Some)
 }
 
-/// Fields that get one value each.
+/// Fields with one value each.
 pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
     let fields = set.into_iter().flat_map(|fields| fields.iter());
     let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

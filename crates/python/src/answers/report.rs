@@ -5,53 +5,18 @@ use std::path::PathBuf;
 use palpate::report::{Study as Scored, page, score, scorecard_lines};
 use palpate::{Files, ReportError};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 use serde_json::json;
 
 use crate::error;
-use crate::record::Record;
+use crate::json::to_python;
+use crate::record::{Record, record};
 use crate::study::Results;
 
-/// Scores of the papers' claims on the results of studies, and their page.
-#[pyclass(frozen, module = "palpate")]
-pub(crate) struct Report {
-    /// Scores, in the order of the claims: Records with `claim` (its number), `study`, `paper_says`, `measured`, `verdict`
-    /// ("holds", "differs" or "not testable") and `why`.
-    #[pyo3(get)]
-    scores: Vec<Py<PyAny>>,
-    /// The scores in words.
-    #[pyo3(get)]
-    text: String,
-    /// Page of the studies, as HTML: scores, figures, failures and configs. It loads nothing.
-    #[pyo3(get)]
-    html: String,
-}
-
-#[pymethods]
-impl Report {
-    #[staticmethod]
-    fn _restored(scores: Vec<Py<PyAny>>, text: String, html: String) -> Self {
-        Self { scores, text, html }
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, own) = (slf.py(), slf.get());
-        let scores = own.scores.iter().map(|score| score.bind(py));
-        let scores = scores.cloned().collect::<Vec<_>>();
-        let state = (scores, own.text.clone(), own.html.clone());
-        let restored = slf.get_type().getattr("_restored")?;
-        Ok((restored, state.into_pyobject(py)?.into_any()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Report of {} scores>\n{}", self.scores.len(), self.text)
-    }
-}
-
-/// Error of results that no page is made of.
-fn refused(error: ReportError) -> PyErr {
-    error::RunError::new_err(error.to_string())
-}
+record!(
+    Report,
+    "Scores of the papers' claims on the results of studies, and their page.\n\nFields: `scores`, in the order of the claims, each with `claim` (its number), `study`, `paper_says`, `measured`,\n`verdict` (\"holds\", \"differs\" or \"not testable\") and `why`; `text`, the scores in words; `html`, the page of the studies:\nscores, figures, failures and configs. It loads nothing."
+);
 
 /// Scores the published claims that the studies list (`claims = […]`), and makes a page of the studies' results.
 ///
@@ -83,7 +48,10 @@ fn refused(error: ReportError) -> PyErr {
 /// 'not testable'
 #[pyfunction]
 #[pyo3(signature = (*studies))]
-pub(crate) fn report(py: Python<'_>, studies: &Bound<'_, PyTuple>) -> PyResult<Report> {
+pub(crate) fn report<'py>(
+    py: Python<'py>,
+    studies: &Bound<'py, PyTuple>,
+) -> PyResult<Bound<'py, PyAny>> {
     let files = |one: Bound<'_, PyAny>| match one.cast::<Results>() {
         Ok(results) => Ok(results.get().in_memory()),
         Err(_) => Ok::<_, PyErr>(Files::in_folder(one.extract::<PathBuf>()?)),
@@ -92,25 +60,23 @@ pub(crate) fn report(py: Python<'_>, studies: &Bound<'_, PyTuple>) -> PyResult<R
     let made = py.detach(|| {
         let studies = files.into_iter().map(Scored::read);
         let studies = studies.collect::<Result<Vec<_>, _>>()?;
-        Ok((score(&studies), page(&studies)?))
+        Ok::<_, ReportError>((score(&studies), page(&studies)?))
     });
-    let (scores, html) = made.map_err(refused)?;
-    let record = |score: &palpate::report::Score| {
-        let fields = json!({
+    let (scores, html) = made.map_err(error::run)?;
+    let score = |score: &palpate::report::Score| {
+        json!({
             "claim": score.claim,
             "study": score.study,
             "paper_says": score.paper_says,
             "measured": score.measured,
             "verdict": score.verdict.to_string(),
             "why": score.why,
-        });
-        Ok(Bound::new(py, Record::of(py, &fields)?)?
-            .into_any()
-            .unbind())
+        })
     };
-    Ok(Report {
-        scores: scores.iter().map(record).collect::<PyResult<_>>()?,
-        text: scorecard_lines(&scores),
-        html,
-    })
+    let fields = json!({ "scores": scores.iter().map(score).collect::<Vec<_>>() });
+    let arrays = PyDict::new(py);
+    arrays.set_item("text", scorecard_lines(&scores))?;
+    arrays.set_item("html", html)?;
+    let fields = to_python(py, &fields)?.cast_into()?;
+    Report::of(py, Record::restored(fields, Some(arrays)))
 }

@@ -1,4 +1,4 @@
-//! Words and what they mean.
+//! Meanings of words.
 
 use palpate::glossary::{SUBJECTS, meaning, similar};
 use palpate::{Quantity, Statistic};
@@ -7,17 +7,17 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Meaning of a word that palpate prints or asks for: "pitch", "unresolved", "coverage95".
+/// Meaning of a word of palpate, for example "pitch", "unresolved" or "coverage95".
 ///
 /// Parameters
 /// ----------
 /// word : str, optional
-///     However it is spelt. Without one, all words: dictionaries of meanings by the words, by their subject.
+///     The word in any spelling. By default all words: a dictionary of subjects, each a dictionary of words with meanings.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a word that palpate does not have, with those that resemble it.
+///     For a word that palpate does not have, with similar words.
 ///
 /// Examples
 /// --------
@@ -32,11 +32,11 @@ pub(crate) fn explain<'py>(py: Python<'py>, word: Option<&str>) -> PyResult<Boun
         return Ok(all(py)?.into_any());
     };
     let term = meaning(word).ok_or_else(|| {
-        let known = match similar(word).as_slice() {
+        let hint = match similar(word).as_slice() {
             [] => "palpate.explain() has all words".to_owned(),
-            known => format!("did you mean {}?", known.join(", ")),
+            similar => format!("did you mean {}?", similar.join(", ")),
         };
-        let message = format!("word: {word:?} is no word of palpate; {known}");
+        let message = format!("word: {word:?} is no word of palpate; {hint}");
         error::argument("word", &[], None, message)
     })?;
     Ok(term.meaning.into_pyobject(py)?.into_any())

@@ -1,106 +1,60 @@
 //! Many estimates of one kind.
 
 use numpy::PyArray1;
-use palpate::recorded::RecordedError;
+use palpate::recorded::{RecordedError, Value};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyTuple};
 use rayon::prelude::*;
-use serde_json::Value as Json;
 
 use crate::arrays::array;
 use crate::error;
-use crate::json::of_json;
-use crate::record::Record;
+use crate::record::{Alone, Made, Record, number};
 use crate::watch::{pool, watched};
 
 /// Estimates of many sets of readings, in their order.
 ///
 /// A field of the batch is that field of all its estimates: numbers as an array of float64 with NaN where an estimate has
-/// none, lists of as many numbers as an array with a row each, all else as a list. `batch[i]` is one estimate, and raises
-/// why there is none.
+/// none, lists of as many numbers as an array with a row each, a unit once, everything else as a list; None if no estimate
+/// has the field. `batch[i]` is one estimate, or raises the error of its readings.
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
     /// Estimates, or the errors in their place.
-    estimates: Vec<Result<Py<PyAny>, String>>,
-    fields: Py<PyDict>,
+    estimates: Vec<Result<Py<Record>, String>>,
 }
 
-impl Batch {
-    /// Batch of estimates with their fields as JSON.
-    fn of(
-        py: Python<'_>,
-        estimates: Vec<Result<(Bound<'_, PyAny>, Json), RecordedError>>,
-    ) -> PyResult<Self> {
-        let fields: Vec<Option<&Json>> = estimates
-            .iter()
-            .map(|one| one.as_ref().ok().map(|(_, fields)| fields))
-            .collect();
-        let fields = stacked(py, &fields)?.cast_into::<PyDict>();
-        let fields = fields.unwrap_or_else(|_| PyDict::new(py));
-        let alone = |one: Result<(Bound<'_, PyAny>, Json), RecordedError>| {
-            one.map(|(estimate, _)| estimate.unbind())
-                .map_err(|error| error::text(&error))
-        };
-        Ok(Self {
-            estimates: estimates.into_iter().map(alone).collect(),
-            fields: fields.unbind(),
-        })
-    }
-}
-
-/// Place of an index in a batch, which may count from its end.
-pub(super) fn place(index: isize, count: usize) -> PyResult<usize> {
-    let from_end = if index < 0 { count as isize } else { 0 };
-    let place = usize::try_from(index + from_end).ok();
-    place.filter(|place| *place < count).ok_or_else(|| {
-        let message = format!("{index} of a batch of {count} estimates");
-        PyIndexError::new_err(message)
-    })
-}
-
-/// Words for a batch.
-pub(super) fn words(kind: &str, count: usize, failed: usize) -> String {
-    let failed = match failed {
-        0 => String::new(),
-        failed => format!(", {failed} failed"),
-    };
-    format!("<{kind} of {count} estimates{failed}>")
-}
-
-/// Batch of estimates from sets of readings, which threads make without the interpreter's lock. `estimate` makes one with
-/// its fields as JSON, `shown` hands it out.
-pub(super) fn batch<'py, R: Sync, E: Send>(
+/// Batch of estimates from sets of readings. Threads make them without the interpreter's lock.
+pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     py: Python<'py>,
-    sets: &[R],
+    sets: Vec<R>,
     threads: Option<usize>,
-    estimate: impl Fn(&R) -> Result<(E, Json), RecordedError> + Sync,
-    shown: impl Fn(E) -> PyResult<Bound<'py, PyAny>>,
+    estimate: impl Fn(R) -> Result<E, RecordedError> + Send + Sync + 'static,
+    object: fn(Python<'py>, Record) -> PyResult<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let pool = pool(threads)?;
-    let made: Vec<Result<(E, Json), RecordedError>> = watched(py, |watch| {
+    let made: Vec<Result<E, RecordedError>> = watched(py, None, move |watch| {
         pool.install(|| {
-            let going = sets.par_iter().filter(|_| !watch.is_cancelled());
-            going.map(&estimate).collect()
+            let remaining = sets.into_par_iter().filter(|_| !watch.is_cancelled());
+            remaining.map(&estimate).collect()
         })
     })?;
-    let shown = made.into_iter().map(|one| match one {
-        Ok((estimate, fields)) => Ok(Ok((shown(estimate)?, fields))),
-        Err(error) => Ok(Err(error)),
-    });
-    let batch = Batch::of(py, shown.collect::<PyResult<_>>()?)?;
-    Ok(Bound::new(py, batch)?.into_any())
+    let record = |one: Result<E, RecordedError>| match one {
+        Ok(made) => Ok(Ok(object(py, Record::new(made))?.cast_into()?.unbind())),
+        Err(error) => Ok(Err(error::text(&error))),
+    };
+    let estimates = made.into_iter().map(record).collect::<PyResult<_>>()?;
+    Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Error of an array with the number of the set before the place in it.
-pub(super) fn in_set(set: usize, error: RecordedError) -> RecordedError {
+/// Error of an array, with the number of the set before the place in it if the array has one axis for the sets.
+pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
             array,
             index,
             value,
             message,
-        } => RecordedError::Array {
+        } if with_sets.contains(&array) => RecordedError::Array {
             array,
             index: std::iter::once(set).chain(index).collect(),
             value,
@@ -110,73 +64,149 @@ pub(super) fn in_set(set: usize, error: RecordedError) -> RecordedError {
     }
 }
 
-/// Fields of many tables, each with the values of all of them; where there is no table, there is no value.
-fn stacked<'py>(py: Python<'py>, all: &[Option<&Json>]) -> PyResult<Bound<'py, PyAny>> {
-    let first = all.iter().flatten().find(|one| !one.is_null());
-    match first {
-        Some(Json::Object(table)) => {
-            let dict = PyDict::new(py);
-            for key in table.keys() {
-                let of_key: Vec<Option<&Json>> = all
-                    .iter()
-                    .map(|one| one.and_then(|one| one.get(key)))
-                    .collect();
-                dict.set_item(key, stacked(py, &of_key)?)?;
-            }
-            Ok(dict.into_any())
-        }
-        Some(Json::Number(_)) => {
-            let numbers = all.iter().map(|one| number(*one));
-            Ok(PyArray1::from_vec(py, numbers.collect()).into_any())
-        }
-        Some(Json::Array(items)) if is_row(all, items.len()) => {
-            let columns = items.len();
-            let row = |one: &Option<&Json>| match one {
-                Some(Json::Array(row)) => row.iter().map(|item| number(Some(item))).collect(),
-                _ => vec![f64::NAN; columns],
+/// One field of many estimates; a missing value is `None`.
+fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
+    let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
+        return Ok(py.None().into_bound(py));
+    };
+    if let Ok(table) = first.cast::<PyDict>() {
+        let stack = PyDict::new(py);
+        for (key, value) in table.iter() {
+            let of_key = |one: &Option<Bound<'py, PyAny>>| match one {
+                Some(one) => one.cast::<PyDict>()?.get_item(&key),
+                None => Ok(None),
             };
-            let numbers: Vec<f64> = all.iter().flat_map(row).collect();
-            array(py, numbers, &[all.len(), columns])
+            let of_key = all.iter().map(of_key).collect::<PyResult<Vec<_>>>()?;
+            let value = if key.eq("unit")? {
+                value
+            } else {
+                stacked(py, &of_key)?
+            };
+            stack.set_item(key, value)?;
         }
-        _ => {
-            let list = PyList::empty(py);
-            for one in all {
-                list.append(of_json(py, one.unwrap_or(&Json::Null))?)?;
-            }
-            Ok(list.into_any())
+        return Ok(stack.into_any());
+    }
+    if number(first).is_some() {
+        let number = |one: &Option<Bound<'py, PyAny>>| number(one.as_ref()?);
+        let numbers = all.iter().map(|one| number(one).unwrap_or(f64::NAN));
+        return Ok(PyArray1::from_vec(py, numbers.collect()).into_any());
+    }
+    if let Some(columns) = row(first).map(|row| row.len()).filter(|count| *count > 0) {
+        let of_set = |one: &Option<Bound<'py, PyAny>>| match one {
+            Some(one) if !one.is_none() => row(one).filter(|row| row.len() == columns),
+            _ => Some(vec![f64::NAN; columns]),
+        };
+        if let Some(rows) = all.iter().map(of_set).collect::<Option<Vec<_>>>() {
+            return array(py, rows.concat(), &[all.len(), columns]);
         }
     }
+    Ok(PyList::new(py, all)?.into_any())
 }
 
-/// Whether all are lists of so many numbers, as far as they are there.
-fn is_row(all: &[Option<&Json>], columns: usize) -> bool {
-    let is_number = |item: &Json| item.is_number() || item.is_null();
-    let is_good = |one: &Json| match one {
-        Json::Array(row) => row.len() == columns && row.iter().all(is_number),
-        other => other.is_null(),
+/// A list of numbers.
+fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
+    let list = value.cast::<PyList>().ok()?;
+    list.iter().map(|item| number(&item)).collect()
+}
+
+/// One field of many estimates, each made without the other fields.
+fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
+    let mut rows = Vec::with_capacity(all.len());
+    let mut unit = None;
+    for one in all {
+        rows.push(match one {
+            Some(Alone::Number(number)) => [number.unwrap_or(f64::NAN); 4],
+            Some(Alone::Value(value)) => {
+                let Value {
+                    value,
+                    std,
+                    interval95,
+                    unit: of_value,
+                } = value;
+                unit = Some(of_value);
+                let [low, high] = interval95.unwrap_or([f64::NAN; 2]);
+                [value, std.unwrap_or(f64::NAN), low, high]
+            }
+            None => [f64::NAN; 4],
+        });
+    }
+    let column = |column: usize| {
+        let numbers: Vec<f64> = rows.iter().map(|row| row[column]).collect();
+        let is_known = numbers.iter().any(|number| !number.is_nan());
+        is_known.then(|| PyArray1::from_vec(py, numbers).into_any())
     };
-    columns > 0 && all.iter().copied().flatten().all(is_good)
+    let Some(unit) = unit else {
+        return Ok(column(0).into_pyobject(py)?.into_any());
+    };
+    let fields = PyDict::new(py);
+    fields.set_item("value", column(0))?;
+    fields.set_item("std", column(1))?;
+    let ends = rows.iter().flat_map(|row| [row[2], row[3]]).collect();
+    let interval = column(2).map(|_| array(py, ends, &[rows.len(), 2]));
+    fields.set_item("interval95", interval.transpose()?)?;
+    fields.set_item("unit", unit)?;
+    Ok(fields.into_any())
 }
 
-fn number(json: Option<&Json>) -> f64 {
-    json.and_then(Json::as_f64)
-        .map_or(f64::NAN, |number| number + 0.0)
+impl Batch {
+    /// Names of the fields.
+    fn names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        match self.estimates.iter().flatten().next() {
+            Some(first) => Ok(first.bind(py).get().fields(py)?.keys()),
+            None => Ok(PyList::empty(py)),
+        }
+    }
+
+    /// The field of all estimates with this name.
+    fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let first = self.estimates.iter().flatten().next();
+        if first.is_some_and(|first| first.bind(py).get().alone(name).is_some()) {
+            let alone = |one: &Result<Py<Record>, _>| one.as_ref().ok()?.bind(py).get().alone(name);
+            return of_alone(py, self.estimates.iter().map(alone).collect()).map(Some);
+        }
+        let field = |one: &Result<Py<Record>, _>| match one {
+            Ok(estimate) => estimate.bind(py).get().fields(py)?.get_item(name),
+            Err(_) => Ok(None),
+        };
+        let all = self
+            .estimates
+            .iter()
+            .map(field)
+            .collect::<PyResult<Vec<_>>>()?;
+        let is_field = all.iter().any(Option::is_some);
+        is_field.then(|| stacked(py, &all)).transpose()
+    }
 }
 
 #[pymethods]
 impl Batch {
+    #[new]
+    fn new(estimates: Vec<(Option<Py<Record>>, String)>) -> Self {
+        let one = |(estimate, error): (Option<_>, String)| estimate.ok_or(error);
+        Self {
+            estimates: estimates.into_iter().map(one).collect(),
+        }
+    }
+
     fn __len__(&self) -> usize {
         self.estimates.len()
     }
 
-    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
-        match &self.estimates[place(index, self.estimates.len())?] {
-            Ok(estimate) => Ok(estimate.bind(py).clone()),
-            Err(message) => Err(error::ReadingsError::new_err(message.clone())),
+    fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<Record>> {
+        let count = self.estimates.len();
+        let from_end = if index < 0 { count as isize } else { 0 };
+        let place = usize::try_from(index + from_end).ok();
+        match place.and_then(|place| self.estimates.get(place)) {
+            Some(Ok(estimate)) => Ok(estimate.clone_ref(py)),
+            Some(Err(message)) => Err(error::ReadingsError::new_err(message.clone())),
+            None => {
+                let message = format!("index {index} of a batch of {count} estimates");
+                Err(PyIndexError::new_err(message))
+            }
         }
     }
 
-    /// Why estimates are missing, by their numbers.
+    /// Messages of the sets without an estimate, by their numbers.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let errors = PyDict::new(py);
@@ -189,65 +219,53 @@ impl Batch {
     }
 
     fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        match self.fields.bind(py).get_item(name)? {
-            Some(value) => match value.cast::<PyDict>() {
-                Ok(table) => {
-                    let record = Record::restored(table.clone(), None);
-                    Ok(Bound::new(py, record)?.into_any())
-                }
-                Err(_) => Ok(value),
-            },
-            None => Err(PyAttributeError::new_err(format!(
-                "Batch has no field {name:?}"
-            ))),
+        let value = self.field(py, name.strip_suffix('_').unwrap_or(name))?;
+        let value = value.ok_or_else(|| {
+            PyAttributeError::new_err(format!("the estimates of the batch have no field {name:?}"))
+        })?;
+        match value.cast::<PyDict>() {
+            Ok(table) => {
+                let record = Record::restored(table.clone(), None);
+                Ok(Bound::new(py, record)?.into_any())
+            }
+            Err(_) => Ok(value),
         }
     }
 
-    fn __dir__(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let mut names: Vec<String> = ["errors", "to_dict"].map(str::to_owned).into();
-        for name in self.fields.bind(py).keys() {
-            names.push(name.extract()?);
-        }
+    fn __dir__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let names = self.names(py)?;
+        names.append("errors")?;
+        names.append("to_dict")?;
         Ok(names)
     }
 
     /// Fields as a dictionary of arrays, lists and dictionaries of them.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let copy = py.import("copy")?.getattr("deepcopy")?;
-        copy.call1((self.fields.bind(py),))
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let fields = PyDict::new(py);
+        for name in self.names(py)? {
+            fields.set_item(&name, self.field(py, &name.extract::<String>()?)?)?;
+        }
+        Ok(fields)
     }
 
-    #[staticmethod]
-    fn _restored(
-        estimates: Vec<(Option<Py<PyAny>>, Option<String>)>,
-        fields: Bound<'_, PyDict>,
-    ) -> Self {
-        let one = |(estimate, error): (Option<Py<PyAny>>, Option<String>)| match estimate {
-            Some(estimate) => Ok(estimate),
-            None => Err(error.unwrap_or_default()),
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let py = slf.py();
+        let one = |one: &Result<Py<Record>, String>| match one {
+            Ok(estimate) => (Some(estimate.clone_ref(py)), String::new()),
+            Err(message) => (None, message.clone()),
         };
-        Self {
-            estimates: estimates.into_iter().map(one).collect(),
-            fields: fields.unbind(),
-        }
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, own) = (slf.py(), slf.get());
-        let estimates = PyList::empty(py);
-        for one in &own.estimates {
-            match one {
-                Ok(estimate) => estimates.append((estimate.bind(py), py.None()))?,
-                Err(message) => estimates.append((py.None(), message))?,
-            }
-        }
-        let restored = slf.get_type().getattr("_restored")?;
-        let state = (estimates, own.fields.bind(py).clone());
-        Ok((restored, state.into_pyobject(py)?.into_any()))
+        let estimates: Vec<_> = slf.get().estimates.iter().map(one).collect();
+        Ok((slf.get_type().into_any(), PyTuple::new(py, [estimates])?))
     }
 
     fn __repr__(&self) -> String {
         let failed = self.estimates.iter().filter(|one| one.is_err()).count();
-        words("Batch", self.estimates.len(), failed)
+        let failed = match failed {
+            0 => String::new(),
+            failed => format!(", {failed} failed"),
+        };
+        format!("<Batch of {} estimates{failed}>", self.estimates.len())
     }
 }

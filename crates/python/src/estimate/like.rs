@@ -1,4 +1,4 @@
-//! Settings of a study for readings.
+//! Options of an estimate from a study.
 
 use palpate::config::{LengthUnit, StudyConfig};
 use palpate::recorded::StudyMismatch;
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::study::Study;
 
-/// Options like those of a cell of a study, with lengths in the readings' unit; where that is not stated, in the study's.
+/// Options like those of a cell of a study. Their lengths are in the readings' unit, or in the study's if none is stated.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

@@ -4,7 +4,6 @@ use palpate::config::{PressEstimatorConfig, setting};
 use palpate::recorded::{self, PressOptions, PressRecording};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::Value as Json;
 
 use super::batch::{batch, in_set};
 use super::like::like;
@@ -12,12 +11,12 @@ use super::settings::{given, length_unit};
 use crate::arrays::Numbers;
 use crate::error;
 use crate::json::to_python;
-use crate::record::{Made, record};
+use crate::record::{Made, Record, record};
 use crate::study::Study;
 
 record!(
     PressEstimate,
-    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: what `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
+    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: those that `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
 );
 
 impl Made for recorded::PressReport {
@@ -32,46 +31,46 @@ impl Made for recorded::PressReport {
 /// Parameters
 /// ----------
 /// positions : array, (n, 2) or (n,)
-///     Places of the markers on the skin at rest: (x, y) lies sqrt(x² + y²) along the skin from the apex, in the
-///     direction (x, y); of a row of markers through the apex their signed places along it. Length.
+///     Positions of the markers on the skin at rest, length: (x, y) lies sqrt(x² + y²) along the skin from the apex,
+///     in the direction (x, y). One number for each marker is its signed position along a row through the apex.
 /// displacements : array, (n,) or (n, 3)
 ///     Displacement of each marker inward, length; with two more columns those along the skin, along the axes of the
 ///     apex carried along the meridian.
 /// sensor_radius : float
-///     Radius of the skin, length; needed unless `like` tells it.
+///     Radius of the skin, length; needed unless `like` states it.
 /// depth : float, optional
 ///     Depth of the markers under the skin, length; 0 by default.
 /// indentation : float, optional
-///     Indentation, where it is known from elsewhere, length; else it is fitted.
+///     Indentation, length, if it was measured otherwise; by default it is fitted.
 /// indentation_std : float, optional
 ///     Its standard deviation, length; 2 % of it by default.
 /// normal_std, tangential_std : float, optional
-///     Standard deviations of the displacements inward and along the skin, length; else found from the residuals.
+///     Standard deviations of the displacements inward and along the skin, length; by default from the residuals.
 /// radial_scale : float, optional
 ///     Factor on the positions; 1 by default.
 /// young : float, optional
-///     Young's modulus of the soft body, force per length²: gives `force` and `peak_pressure`.
+///     Young's modulus of the soft body, force per length², for `force` and `peak_pressure`.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
-///     Study of kind press whose sensor, noise and estimator stand for what is not given.
+///     Study of kind press. Its sensor, noise and estimator replace arguments that are not given.
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
-///     Threads that a batch is worked on by; by default one per processor.
+///     Number of threads for a batch; by default one per processor.
 #[doc = include_str!("press_settings.txt")]
 ///
 /// Returns
 /// -------
 /// PressEstimate
-///     Of a batch, displacements (m, n) or (m, n, 3) of markers at positions (n, 2) or (n,), a Batch of them.
+///     A Batch of them for displacements (m, n) or (m, n, 3).
 ///
 /// Raises
 /// ------
 /// ArgumentError
 ///     For a shape, a number that is not finite, or a setting out of its range or of no use to the method.
 /// ReadingsError
-///     Where the displacements tell no press.
+///     If the displacements show no press.
 ///
 /// Source
 /// ------
@@ -140,15 +139,11 @@ pub(crate) fn estimate_press<'py>(
     let Some(sets) = sets else {
         let readings = readings(0).map_err(error::recorded)?;
         let object = py.detach(|| recorded::estimate_press(&readings, &options));
-        return PressEstimate::of(py, object.map_err(error::recorded)?);
+        return PressEstimate::of(py, Record::new(object.map_err(error::recorded)?));
     };
+    let in_set = |set, error| in_set(set, &["displacements"], error);
     let all = (0..sets).map(|set| readings(set).map_err(|error| in_set(set, error)));
     let all: Vec<PressRecording> = all.collect::<Result<_, _>>().map_err(error::recorded)?;
-    let estimate = |readings: &PressRecording| {
-        let object = recorded::estimate_press(readings, &options)?;
-        let fields = serde_json::to_value(&object).unwrap_or(Json::Null);
-        Ok((object, fields))
-    };
-    let shown = |object| PressEstimate::of(py, object);
-    batch(py, &all, threads, estimate, shown)
+    let estimate = move |readings| recorded::estimate_press(&readings, &options);
+    batch(py, all, threads, estimate, PressEstimate::of)
 }

@@ -8,8 +8,8 @@ use serde_json::{Map, Value as Json};
 
 use crate::error;
 
-/// Settings among the keyword arguments of a call, by their keys. `tables` find a setting by its key, in readings and in
-/// an estimator.
+/// Settings among the keyword arguments of a call, by their keys. `tables` find a setting of the readings or of the
+/// estimator by its key.
 pub(crate) fn given(
     arguments: Option<&Bound<'_, PyDict>>,
     tables: [fn(&str) -> Option<Setting>; 2],

@@ -12,11 +12,11 @@ use pyo3::types::PyDict;
 use crate::arrays::Numbers;
 use crate::error;
 use crate::estimate::length_unit;
-use crate::json::of_json;
+use crate::json::to_python;
 use crate::pixels::frame;
 use crate::record::records;
 
-/// How the sight of a sensor's markers follows their displacements.
+/// Relation between the displacements of a sensor's markers and their hue, size and centroid in the frames.
 ///
 /// `Calibration(toml)` reads what `palpate sensor calibrate` writes. `summary` is lines of text.
 #[pyclass(frozen, module = "palpate")]
@@ -75,9 +75,8 @@ impl Calibration {
 
     /// Fields as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let parsed: Result<serde_json::Value, toml::de::Error> = toml::from_str(&self.to_toml());
-        let parsed = parsed.map_err(|error| error::RunError::new_err(error.to_string()))?;
-        of_json(py, &parsed)
+        let parsed: toml::Value = toml::from_str(&self.to_toml()).map_err(error::run)?;
+        to_python(py, &parsed)
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -110,19 +109,18 @@ fn source(name: &str) -> PyResult<NormalFrom> {
     })
 }
 
-/// Calibrates hue, size and centroid of markers against displacements that are known, from tables.
+/// Calibrates hue, size and centroid of markers against measured displacements, from tables.
 ///
 /// Parameters
 /// ----------
 /// *tables : mapping of str to array, (n,)
 ///     Each with `normal_displacement` (length, inward) and `hue_turns`, `growth` (of the logarithm of the marker's
 ///     diameter) or both; with `tangential_displacement` (length) and `centroid_shift_px`; or with all of these. `series`
-///     and `marker` may tell which series and which marker it was; other columns are left alone. Data frames are mappings
-///     too.
+///     and `marker` may number the series and the markers. Other columns are ignored. A table may be a data frame.
 /// source : str
-///     What normal displacements are read from: "hue", "size" or "both".
+///     Source of the normal displacements: "hue", "size" or "both".
 /// per_marker : bool
-///     Whether each marker that was seen at 3 or more displacements has a slope of its own.
+///     Whether each marker with 3 or more displacements has its own slope.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 ///
@@ -133,7 +131,7 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// Raises
 /// ------
 /// ArgumentError, ReadingsError
-///     For columns that are missing, of different lengths or not finite; for points that tell no slope.
+///     For columns that are missing, of different lengths or not finite; for points that do not determine a slope.
 ///
 /// Source
 /// ------
@@ -162,7 +160,7 @@ pub(crate) fn calibrate(
     Calibration::of(py, report)
 }
 
-/// A table of columns as CSV, every digit of its numbers kept.
+/// A table of columns as CSV, with every digit of its numbers.
 fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     let py = table.py();
     let columns = py
@@ -170,10 +168,15 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
         .call1((table,))?
         .cast_into::<PyDict>()?;
     let mut names: Vec<Column> = Vec::new();
+    let mut texts: Vec<Column> = Vec::new();
     let mut all: Vec<Vec<f64>> = Vec::new();
     for (name, column) in columns.iter() {
         let name: String = name.extract()?;
-        let numbers = Numbers::of("tables", &column)?;
+        let Ok(numbers) = Numbers::of("tables", &column) else {
+            // Not a number: an empty field in each row.
+            texts.push(Column::text(&name));
+            continue;
+        };
         let column = numbers.flat().to_vec();
         let at = |message: String, index: &[usize], value| {
             let message = format!("tables[{place}][{name:?}]{message}");
@@ -191,27 +194,28 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
         names.push(Column::number(&name, "1"));
         all.push(column);
     }
-    let mut rows = Rows::new(names);
+    let mut rows = Rows::new(names.into_iter().chain(texts.clone()));
     for row in 0..all.first().map_or(0, Vec::len) {
-        rows.push_numbers(all.iter().map(|column| column[row]));
+        let empty = texts.iter().map(|_| f64::NAN);
+        rows.push_numbers(all.iter().map(|column| column[row]).chain(empty));
     }
     Ok(rows.to_csv().into_bytes())
 }
 
-/// Calibrates against displacements that are known, from frames.
+/// Calibrates against measured displacements, from frames.
 ///
 /// Parameters
 /// ----------
 /// rest : array of uint8, (h, w, 3)
 ///     Frame at rest, red, green and blue.
 /// pressed : sequence of such arrays
-///     Pressed frames; the marker that changes the most in each is the one under the contact.
+///     Pressed frames. In each, the marker that changes most is the one under the contact.
 /// normal, tangential : array, (k,), optional
 ///     Displacement of that marker inward, and along the skin, in each of the k frames, length.
 /// px_per_rad : float, optional
-///     Focal length of the fisheye; else the scale in the middle of the frames is taken to hold everywhere.
+///     Focal length of the fisheye; by default the scale in the middle of the frames is used everywhere.
 /// source, per_marker, length_unit
-///     As of `calibrate`.
+///     As for `calibrate`.
 ///
 /// Returns
 /// -------
@@ -220,7 +224,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 /// Raises
 /// ------
 /// ArgumentError, ReadingsError
-///     For frames of different sizes, without markers or of another sensor; for points that tell no slope.
+///     For frames of different sizes, without markers or of another sensor; for points that do not determine a slope.
 #[pyfunction]
 #[pyo3(signature = (rest, pressed, *, normal=None, tangential=None, px_per_rad=None, source="hue", per_marker=false,
     length_unit=None))]

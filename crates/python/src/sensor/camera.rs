@@ -1,10 +1,10 @@
-//! Camera of a sensor, as a frame at rest tells it.
+//! Calibration of a sensor's camera from a frame at rest.
 
 use palpate::recorded::{self, CameraEstimate, RecordedFile, parse_camera};
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::json::of_json;
+use crate::json::to_python;
 use crate::pixels::frame;
 use crate::record::records;
 use crate::study::Study;
@@ -53,11 +53,7 @@ impl CameraCalibration {
     /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; px per rad, a share; place; turn, rad),
     /// `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared` and `warnings`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let json = serde_json::to_value(&self.camera);
-        of_json(
-            py,
-            &json.map_err(|error| error::RunError::new_err(error.to_string()))?,
-        )
+        to_python(py, &self.camera)
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -80,8 +76,8 @@ impl CameraCalibration {
 /// rest : array of uint8, (h, w, 3)
 ///     Frame at rest, red, green and blue.
 /// study : Study
-///     Study of a press by a camera, which states the layout, the discs, the frame's size and where the camera is meant to be:
-///     it may stand a tenth of the sensor's radius and 5 degrees elsewhere.
+///     Study of a press before a camera. It states the layout, the discs, the frame's size and the nominal camera. The true
+///     camera may differ by a tenth of the sensor's radius and 5 degrees.
 /// cell : int
 ///     Number of the study's cell, from 0.
 ///
@@ -96,7 +92,7 @@ impl CameraCalibration {
 ///     For a frame of another shape.
 /// ReadingsError
 ///     For a study without a camera; for a frame of another size, without the layout's markers, in other colours, saturated
-///     or under-exposed, and one that contradicts the layout.
+///     or under-exposed, or in contradiction to the layout.
 ///
 /// Source
 /// ------

@@ -4,13 +4,14 @@ use palpate::config::{PressEstimatorConfig, setting};
 use palpate::recorded::{PressOptions, TrackedPress, difference_image, overlay, track_frames};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::json;
 
 use super::reader::reader;
 use crate::error;
 use crate::estimate::{PressEstimate, given};
 use crate::json::to_python;
 use crate::pixels::{frame, pixels};
-use crate::record::{Made, Record, records};
+use crate::record::{Made, Record, record};
 use crate::study::Study;
 use crate::table::table_of;
 
@@ -20,94 +21,13 @@ impl Made for TrackedPress {
     }
 }
 
-/// Markers of two frames of a camera sensor, and with a calibration what they tell.
-#[pyclass(frozen, module = "palpate")]
-pub(crate) struct Tracked {
-    /// Table of one row per marker: place and hue at rest, how they changed, and its fate.
-    #[pyo3(get)]
-    markers: Py<PyAny>,
-    /// How many markers had which fate: `at_rest`, `tracked`, `lost`, `merged`, `split`, `new`, `cut_at_rest`.
-    #[pyo3(get)]
-    fates: Py<PyAny>,
-    /// Warnings about the frames, each with `code`, `text` and `numbers`; `estimate` has them too.
-    #[pyo3(get)]
-    warnings: Py<PyAny>,
-    /// Pressed frame with each marker's fate drawn on it, (h, w, 3) of uint8.
-    #[pyo3(get)]
-    overlay: Py<PyAny>,
-    /// Signed difference of the frames, (h, w, 3) of uint8: magenta where green light was lost, green where gained.
-    #[pyo3(get)]
-    difference: Py<PyAny>,
-    /// Table of the displacements of the markers that were tracked; None without a calibration or `method="image"`.
-    #[pyo3(get)]
-    readings: Option<Py<PyAny>>,
-    /// Displacements on a grid between the markers; None without a calibration or `method="image"`.
-    #[pyo3(get)]
-    field: Option<Py<PyAny>>,
-    /// The PressEstimate from them; None without a calibration or `method="image"`.
-    #[pyo3(get)]
-    estimate: Option<Py<PyAny>>,
-}
+record!(
+    Tracked,
+    "Markers of two frames of a camera sensor, and with a calibration the estimate from them.\n\nFields: `fates`, how many markers had which fate (`at_rest`, `tracked`, `lost`, `merged`, `split`, `new`,\n`cut_at_rest`); `warnings` about the frames, each with `code`, `text` and `numbers` (`estimate` has them too);\n`markers`, a Table of one row per marker: place and hue at rest, their changes, and its fate; `overlay`, the pressed\nframe with the fate of each marker, and `difference`, the signed difference of the frames (magenta if green light was\nlost, green if gained), (h, w, 3) of uint8. With a calibration or `method=\"image\"` also `readings`, a Table of the\ndisplacements of the tracked markers, `field`, a Table of displacements on a grid between the markers, and `estimate`,\nthe PressEstimate from them; None otherwise."
+);
 
-#[pymethods]
-impl Tracked {
-    #[staticmethod]
-    #[allow(clippy::too_many_arguments)]
-    fn _restored(
-        markers: Py<PyAny>,
-        fates: Py<PyAny>,
-        warnings: Py<PyAny>,
-        overlay: Py<PyAny>,
-        difference: Py<PyAny>,
-        readings: Option<Py<PyAny>>,
-        field: Option<Py<PyAny>>,
-        estimate: Option<Py<PyAny>>,
-    ) -> Self {
-        Self {
-            markers,
-            fates,
-            warnings,
-            overlay,
-            difference,
-            readings,
-            field,
-            estimate,
-        }
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, own) = (slf.py(), slf.get());
-        let table = |table: &Option<Py<PyAny>>| table.as_ref().map(|table| table.clone_ref(py));
-        let state = (
-            own.markers.clone_ref(py),
-            own.fates.clone_ref(py),
-            own.warnings.clone_ref(py),
-            own.overlay.clone_ref(py),
-            own.difference.clone_ref(py),
-            table(&own.readings),
-            table(&own.field),
-            own.estimate.as_ref().map(|estimate| estimate.clone_ref(py)),
-        );
-        let restored = slf.get_type().getattr("_restored")?;
-        Ok((restored, state.into_pyobject(py)?.into_any()))
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let fates = self.fates.bind(py);
-        let count = |name: &str| fates.getattr(name)?.extract::<usize>();
-        let (tracked, at_rest) = (count("tracked")?, count("at_rest")?);
-        let estimate = match &self.estimate {
-            Some(estimate) => format!("\n{}", estimate.bind(py).repr()?),
-            None => String::new(),
-        };
-        Ok(format!(
-            "<Tracked: {tracked} of {at_rest} markers>{estimate}"
-        ))
-    }
-}
-
-/// Finds the markers of a frame at rest in a pressed one, and with a calibration or by `method="image"` estimates what
-/// pressed them.
+/// Finds the markers of a frame at rest in a pressed one. With a calibration, or with `method="image"`, it estimates the
+/// object that pressed them.
 ///
 /// Parameters
 /// ----------
@@ -115,20 +35,21 @@ impl Tracked {
 ///     Frames of one size, red, green and blue. The camera looks at the apex from the sensor's centre, through a fisheye
 ///     with r = f angle, columns along x, rows against y.
 /// calibration : Calibration or CameraCalibration, optional
-///     Its unit is that of all lengths here. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration
-///     is of `method="image"`: that camera, with its covariance, is taken instead of the study's.
+///     All lengths are in its unit. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
+///     `method="image"`: its camera, with its covariance, replaces the study's.
 /// px_per_rad : float, optional
-///     Focal length of the fisheye; else the calibration's px per length times the markers' distance from the centre.
+///     Focal length of the fisheye; by default the calibration's px per length times the markers' distance from the
+///     centre.
 /// grid : int
 ///     Points along each side of the field's grid, from 1 to 1000.
 /// filter : float
-///     Standard deviation of a Gaussian that the field is smoothed with, length along the skin.
+///     Standard deviation of the Gaussian that smooths the field, length along the skin.
 /// like, cell
 ///     As of `estimate_press`.
 /// **settings
-///     All others of `estimate_press` but `radial_scale`, `length_unit` and `threads`. `method="image"` fits what the camera
-///     sees, centroid, hue and size of each marker, by the errors that the frames show: `like` states layout, discs, body,
-///     camera and noise.
+///     All other arguments of `estimate_press` except `radial_scale`, `length_unit` and `threads`. `method="image"` fits
+///     centroid, hue and size of each marker in the frames, with the errors that the frames show: `like` states layout,
+///     discs, body, camera and noise.
 ///
 /// Returns
 /// -------
@@ -137,11 +58,11 @@ impl Tracked {
 /// Raises
 /// ------
 /// ArgumentError
-///     For frames of another shape, and settings that cannot be.
+///     For frames of another shape, and for invalid settings.
 /// ReadingsError
-///     For frames of different sizes, without markers or of different sensors, and where displacements tell no press; of
-///     `method="image"` also for frames of another layout or camera than stated, in other colours, saturated or
-///     under-exposed.
+///     For frames of different sizes, without markers or of different sensors, and if the displacements show no press.
+///     With `method="image"` also for frames that differ from the stated layout, camera or colours, and for saturated or
+///     under-exposed frames.
 ///
 /// Source
 /// ------
@@ -150,9 +71,9 @@ impl Tracked {
 #[pyo3(signature = (rest, pressed, *, calibration=None, px_per_rad=None, grid=30, filter=0.0, like=None, cell=0,
     **settings))]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn track(
-    py: Python<'_>,
-    rest: &Bound<'_, PyAny>,
+pub(crate) fn track<'py>(
+    py: Python<'py>,
+    rest: &Bound<'py, PyAny>,
     pressed: &Bound<'_, PyAny>,
     calibration: Option<Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,
@@ -161,7 +82,7 @@ pub(crate) fn track(
     like: Option<Bound<'_, Study>>,
     cell: usize,
     settings: Option<Bound<'_, PyDict>>,
-) -> PyResult<Tracked> {
+) -> PyResult<Bound<'py, PyAny>> {
     let frames = [frame("rest", rest)?, frame("pressed", pressed)?];
     let given = given(
         settings.as_ref(),
@@ -188,7 +109,7 @@ pub(crate) fn track(
         return Err(error::argument(&name.to_string(), &[], None, message));
     }
     let [rest, pressed] = &frames;
-    let seen = py.detach(|| {
+    let found = py.detach(|| {
         let tracked = track_frames(rest, pressed)?;
         tracked.of_one_sensor()?;
         let pictures = [
@@ -204,21 +125,23 @@ pub(crate) fn track(
         };
         Ok((tracked, pictures, estimated))
     });
-    let (tracked, [drawn, difference], estimated) = seen.map_err(error::recorded)?;
-    let mut made = Tracked {
-        markers: table_of(py, &tracked.table(), Default::default())?,
-        fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
-        warnings: records(py, &tracked.warnings())?,
-        overlay: pixels(py, drawn)?,
-        difference: pixels(py, difference)?,
-        readings: None,
-        field: None,
-        estimate: None,
-    };
-    if let Some((estimate, readings, field, unit)) = estimated {
-        made.readings = Some(table_of(py, &readings, unit)?);
-        made.field = Some(table_of(py, &field, unit)?);
-        made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());
+    let (tracked, [drawn, difference], estimated) = found.map_err(error::recorded)?;
+    let fields = json!({ "fates": tracked.fates(), "warnings": tracked.warnings() });
+    let arrays = PyDict::new(py);
+    arrays.set_item(
+        "markers",
+        table_of(py, &tracked.table(), Default::default())?,
+    )?;
+    arrays.set_item("overlay", pixels(py, drawn)?)?;
+    arrays.set_item("difference", pixels(py, difference)?)?;
+    for name in ["readings", "field", "estimate"] {
+        arrays.set_item(name, py.None())?;
     }
-    Ok(made)
+    if let Some((estimate, readings, field, unit)) = estimated {
+        arrays.set_item("readings", table_of(py, &readings, unit)?)?;
+        arrays.set_item("field", table_of(py, &field, unit)?)?;
+        arrays.set_item("estimate", PressEstimate::of(py, Record::new(estimate))?)?;
+    }
+    let fields = to_python(py, &fields)?.cast_into()?;
+    Tracked::of(py, Record::restored(fields, Some(arrays)))
 }

@@ -24,12 +24,12 @@ use crate::study::Study;
 /// discs : dict, optional
 ///     `magenta_diameter`, `yellow_diameter`, `separation` and `misalignment` of the discs of a marker, length.
 /// length_unit : str
-///     Unit of all lengths; a pattern needs one of the metric system.
+///     Unit of all lengths; a pattern needs a metric one.
 ///
 /// Raises
 /// ------
 /// ConfigError
-///     For settings that make no sensor.
+///     For settings that make no valid sensor.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Layout {
     study: Py<Study>,
@@ -114,7 +114,7 @@ impl Layout {
 /// Raises
 /// ------
 /// ConfigError
-///     Where there is no such pattern.
+///     If there is no such pattern.
 #[pyfunction]
 pub(crate) fn pattern(py: Python<'_>, sensor: &Bound<'_, PyAny>) -> PyResult<String> {
     let study = match sensor.cast::<Layout>() {

@@ -1,4 +1,4 @@
-//! Ways from tracked markers to what pressed them.
+//! Methods from tracked markers to the object that pressed them.
 
 use palpate::recorded::{FrameReader, PictureOptions, PressOptions};
 use pyo3::prelude::*;

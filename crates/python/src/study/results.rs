@@ -3,20 +3,19 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use palpate::config::{self, LengthUnit};
 use palpate::report::{Study as Scored, claims_table, figures, score};
-use palpate::{Files, ReportError, Warning, figure, resolved, result_columns, warning_files};
+use palpate::{Files, Ran, Warning, figure, resolved, result_columns, warning_files};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::runs::Found;
-use super::trace::Trace;
+use super::Study;
+use super::trace::follow;
 use crate::error;
 use crate::figure::Figure;
 use crate::record::records;
-use crate::table::{csv_of, table, table_of};
+use crate::table::{table, table_of};
 
 const CONFIG: &str = "run.toml";
 const CELLS: &str = "cells.csv";
@@ -26,25 +25,24 @@ const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
 /// Files of a pass.
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
-/// Results of a study that was run.
+/// Results of a run of a study.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Results {
-    of: Arc<palpate::Study>,
     /// Texts of the files that the command line writes, by their names.
     files: BTreeMap<String, String>,
-    /// Study as it was run.
+    /// The study of the run.
     #[pyo3(get)]
-    study: Py<PyAny>,
+    study: Py<Study>,
     /// Table of one row per cell and quantity: swept values, truth, mean, bias, errors, quantiles.
     #[pyo3(get)]
     cells: Py<PyAny>,
-    /// Table of the trials that gave no number, by cell and kind.
+    /// Table of the trials without an estimate, by cell and kind.
     #[pyo3(get)]
     failures: Py<PyAny>,
-    /// Table of the maps, or profiles, of trial 0 of each cell; None unless the config's `outputs` ask for it.
+    /// Table of the maps, or profiles, of trial 0 of each cell; None unless the config's `outputs` contain it.
     #[pyo3(get)]
     map: Option<Py<PyAny>>,
-    /// Table of all trials, a row per observation or failure; None unless the run was asked for it.
+    /// Table of all trials, a row per observation or failure; None without `trials_out=True`.
     #[pyo3(get)]
     trials_out: Option<Py<PyAny>>,
     /// Warnings of cells in which the theory or the estimator does not hold, each with `code`, `text` and `numbers`.
@@ -52,17 +50,15 @@ pub(crate) struct Results {
     warnings: Py<PyAny>,
 }
 
-/// Error of tables and figures.
-fn refused(error: ReportError) -> PyErr {
-    error::RunError::new_err(error.to_string())
-}
-
 impl Results {
-    /// Results of a study that was run.
-    pub(super) fn of(py: Python<'_>, study: Arc<palpate::Study>, found: Found) -> PyResult<Self> {
-        let Found { ran, trace } = found;
+    /// Results of a run.
+    pub(super) fn of(
+        py: Python<'_>,
+        study: &palpate::Study,
+        (ran, trace): (Ran, Option<palpate::Trace>),
+    ) -> PyResult<Self> {
         let mut files = BTreeMap::from([
-            (CONFIG.to_owned(), resolved(&study)),
+            (CONFIG.to_owned(), resolved(study)),
             (CELLS.to_owned(), ran.cells.to_csv()),
             (FAILURES.to_owned(), ran.failures.to_csv()),
         ]);
@@ -70,7 +66,7 @@ impl Results {
         let warnings = warning_files(&ran.warnings).into_iter();
         files.extend(warnings.map(|(name, text)| (name.to_owned(), text)));
         if let Some(trace) = trace {
-            let markers = trace.camera.map(|seen| seen.markers);
+            let markers = trace.camera.map(|camera| camera.markers);
             let tables = [Some(trace.contacts), Some(trace.readings), markers];
             let tables = PASS.into_iter().zip(tables);
             files.extend(
@@ -90,21 +86,15 @@ impl Results {
             let missing = || error::RunError::new_err(format!("there is no {name}"));
             files.get(name).cloned().ok_or_else(missing)
         };
-        let of = config::parse(CONFIG, &text(CONFIG)?).map_err(error::config)?;
-        // By its name in Python: a study makes results, so that its file is not one to import here.
-        let named = PyDict::new(py);
-        named.set_item("name", CONFIG)?;
-        let study = py.import("palpate")?.getattr("Study")?;
-        let study = study.call((text(CONFIG)?,), Some(&named))?;
-        let unit = of.config.length_unit;
-        let columns = result_columns(&of);
-        let table = |csv: &String| table(py, csv, &columns, unit);
+        let study = Study::of(CONFIG.to_owned(), text(CONFIG)?)?;
+        let unit = study.study().config.length_unit;
+        let columns = result_columns(study.study());
+        let table = |csv: &String| Ok::<_, PyErr>(table(py, csv, &columns, unit)?.unbind());
         let warnings = files.get(WARNINGS[1]).map_or("[]", String::as_str);
         let warnings: Vec<Warning> = serde_json::from_str(warnings)
             .map_err(|error| error::RunError::new_err(format!("{}: {error}", WARNINGS[1])))?;
         Ok(Self {
-            of: Arc::new(of),
-            study: study.unbind(),
+            study: Py::new(py, study)?,
             cells: table(&text(CELLS)?)?,
             failures: table(&text(FAILURES)?)?,
             map: files.get(MAP).map(table).transpose()?,
@@ -112,6 +102,10 @@ impl Results {
             warnings: records(py, &warnings)?,
             files,
         })
+    }
+
+    fn config(&self) -> &config::StudyConfig {
+        &self.study.get().study().config
     }
 
     /// Files that the command line writes, in memory.
@@ -123,7 +117,7 @@ impl Results {
 #[pymethods]
 impl Results {
     /// Results in a directory that `palpate run` wrote, as CSV. Raises RunError for a file that is missing or no table,
-    /// ConfigError for a config that is none.
+    /// ConfigError for an invalid config.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let names = [CONFIG, CELLS, FAILURES, MAP].into_iter();
@@ -145,41 +139,38 @@ impl Results {
         })
     }
 
-    /// Names of the plots that the config asks for.
+    /// Names of the plots in the config.
     #[getter]
-    fn plots(&self) -> PyResult<Vec<String>> {
-        let plots = self.of.config.plot.iter().enumerate();
+    fn plots(&self) -> Vec<String> {
+        let plots = self.config().plot.iter().enumerate();
         let name = |(place, plot): (usize, &config::PlotConfig)| {
             let name = plot.name.clone();
             name.unwrap_or_else(|| format!("plot-{}", place + 1))
         };
-        Ok(plots.map(name).collect())
+        plots.map(name).collect()
     }
 
-    /// Figures of all plots that the config asks for, as `palpate plot` draws them; where it has none, the error over the
-    /// first swept field. Raises RunError.
+    /// Figures of all plots in the config, as `palpate plot` draws them; by default the error over the first swept field.
+    /// Raises RunError.
     #[getter]
     fn figures(&self, py: Python<'_>) -> PyResult<Vec<Figure>> {
         let files = self.in_memory();
         let drawn = py.detach(|| figures(&Scored::read(files)?));
-        Ok(drawn
-            .map_err(refused)?
-            .into_iter()
-            .map(Figure::from)
-            .collect())
+        let drawn = drawn.map_err(error::run)?;
+        Ok(drawn.into_iter().map(Figure::from).collect())
     }
 
-    /// Table of how the papers' claims score that the config names: the `claims.csv` of `palpate report`. Raises RunError.
+    /// Table of scores of the papers' claims that the config names: the `claims.csv` of `palpate report`. Raises RunError.
     #[getter]
-    fn claims(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let study = Scored::read(self.in_memory()).map_err(refused)?;
+    fn claims<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let study = Scored::read(self.in_memory()).map_err(error::run)?;
         table_of(py, &claims_table(&score(&[study])), LengthUnit::Unit)
     }
 
-    /// Draws a plot: that of this name in the config, by default its first, or one of these keys of a `[[plot]]`:
+    /// Draws the plot of the config with this name, by default its first, or a plot from the keys of a `[[plot]]` table:
     /// `results.plot(x="scene.sensor.pitch", y="relative_rms_error", quantity="radius")`.
     ///
-    /// Returns a Figure, which a notebook shows. Raises ConfigError, RunError.
+    /// Returns a Figure. Raises ConfigError, RunError.
     #[pyo3(signature = (name=None, **keys))]
     fn plot(
         &self,
@@ -190,8 +181,8 @@ impl Results {
         let plot = match keys.filter(|keys| !keys.is_empty()) {
             Some(keys) => {
                 let mut plot = crate::json::from_python(&keys)?;
-                if let Some(name) = name {
-                    plot["name"] = name.into();
+                if let Some(name) = &name {
+                    plot["name"] = name.as_str().into();
                 }
                 let text = config::of_json("plot", &serde_json::json!({ "plot": [plot] }));
                 let text = text.map_err(error::config)?;
@@ -199,40 +190,37 @@ impl Results {
                 plots.into_iter().next()
             }
             None => {
-                let names = self.plots()?;
-                let place = match &name {
-                    None => Some(0),
-                    Some(name) => names.iter().position(|one| one == name),
-                };
-                let all = &self.of.config.plot;
-                let plot = place.and_then(|place| Some((all.get(place)?, names.get(place)?)));
-                let Some((plot, own)) = plot else {
-                    let wanted = name.unwrap_or_else(|| "the first".to_owned());
-                    let message = format!("no plot {wanted}; the config has {names:?}");
-                    return Err(error::argument("name", &[], None, message));
-                };
-                Some(config::PlotConfig {
+                let names = self.plots();
+                let mut plots = names.iter().zip(&self.config().plot);
+                let plot = plots.find(|(own, _)| name.as_ref().is_none_or(|name| name == *own));
+                plot.map(|(own, plot)| config::PlotConfig {
                     name: Some(own.clone()),
                     ..plot.clone()
                 })
             }
         };
         let Some(plot) = plot else {
-            return Err(error::RunError::new_err("there is no plot"));
+            let wanted = name.unwrap_or_else(|| "the first".to_owned());
+            let message = format!("no plot {wanted}; the config has {:?}", self.plots());
+            return Err(error::argument("name", &[], None, message));
         };
         let files = self.in_memory();
         let drawn = py.detach(|| figure(&plot, files));
-        Ok(drawn.map_err(refused)?.into())
+        Ok(drawn.map_err(error::run)?.into())
     }
 
-    /// Follows one pass of a cell, as `Study.trace`.
+    /// Records one pass of a cell, like `Study.trace`.
     #[pyo3(signature = (cell=0, trial=None))]
-    fn trace(&self, py: Python<'_>, cell: usize, trial: Option<u64>) -> PyResult<Trace> {
-        Trace::of(py, Arc::clone(&self.of), cell, trial)
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        cell: usize,
+        trial: Option<u64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        follow(py, self.study.get().shared(), cell, trial)
     }
 
-    /// Texts of the files that `palpate run` writes, by their names, byte for byte; frames that a pass renders are those of
-    /// `trace`.
+    /// Texts of the files that `palpate run` writes, by their names, byte for byte. `trace` has the frames of a pass.
     fn files(&self) -> BTreeMap<String, String> {
         self.files.clone()
     }
@@ -254,8 +242,8 @@ impl Results {
         (BTreeMap<String, String>, Option<String>),
     )> {
         let own = slf.get();
-        let trials = own.trials_out.as_ref();
-        let trials = trials.map(|trials| csv_of(slf.py(), trials)).transpose()?;
+        let csv = |table: &Py<PyAny>| table.call_method0(slf.py(), "to_csv")?.extract(slf.py());
+        let trials = own.trials_out.as_ref().map(csv).transpose()?;
         let restored = slf.get_type().getattr("_restored")?;
         Ok((restored, (own.files.clone(), trials)))
     }
@@ -265,9 +253,9 @@ impl Results {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let cells = self.of.cell_count();
+        let cells = self.study.get().study().cell_count();
         let rows = self.cells.getattr(py, "height")?;
-        let name = &self.of.config.name;
+        let name = &self.config().name;
         Ok(format!("<Results of {name:?}: {cells} cells, {rows} rows>"))
     }
 

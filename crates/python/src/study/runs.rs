@@ -1,103 +1,68 @@
-//! Work on studies, on threads of its own.
+//! Runs, checks and plans of studies on other threads.
 
-use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use palpate::config::Output;
 use palpate::{
-    Accuracy, Check, Coverage, EvaluationTime, Family, Goal, PlanError, Ran, RunOptions, Rungs,
-    Runner, Simulation, Study, SweepError, Trace, TraceError, check_outputs, resolved, trace,
+    Goal, PlanError, Ran, RunOptions, Runner, Simulation, Study, SweepError, Trace, TraceError,
+    check_outputs, resolved, trace,
 };
 use pyo3::prelude::*;
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use crate::error;
-use crate::watch::watched_alone;
-
-/// More threads than this only cost their setting up.
-const MOST_THREADS: usize = 256;
+use crate::watch::{threads, watched};
 
 pub(crate) fn runner(threads: Option<usize>) -> PyResult<Runner> {
-    let threads = match threads {
-        None => None,
-        Some(threads) => match NonZeroUsize::new(threads.min(MOST_THREADS)) {
-            Some(threads) => Some(threads),
-            None => {
-                let message = "threads is 0; it must be at least 1";
-                return Err(error::argument("threads", &[], Some(0.0), message));
-            }
-        },
-    };
     let runner = Runner::new(&RunOptions {
-        threads,
+        threads: self::threads(threads)?,
         ..RunOptions::default()
     });
-    runner.map_err(|error| error::RunError::new_err(error.to_string()))
+    runner.map_err(error::run)
 }
 
 /// Error of cells that cannot be run.
 fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     match error {
         SweepError::SetUp(error) => error::config(error),
-        error => error::RunError::new_err(error.to_string()),
+        error => error::run(error),
     }
 }
 
-/// Part of a study that is run.
-pub(super) struct Asked {
-    pub(super) study: Arc<Study>,
-    /// Numbers of its cells; all of them by default.
-    pub(super) cells: Option<Vec<usize>>,
-    /// Whether single trials are told.
-    pub(super) tells_trials: bool,
-}
-
-/// Results of a study.
-pub(super) struct Found {
-    pub(super) ran: Ran,
-    /// Pass of the first cell, where the config asks for it.
-    pub(super) trace: Option<Trace>,
-}
-
+/// Results of some cells of a study, by default of all, and the pass of the first cell if the config has it among its
+/// outputs.
 pub(super) fn run(
     py: Python<'_>,
-    asked: Asked,
+    (study, cells): (Arc<Study>, Option<Vec<usize>>),
+    with_trials: bool,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Found> {
+) -> PyResult<(Ran, Option<Trace>)> {
     let runner = runner(threads)?;
-    let found = watched_alone(py, progress, move |watch| {
-        let Asked {
-            study,
-            cells,
-            tells_trials,
-        } = asked;
+    let found = watched(py, progress, move |watch| {
         check_outputs(&study).map_err(SweepError::SetUp)?;
         let cells = cells.unwrap_or_else(|| (0..study.cell_count()).collect());
         let first = cells.first().copied();
         let simulation = Simulation::new(&study, cells, &runner);
         let mut simulation = simulation.map_err(SweepError::SetUp)?;
-        if tells_trials {
+        if with_trials {
             simulation = simulation.with_trials();
         }
-        let ran = simulation.run(&watch.cancelled, &|trials| watch.tell(trials))?;
+        let ran = simulation.run(&watch.cancelled, &|trials| watch.add(trials))?;
         let first = first.filter(|_| study.config.outputs.contains(&Output::Trace));
         let trace = first.map(|first| trace(&study, first, None));
         Ok((ran, trace))
     })?;
     let (ran, trace) = found.map_err(of_sweep)?;
-    Ok(Found {
-        ran,
-        trace: trace.transpose().map_err(of_trace)?,
-    })
+    Ok((ran, trace.transpose().map_err(of_trace)?))
 }
 
 /// Error of a pass.
 pub(super) fn of_trace(error: TraceError) -> PyErr {
     match error {
         TraceError::Config(error) => error::config(error),
-        error => error::RunError::new_err(error.to_string()),
+        error => error::run(error),
     }
 }
 
@@ -108,87 +73,12 @@ pub(super) fn check(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Json> {
     let runner = runner(threads)?;
-    let check = watched_alone(py, progress, move |watch| {
+    let check = watched(py, progress, move |watch| {
         let start = Instant::now();
-        let tell = |done: usize, _all: usize| watch.reach(done as u64);
-        palpate::check(&study, &runner, &|| start.elapsed(), &tell)
+        let progress = |done: usize, _all: usize| watch.reach(done as u64);
+        palpate::check(&study, &runner, &|| start.elapsed(), &progress)
     })?;
-    check.map(|check| of_check(&check)).map_err(of_sweep)
-}
-
-fn of_check(check: &Check) -> Json {
-    let groups = check.groups.iter().map(|group| {
-        json!({
-            "cells": group.cells,
-            "needs": group.needs,
-            "needless": group.needless,
-            "rungs": of_rungs(&group.rungs),
-        })
-    });
-    let intervals = check.intervals.iter().map(of_tested);
-    json!({
-        "cells": check.cells,
-        "checked": check.checked,
-        "set_up": check.set_up,
-        "single": check.single,
-        "trials": check.trials,
-        "seconds": check.seconds,
-        "threads": check.threads,
-        "groups": groups.collect::<Vec<Json>>(),
-        "intervals": intervals.collect::<Vec<Json>>(),
-    })
-}
-
-fn of_tested((cells, tested): &(usize, Coverage)) -> Json {
-    let measured = |family: &Family, beyond: Option<&str>| {
-        json!({
-            "cells": cells,
-            "family": family.name,
-            "beyond": beyond,
-            "scenes": family.scenes,
-            "coverage95": family.coverage95,
-            "lowest": family.lowest,
-            "holds": family.holds(),
-        })
-    };
-    match tested {
-        Coverage::Measured(family) => measured(family, None),
-        Coverage::Outside(family, beyond) => measured(family, Some(beyond)),
-        Coverage::NotMeasured(why) => json!({ "cells": cells, "not_tested": why }),
-    }
-}
-
-fn of_rungs(rungs: &Rungs) -> Json {
-    match rungs {
-        Rungs::None | Rungs::NotMeasured => Json::Null,
-        Rungs::AsIn(cell) => json!({ "as_in_cell": cell }),
-        Rungs::Measured {
-            cell,
-            ladder,
-            times,
-        } => {
-            let all = times.iter().map(|(place, time)| {
-                let rung = &ladder.rungs[*place];
-                json!({
-                    "name": rung.name,
-                    "taken": *place == ladder.taken,
-                    "error": rung.accuracy.error(),
-                    "cannot": match &rung.accuracy {
-                        Accuracy::Error(_) => None,
-                        Accuracy::Impossible(reason) => Some(reason),
-                    },
-                    "seconds": time.map(|time| time.seconds()),
-                    "each_trial": time.map(|time| matches!(time, EvaluationTime::EachTrial(_))),
-                })
-            });
-            json!({
-                "cell": cell,
-                "reason": ladder.reason,
-                "tolerance": ladder.tolerance,
-                "rungs": all.collect::<Vec<Json>>(),
-            })
-        }
-    }
+    check.map(|check| check.to_json()).map_err(of_sweep)
 }
 
 /// Text of the study that a goal chooses.
@@ -214,7 +104,7 @@ pub(super) fn plan(
         return Err(error::argument("budget", &[], None, message));
     }
     let runner = runner(threads)?;
-    let planned = watched_alone(py, None, move |_| {
+    let planned = watched(py, None, move |_| {
         let start = Instant::now();
         let cells: Vec<usize> = (0..study.cell_count()).collect();
         palpate::plan(&study, &cells, &goal, &runner, &|| start.elapsed())
@@ -222,6 +112,6 @@ pub(super) fn plan(
     })?;
     planned.map_err(|error| match error {
         PlanError::SetUp(error) => error::config(error),
-        error => error::RunError::new_err(error.to_string()),
+        error => error::run(error),
     })
 }

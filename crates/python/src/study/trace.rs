@@ -2,125 +2,84 @@
 
 use std::sync::Arc;
 
-use image::RgbImage;
+use palpate::config::LengthUnit;
 use palpate::{Files, press_figures, trace};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
+use serde_json::json;
 
 use super::runs::of_trace;
 use crate::error;
 use crate::figure::Figure;
-use crate::table::{csv_of, table_of};
-use crate::watch::watched_alone;
+use crate::json::to_python;
+use crate::pixels::pixels;
+use crate::record::{Made, Record, record};
+use crate::table::table_of;
+use crate::watch::watched;
 
-/// One pass of a cell, written down.
-#[pyclass(frozen, module = "palpate")]
-pub(crate) struct Trace {
-    /// Words for what was followed.
-    #[pyo3(get)]
-    what: String,
-    /// Truth: contacts, or markers.
-    #[pyo3(get)]
-    contacts: Py<PyAny>,
-    /// Readings of the sensor, in the form that `palpate estimate` accepts.
-    #[pyo3(get)]
-    readings: Py<PyAny>,
-    /// How a camera sees each marker; None without one.
-    #[pyo3(get)]
-    markers: Option<Py<PyAny>>,
-    /// Frame at rest that a camera rendered, (h, w, 3) of uint8; None without one.
-    #[pyo3(get)]
-    rest: Option<Py<PyAny>>,
-    /// Frame pressed.
-    #[pyo3(get)]
-    pressed: Option<Py<PyAny>>,
-}
+record!(
+    Trace,
+    "One pass of a cell, written down.\n\nFields: `what`, the pass in words; `contacts`, a Table of the true contacts, or of the true displacements of the\nmarkers; `readings`, a Table of the sensor's readings, as `palpate estimate` accepts them. Of a press before a camera\nalso `markers`, a Table of the images of the markers, `rest` and `pressed`, the frames, (h, w, 3) of uint8, and\n`figures`, a list of Figures of the displacements along the skin and of their profile; None, or an empty list,\notherwise."
+);
 
-impl Trace {
-    pub(super) fn of(
-        py: Python<'_>,
-        study: Arc<palpate::Study>,
-        cell: usize,
-        trial: Option<u64>,
-    ) -> PyResult<Self> {
-        let unit = study.config.length_unit;
-        let traced = watched_alone(py, None, move |_| trace(&study, cell, trial))?;
-        let traced = traced.map_err(of_trace)?;
-        let table = |rows| table_of(py, &rows, unit);
-        let (mut markers, mut frames) = (None, None);
-        if let Some(seen) = traced.camera {
-            markers = Some(table(seen.markers)?);
-            frames = seen.frames;
-        }
-        let [rest, pressed] = match frames {
-            Some(frames) => frames.map(Some),
-            None => [None, None],
+/// A pass with the unit of its tables.
+struct Pass(palpate::Trace, LengthUnit);
+
+impl Made for Pass {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &json!({ "what": self.0.what }))
+    }
+
+    fn others(&self) -> &'static [&'static str] {
+        &[
+            "contacts", "readings", "markers", "rest", "pressed", "figures",
+        ]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Self(trace, unit) = self;
+        let table = |rows| table_of(py, rows, *unit);
+        let frames = trace
+            .camera
+            .as_ref()
+            .and_then(|camera| camera.frames.as_ref());
+        let frame = |place: usize| frames.map(|frames| pixels(py, frames[place].clone()));
+        let found = match name {
+            "contacts" => Some(table(&trace.contacts)),
+            "readings" => Some(table(&trace.readings)),
+            "markers" => trace.camera.as_ref().map(|camera| table(&camera.markers)),
+            "rest" => frame(0),
+            "pressed" => frame(1),
+            _ => Some(self.figures(py)),
         };
-        let pixels = |frame: Option<RgbImage>| frame.map(|one| crate::pixels::pixels(py, one));
-        Ok(Self {
-            what: traced.what,
-            contacts: table(traced.contacts)?,
-            readings: table(traced.readings)?,
-            markers,
-            rest: pixels(rest).transpose()?,
-            pressed: pixels(pressed).transpose()?,
-        })
+        found.unwrap_or_else(|| Ok(py.None().into_bound(py)))
     }
 }
 
-#[pymethods]
-impl Trace {
-    /// Figures of a press that a camera saw: displacements along the skin, and their profile. Raises RunError where there is
-    /// no camera.
-    #[getter]
-    fn figures(&self, py: Python<'_>) -> PyResult<Vec<Figure>> {
-        if self.markers.is_none() {
-            let message = "only a press that a camera sees has figures";
-            return Err(error::RunError::new_err(message));
+impl Pass {
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let Self(trace, _) = self;
+        if trace.camera.is_none() {
+            return Ok(PyList::empty(py).into_any());
         }
-        let files = Files::in_memory([
-            ("trace.csv", csv_of(py, &self.contacts)?),
-            ("readings.csv", csv_of(py, &self.readings)?),
-        ]);
-        let drawn = press_figures(&files);
-        let drawn = drawn.map_err(|error| error::RunError::new_err(error.to_string()))?;
-        Ok(drawn.into_iter().map(Figure::from).collect())
+        let tables = [
+            ("trace.csv", &trace.contacts),
+            ("readings.csv", &trace.readings),
+        ];
+        let files = Files::in_memory(tables.map(|(name, table)| (name, table.to_csv())));
+        let figures = press_figures(&files);
+        let figures = figures.map_err(error::run)?;
+        Ok(PyList::new(py, figures.into_iter().map(Figure::from))?.into_any())
     }
+}
 
-    #[staticmethod]
-    fn _restored(
-        what: String,
-        contacts: Py<PyAny>,
-        readings: Py<PyAny>,
-        markers: Option<Py<PyAny>>,
-        rest: Option<Py<PyAny>>,
-        pressed: Option<Py<PyAny>>,
-    ) -> Self {
-        Self {
-            what,
-            contacts,
-            readings,
-            markers,
-            rest,
-            pressed,
-        }
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, own) = (slf.py(), slf.get());
-        let shared = |frame: &Option<Py<PyAny>>| frame.as_ref().map(|frame| frame.clone_ref(py));
-        let state = (
-            own.what.clone(),
-            own.contacts.clone_ref(py),
-            own.readings.clone_ref(py),
-            own.markers.as_ref().map(|markers| markers.clone_ref(py)),
-            shared(&own.rest),
-            shared(&own.pressed),
-        );
-        let restored = slf.get_type().getattr("_restored")?;
-        Ok((restored, state.into_pyobject(py)?.into_any()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Trace of {}>", self.what)
-    }
+pub(super) fn follow<'py>(
+    py: Python<'py>,
+    study: Arc<palpate::Study>,
+    cell: usize,
+    trial: Option<u64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let unit = study.config.length_unit;
+    let traced = watched(py, None, move |_| trace(&study, cell, trial))?;
+    Trace::of(py, Record::new(Pass(traced.map_err(of_trace)?, unit)))
 }

@@ -28,7 +28,7 @@ fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
         "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
          0,0,-0.8,{shift},0\n1,0,-0.8,{shift},0\n2,-0.8,0,0,{other:e}\n3,-0.8,0,0,{other:e}\n"
     );
-    let estimate = estimate_roll(&parse_roll(file(&text))?, &RollOptions::new(radius))?;
+    let estimate = estimate_roll(parse_roll(file(&text))?, &RollOptions::new(radius))?;
     Ok(mean_curvature(&estimate))
 }
 

@@ -24,7 +24,7 @@ fn file(contents: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
 
 fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedError> {
     let (_dir, path) = file(format!("{HEADER}\n{rows}"));
-    estimate_roll(&read_roll(&path)?, options)
+    estimate_roll(read_roll(&path)?, options)
 }
 
 /// The value and the standard error of a quantity.
@@ -273,7 +273,7 @@ fn roll_of(table: String) -> Result<serde_json::Value, String> {
     let readings = parse_roll(RecordedFile::new("q.csv", table.into_bytes()))
         .map_err(|error| error.to_string())?;
     let estimate =
-        estimate_roll(&readings, &RollOptions::new(10.0)).map_err(|error| error.to_string())?;
+        estimate_roll(readings, &RollOptions::new(10.0)).map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(estimate).unwrap())
 }
 

@@ -353,12 +353,12 @@ impl Trials for RollScene {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
         let radius = self.roller.probe().radius();
-        let (fit, estimate) = LeastSquares::fitted(radius, self.reading_noise, &readings)
+        let estimate = LeastSquares::of(radius, self.reading_noise, &readings)
             .map_err(|error| error.name())?;
         for (quantity, outcome) in self.compare(&estimate).into_iter().enumerate() {
             observe(quantity, outcome);
         }
-        let misfits = fit.misfits(&estimate, &readings);
+        let misfits = estimate.misfits(self.reading_noise, &readings);
         Ok(misfits.iter().map(|misfit| misfit.code()).collect())
     }
 

@@ -18,8 +18,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let given = args.rolls.and(&args.estimator);
     let options = RollOptions::with_settings(base.transpose()?, &given, args.form.length_unit);
     let options = options.map_err(Failure::usage)?;
-    let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
-    let report = estimate.report();
-    warn(&report)?;
-    output::print(&output::json(&report)?)
+    let estimate = estimate_roll(readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
+    output::print(&output::json(&estimate)?)
 }
