@@ -51,16 +51,19 @@ def one_by_numpy(turned, moved):
 
 
 def roll():
+    def estimate(turned, moved):
+        return palpate.estimate_roll(turned, moved, probe_radius=RADIUS, shift_std=SHIFT_STD)
+
     few = shifts[:200]
     task = "estimate_roll of 8 probes"
     theirs = [one_by_numpy(rotations, moved)[3] for moved in few]
-    ours = [palpate.estimate_roll(rotations, moved, probe_radius=RADIUS).mean_curvature.value for moved in few]
+    ours = [estimate(rotations, moved).mean_curvature.value for moved in few]
     one = few[0].copy()
     turned, moved = rotations.tolist(), one.tolist()
     numpy_us, arrays_us, lists_us = medians_us([
         lambda: one_by_numpy(rotations, one),
-        lambda: palpate.estimate_roll(rotations, one, probe_radius=RADIUS),
-        lambda: palpate.estimate_roll(turned, moved, probe_radius=RADIUS),
+        lambda: estimate(rotations, one).p_value,
+        lambda: estimate(turned, moved).p_value,
     ])
     print_figure(task, "NumPy lstsq", np.__version__, numpy_us, error_of(theirs))
     print_figure(task, f"{OURS}, arrays", palpate.__version__, arrays_us, error_of(ours))
@@ -127,17 +130,19 @@ def batch():
     ):
 
         def ours(turned=turned):
-            return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=SHIFT_STD, threads=1)
+            batch = palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=SHIFT_STD, threads=1)
+            batch.mean_curvature
+            return batch
 
         theirs_us, ours_us = medians_us([theirs, ours], SETS)
         print_figure(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
         print_figure(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
-    # Both programs must state the same errors.
+    # Both programs must state the same errors. Those of NumPy are of first order.
     _, stds, residual = with_errors_by_numpy(each, shifts)
     estimate = ours()
     names = ("normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature")
     for name, std in zip(names, stds, strict=True):
-        np.testing.assert_allclose(getattr(estimate, name).std, std, rtol=1e-9)
+        np.testing.assert_allclose(getattr(estimate, name).std, std, rtol=1e-5)
     np.testing.assert_allclose(estimate.residual_rms.value, residual, rtol=1e-6)
 
 

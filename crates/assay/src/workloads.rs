@@ -84,6 +84,7 @@ fn workloads() -> Vec<Workload> {
         workload("trials, ep1 on pads", |name| {
             unit_rolls::trials(name, Ep1::PADS, TRIALS)
         }),
+        workload("recorded, eight rolls", unit_rolls::recorded),
         workload("runner, statistics alone", |name| {
             Ok(unit_rolls::statistics_alone(name, TRIALS))
         }),

@@ -6,6 +6,7 @@ use std::num::NonZeroUsize;
 use anyhow::{Context, Result, bail};
 use nalgebra::Vector2;
 use palpate::SceneTrial;
+use palpate::recorded::{RollOptions, RollRecording, estimate_roll};
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
@@ -214,6 +215,31 @@ pub fn roll(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<E
 pub fn trials(name: &str, setting: &str, trials: u64) -> Result<Evaluation> {
     let trial = Ep1::new(setting)?;
     Ok(Evaluation::new(name, move || trial.run(black_box(trials))))
+}
+
+/// Estimate with its p-value from eight recorded rolls, with settings by their keys: the work of a call from Python.
+///
+/// # Errors
+/// If the rolls have no estimate.
+pub fn recorded(name: &str) -> Result<Evaluation> {
+    let rolls = (0..8).map(|roll| {
+        let (sine, cosine) = libm::sincos(f64::from(roll) * std::f64::consts::FRAC_PI_4);
+        let along = 0.1 / (1.0 + 1.0 / 5.0) + 1e-4 * f64::from(roll % 3 - 1);
+        ([0.1 * sine, -0.1 * cosine], [along * cosine, along * sine])
+    });
+    let (rotations, shifts): (Vec<_>, Vec<_>) = rolls.unzip();
+    let settings = [("probe_radius", 1.0), ("shift_std", 1e-4)];
+    let settings = settings.map(|(key, value)| (key.to_owned(), value.into()));
+    let settings = serde_json::Map::from_iter(settings);
+    let estimate = move || {
+        let options = RollOptions::with_settings(None, black_box(&settings), None)?;
+        let readings = RollRecording::new(&rotations, black_box(&shifts), None)?;
+        let estimate = estimate_roll(readings, &options)?;
+        let p_value = estimate.p_value().context("noise is stated")?;
+        anyhow::Ok((p_value, estimate.values()))
+    };
+    estimate()?;
+    Ok(Evaluation::new(name, estimate))
 }
 
 /// Statistics of trials that compute nothing.
