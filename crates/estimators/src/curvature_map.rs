@@ -1,6 +1,6 @@
 //! Maps of estimated curvature as tables.
 
-use palpate_ep2::{MapPoint, Regions};
+use palpate_ep2::MapPoint;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
@@ -29,30 +29,12 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Table for one map of recorded readings.
-pub fn map_table(unit: LengthUnit) -> MapTable {
-    MapTable::new(columns(unit, false))
+/// Table for a map of recorded readings, or for the maps of a study's cells, with the columns `cell` and `true_class`.
+pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
+    MapTable::new(columns(unit, of_study))
 }
 
-/// Table for the maps of a study's cells, with the columns `cell` and `true_class`.
-pub fn study_map_table(unit: LengthUnit) -> MapTable {
-    MapTable::new(columns(unit, true))
-}
-
-/// Adds the points of a map, with their regions if `regions` is given.
-pub fn push_map(
-    table: &mut MapTable,
-    points: &[MapPoint],
-    regions: Option<&Regions>,
-    thresholds: &ShapeThresholds,
-) {
-    for (place, point) in points.iter().enumerate() {
-        let region = regions.map(|regions| regions.of_point[place]);
-        push_map_point(table, None, point, region, thresholds);
-    }
-}
-
-/// Adds one point. Fields that the estimator does not state stay empty.
+/// Adds one point to a map. Fields that the estimator does not state are empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -37,6 +37,12 @@ impl GlideFit {
         }
     }
 
+    /// Whether a method uses the distance between fingers.
+    pub fn uses_finger_distance(config: &GlideEstimatorConfig) -> bool {
+        matches!(config, GlideEstimatorConfig::TwoPass { .. })
+            || config.position_fraction_of_ifd().is_some()
+    }
+
     /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
     /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {

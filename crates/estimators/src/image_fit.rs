@@ -4,7 +4,7 @@ use palpate_chromatouch::{Departure, DiscDepths, Optics};
 use palpate_press::{Body, DeparturePrior, ImageFit, Markers, PressError};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
-use palpate_study::config::{PressEstimatorConfig, PressModelConfig};
+use palpate_study::config::{PressEstimatorConfig, PressModelConfig, SensorNoise};
 
 use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
@@ -14,8 +14,7 @@ use crate::press_fit::{body_error, within_sensor};
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
-/// Builds layers of one thickness: one layer for each depth of the markers.
-pub type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
+type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 
 /// Settings of an estimator that fits marker images, and the sensor.
 pub struct ImageFitSetup<'a> {
@@ -98,4 +97,37 @@ impl ImageFitSetup<'_> {
             shift_std: *shift_std,
         }))
     }
+}
+
+/// Standard deviation of each number of a [`Departure`].
+pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
+    let SensorNoise {
+        centre_px,
+        scale,
+        place,
+        turn_deg,
+        disc_depth,
+        disc_diameter,
+        colour,
+    } = *noise;
+    let turn = turn_deg.to_radians();
+    // The odd terms of the lens are exact.
+    let mut stds = [0.0; Departure::NUMBERS];
+    stds[13..19].fill(colour);
+    stds[..13].copy_from_slice(&[
+        disc_depth,
+        disc_depth,
+        disc_diameter,
+        disc_diameter,
+        centre_px,
+        centre_px,
+        scale,
+        place,
+        place,
+        place,
+        turn,
+        turn,
+        turn,
+    ]);
+    stds
 }

@@ -1,8 +1,6 @@
 //! Builds the parts of a marker sensor from its config: its skin, layout and discs.
 
-use palpate_chromatouch::{
-    DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError, Seams,
-};
+use palpate_chromatouch::{DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
@@ -88,22 +86,12 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Largest misalignment of a marker's discs, as a fraction of the yellow diameter.
-    pub fn misalignment(&self) -> f64 {
-        self.discs.map_or(0.0, |discs| discs.misalignment)
-    }
-
     /// Standard deviation of each coordinate of a marker's misalignment: an angle at the sensor's centre, rad.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         // A coordinate of a point that is uniform in a disc has a standard deviation of half the radius.
-        let most = self.misalignment() * diameters.yellow;
+        let most = self.discs()?.misalignment * diameters.yellow;
         Ok(0.5 * most / (self.radius - depths.yellow))
-    }
-
-    /// Fraction of the skin's strain that the discs follow.
-    pub fn strain(&self) -> f64 {
-        self.discs.map_or(0.0, |discs| discs.strain)
     }
 
     /// Markers at these places, without misalignments.
@@ -121,14 +109,6 @@ impl<'a> MarkerSphere<'a> {
             most => array
                 .misaligned(most, seed, 0)
                 .map_err(|error| optics_error(&error)),
-        }
-    }
-
-    /// Seams of this width between the gores; `None` without gores or width.
-    pub fn seams(&self, width: f64) -> Option<Seams> {
-        match self.layout {
-            Layout::Gores { gores, .. } if width > 0.0 => Some(Seams { gores, width }),
-            _ => None,
         }
     }
 }

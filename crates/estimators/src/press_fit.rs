@@ -1,9 +1,11 @@
 //! Builds the estimator of a press from its settings and the sensor's parameters.
 
-use palpate_press::{Body, ForwardFit, Markers, PressError, Prior, calibrated_c};
+use palpate_press::{
+    Body, ForwardFit, LARGE_CONTACT, Markers, PressError, Prior, calibrated_c, sneddon_indentation,
+};
 use palpate_statistics::{BadSetting, Number};
-use palpate_study::FieldError;
 use palpate_study::config::{Baseline, PressEstimatorConfig, PressModelConfig};
+use palpate_study::{FieldError, Warning};
 
 /// Settings of an estimator, and the sensor whose readings it uses.
 pub struct PressFitSetup<'a> {
@@ -98,24 +100,10 @@ pub enum PressFitError {
     Calibration(PressError),
 }
 
-impl PressFitError {
-    /// The error of the press.
-    pub const fn into_inner(self) -> PressError {
-        match self {
-            Self::Setting(error) | Self::Calibration(error) => error,
-        }
-    }
-}
-
-/// Name of the body that an estimator assumes, and whether it models displacements below the surface.
-pub const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
-    match estimator {
-        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
-        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
-        PressEstimatorConfig::Image { .. } => ("the body to the markers' images", true),
-        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
-        PressEstimatorConfig::Gaussian { c: None, .. } => {
-            ("a Gaussian calibrated on a plane", false)
+impl From<PressFitError> for PressError {
+    fn from(error: PressFitError) -> Self {
+        match error {
+            PressFitError::Setting(error) | PressFitError::Calibration(error) => error,
         }
     }
 }
@@ -177,4 +165,34 @@ pub fn body_error(table: &str, error: PressError) -> FieldError {
         }
         _ => FieldError::at(table, error),
     }
+}
+
+/// Warns if the contact is too wide for small-strain theory, relative to the sensor or to the object.
+pub fn large_contact_warning(
+    relative_curvature: f64,
+    contact_radius: f64,
+    sensor_radius: f64,
+    is_layer: bool,
+) -> Option<Warning> {
+    let of_sensor = contact_radius / sensor_radius;
+    let of_object = contact_radius * (relative_curvature - sensor_radius.recip());
+    let (share, whose) = match of_object > of_sensor {
+        true => (of_object, "object"),
+        false => (of_sensor, "sensor"),
+    };
+    if share < LARGE_CONTACT {
+        return None;
+    }
+    let reason = match sneddon_indentation(1.0, share) {
+        _ if is_layer => "strains are not small".to_owned(),
+        Ok(sneddon) => format!(
+            "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
+            100.0 * (sneddon / (share * share) - 1.0)
+        ),
+        Err(_) => format!("it is wider than the {whose}"),
+    };
+    let text = format!(
+        "the contact's radius is {share:.2} of the {whose}'s, past {LARGE_CONTACT}: {reason}"
+    );
+    Some(Warning::new("large-contact", text, [("share", share)]))
 }

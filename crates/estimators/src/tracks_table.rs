@@ -17,12 +17,12 @@ pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Tabl
         Column::text("status"),
     ]);
     for (marker, track) in tracks.enumerate() {
-        let seen = track.and_then(|track| track.rest.or(track.pressed));
+        let image = track.and_then(|track| track.rest.or(track.pressed));
         let change = track.and_then(Track::change);
         let numbers = [
-            seen.map(|seen| seen.centroid_px[0]),
-            seen.map(|seen| seen.centroid_px[1]),
-            seen.map(|seen| seen.hue_turns),
+            image.map(|image| image.centroid_px[0]),
+            image.map(|image| image.centroid_px[1]),
+            image.map(|image| image.hue_turns),
             change.map(|change| change.shift_px[0]),
             change.map(|change| change.shift_px[1]),
             change.map(|change| change.hue_turns),

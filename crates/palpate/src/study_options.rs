@@ -1,11 +1,13 @@
-//! Options of estimates from recorded readings, as a study has them: its sensor, noise and estimator.
+//! Options of estimates from recorded readings that are computed from a simulated sensor of a study. All others follow
+//! from the config: [`GlideOptions::from_study`](crate::recorded::GlideOptions::from_study) and
+//! [`PictureOptions::from_study`](crate::recorded::PictureOptions::from_study).
 //!
 //! Each function converts the study's lengths to the unit of the readings.
 //!
 //! # Errors
 //! [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and a config that makes no scene.
 
-use palpate_recorded::{GlideOptions, PictureOptions, PressOptions, RollOptions, StudyMismatch};
+use palpate_recorded::{PressOptions, RollOptions, StudyMismatch};
 use palpate_scene::{PressScene, RollScene, SharedModels};
 use palpate_study::config::{LengthUnit, StudyConfig};
 
@@ -17,22 +19,10 @@ pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyM
     })
 }
 
-/// Options of `estimate_glide`.
-#[expect(clippy::missing_errors_doc, reason = "the module has them")]
-pub fn glide(study: &StudyConfig, unit: LengthUnit) -> Result<GlideOptions, StudyMismatch> {
-    GlideOptions::from_study(study, unit)
-}
-
 /// Options of `estimate_press`. Standard deviations are those that the study states to its estimator.
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
     PressOptions::from_study(study, unit, |config| {
         Ok(PressScene::new(config, study.seed, &SharedModels::default())?.stated_stds())
     })
-}
-
-/// Options of `estimate_images`.
-#[expect(clippy::missing_errors_doc, reason = "the module has them")]
-pub fn pictures(study: &StudyConfig, unit: LengthUnit) -> Result<PictureOptions, StudyMismatch> {
-    PictureOptions::from_study(study, unit)
 }

@@ -1,25 +1,24 @@
-//! Calibration of a camera sensor from tables of known displacements.
+//! Calibration of a camera sensor from tables or frames of known displacements.
 
-use std::collections::HashSet;
-use std::path::Path;
-
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::{CALIBRATIONS, Column};
 use palpate_tracking::{
-    Calibration, CalibrationError, LateralCalibration, LateralPoint, NormalCalibration, NormalFrom,
-    NormalPoint,
+    Calibration, CalibrationError, Change, Equidistant, LateralCalibration, LateralPoint,
+    NormalCalibration, NormalFrom, NormalPoint, Track,
 };
 
 use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
 use super::error::RecordedError;
+use super::frame_pair::{Frame, track_frames};
 use super::header::Header;
 use super::reading_table::{ReadingTable, header};
+use super::source;
 use super::text_table::TextTable;
-use palpate_study::config::LengthUnit;
-use palpate_study::readings::{CALIBRATIONS, Column};
 
 /// A point of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Known<P> {
+struct Located<P> {
     point: P,
     /// Series in the file; `None` if the file names no series.
     series: Option<u64>,
@@ -28,13 +27,13 @@ struct Known<P> {
 }
 
 /// Known displacements, and the measured changes of the markers' pictures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationPoints {
     /// The file, for messages.
     file: String,
     unit: Option<LengthUnit>,
-    normal: Vec<Known<NormalPoint>>,
-    lateral: Vec<Known<LateralPoint>>,
+    normal: Vec<Located<NormalPoint>>,
+    lateral: Vec<Located<LateralPoint>>,
     has_hue: bool,
     has_growth: bool,
 }
@@ -46,9 +45,9 @@ pub struct CalibrateOptions {
     pub from: NormalFrom,
     /// Whether to use a marker's own slope if it has one.
     pub per_marker: bool,
-    /// Number of markers that the sensor shows at rest, if known.
+    /// Number of markers in the frame at rest, if it is available.
     pub markers: Option<usize>,
-    /// The unit of lengths, where the headers do not state it.
+    /// Unit of lengths if the headers do not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
@@ -61,29 +60,7 @@ const SERIES: Column = CALIBRATIONS[5];
 const MARKER: Column = CALIBRATIONS[6];
 
 /// Largest change of hue, turns. Whole turns cannot be distinguished.
-const LARGEST_TURN: f64 = 0.5;
-
-impl CalibrationPoints {
-    /// Points measured in frames; messages name them `source`.
-    pub fn shown(source: String, normal: &[NormalPoint], lateral: &[LateralPoint]) -> Self {
-        fn known<P: Copy>(points: &[P]) -> Vec<Known<P>> {
-            let known = |point: &P| Known {
-                point: *point,
-                series: None,
-                line: None,
-            };
-            points.iter().map(known).collect()
-        }
-        Self {
-            file: source,
-            unit: None,
-            normal: known(normal),
-            lateral: known(lateral),
-            has_hue: true,
-            has_growth: true,
-        }
-    }
-}
+const MAX_TURN: f64 = 0.5;
 
 /// Reads a table of known displacements: `normal_displacement` with `hue_turns`, `growth` (change of the logarithm of
 /// the marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of these. The columns
@@ -91,47 +68,32 @@ impl CalibrationPoints {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, RecordedError> {
-    parse_calibration_points(&RecordedFile::read(path)?)
-}
-
-/// Known displacements, as [`read_calibration_points`] reads them.
-///
-/// # Errors
-/// Errors of [`read_calibration_points`].
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
-    let text = file.table()?;
-    let table = TextTable::of(file, text)?;
+    let table = TextTable::of(file)?;
     let columns = columns(&header(&table, &CALIBRATIONS)?);
     let sheet = ReadingTable::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
-    let has_hue = place(HUE).is_some();
-    let has_growth = place(GROWTH).is_some();
+    let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());
     let mut points = CalibrationPoints {
         unit: sheet.unit,
-        file: sheet.file.clone(),
-        normal: Vec::new(),
-        lateral: Vec::new(),
+        file: sheet.source.name.clone(),
         has_hue,
         has_growth,
+        ..CalibrationPoints::default()
     };
     for (line, numbers) in sheet.rows() {
         let of = |column: Column| place(column).map(|place| numbers[place]);
         let index = |column: Column| {
             let number = of(column);
-            number
-                .map(|number| sheet.index(line, column.name, number))
-                .transpose()
+            let index = number.map(|number| sheet.index(line, column.name, number));
+            index.transpose()
         };
-        if let Some(hue) = of(HUE).filter(|hue| hue.abs() > LARGEST_TURN) {
-            return Err(RecordedError::Line {
-                file: sheet.file.clone(),
-                line,
-                message: format!(
-                    "column `{}`: a change of hue must be between -{LARGEST_TURN} and {LARGEST_TURN} turns, is {hue}: is it in degrees?",
-                    HUE.name
-                ),
-            });
+        if let Some(hue) = of(HUE).filter(|hue| hue.abs() > MAX_TURN) {
+            let message = format!(
+                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, is {hue}: is it in degrees?",
+                HUE.name
+            );
+            return Err(sheet.fail(line, message));
         }
         let (series, line) = (index(SERIES)?, Some(line));
         let marker = index(MARKER)?.map(|marker| marker as usize);
@@ -143,7 +105,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
                 hue_turns: of(HUE).unwrap_or(0.0),
                 growth: of(GROWTH).unwrap_or(0.0),
             };
-            points.normal.push(Known {
+            points.normal.push(Located {
                 point,
                 series,
                 line,
@@ -155,7 +117,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
                 shift_px: [shift, 0.0],
                 normal,
             };
-            points.lateral.push(Known {
+            points.lateral.push(Located {
                 point,
                 series,
                 line,
@@ -176,231 +138,280 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
     if has(NORMAL) || has(HUE) || has(GROWTH) || !is_lateral {
         columns.push(NORMAL);
     }
-    let sights = [HUE, GROWTH].into_iter().filter(|&column| has(column));
-    columns.extend(sights);
+    columns.extend([HUE, GROWTH].into_iter().filter(|&column| has(column)));
     // If the header names no feature, require the hue, which is the most common.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }
-    let names_of = [SERIES, MARKER].into_iter().filter(|&column| has(column));
-    columns.extend(names_of);
+    columns.extend([SERIES, MARKER].into_iter().filter(|&column| has(column)));
     columns
+}
+
+/// Known displacements of the marker under the contact, one for each pressed frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KnownDisplacements {
+    /// Inward displacements, length.
+    pub normal: Option<Vec<f64>>,
+    /// Displacements along the skin, length, in any direction.
+    pub tangential: Option<Vec<f64>>,
+    /// Feature from which normal displacements are estimated. With them, the marker under the contact is the one
+    /// whose feature changes most.
+    pub from: NormalFrom,
+    /// Pixels per radian of the camera; `None` does not correct shifts in px for the lens.
+    pub px_per_rad: Option<f64>,
+}
+
+/// Calibration points from frames, and the number of markers in the frame at rest.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for a frame without markers, of another size or of another sensor, for fewer
+/// displacements than pressed frames, and for an invalid scale of the camera.
+pub fn frame_calibration_points(
+    rest: &Frame,
+    pressed: &[Frame],
+    known: &KnownDisplacements,
+) -> Result<(CalibrationPoints, usize), RecordedError> {
+    let last = pressed.last().map_or("", |frame| &frame.file);
+    let mut points = CalibrationPoints {
+        file: format!("{} to {last}", rest.file),
+        has_hue: true,
+        has_growth: true,
+        ..CalibrationPoints::default()
+    };
+    let mut markers = 0;
+    for (index, frame) in pressed.iter().enumerate() {
+        let refused = |message: String| RecordedError::readings(&frame.file, message);
+        let frames = track_frames(rest, frame)?;
+        frames.of_one_sensor()?;
+        markers = frames.at_rest();
+        let lens = known
+            .px_per_rad
+            .map(|px_per_rad| Equidistant::new(frames.centre_px, px_per_rad))
+            .transpose()
+            .map_err(|error| refused(error.to_string()))?;
+        let change = |track: &Track| match &lens {
+            Some(lens) => lens.change(track),
+            None => track.change(),
+        };
+        let strength = |track: &Track| change(track).map(|change| strength(&change, known));
+        let (marker, _) = frames
+            .strongest(strength)
+            .ok_or_else(|| refused("no marker of the frame at rest was found again".to_owned()))?;
+        let change = change(&frames.tracks[marker]).unwrap_or_default();
+        let of_frame = |numbers: &Option<Vec<f64>>| match numbers {
+            None => Ok(None),
+            Some(numbers) => match numbers.get(index) {
+                Some(number) => Ok(Some(*number)),
+                None => {
+                    let (number, count) = (index + 1, numbers.len());
+                    let message = format!(
+                        "is pressed frame {number}, but only {count} displacements are given"
+                    );
+                    Err(refused(message))
+                }
+            },
+        };
+        let inward = of_frame(&known.normal)?;
+        if let Some(inward) = inward {
+            points.normal.push(located(NormalPoint {
+                marker: Some(marker),
+                normal: inward,
+                hue_turns: change.hue_turns,
+                growth: change.growth,
+            }));
+        }
+        if let Some(along) = of_frame(&known.tangential)? {
+            points.lateral.push(located(LateralPoint {
+                tangential: [along.abs(), 0.0],
+                shift_px: [libm::hypot(change.shift_px[0], change.shift_px[1]), 0.0],
+                normal: inward,
+            }));
+        }
+    }
+    Ok((points, markers))
+}
+
+/// A point that was measured in a frame.
+const fn located<P>(point: P) -> Located<P> {
+    Located {
+        point,
+        series: None,
+        line: None,
+    }
+}
+
+/// Size of a marker's change, which is largest under the contact.
+fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
+    match (&known.normal, known.from) {
+        (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
+        (Some(_), NormalFrom::Hue) => change.hue_turns,
+        (Some(_), NormalFrom::Size | NormalFrom::Both) => change.growth,
+    }
 }
 
 /// Calibrates a sensor to all points together.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one point is at fault; otherwise [`RecordedError::Readings`]: the files contradict each
-/// other or the options, or the points determine no slope.
+/// [`RecordedError::Line`] if one point is at fault; otherwise [`RecordedError::Readings`] if the files contradict each
+/// other or the options, or if the points determine no slope.
 pub fn calibrate(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
 ) -> Result<CalibrationReport, RecordedError> {
-    let length_unit = agreed_units(points, options)?;
+    let length_unit = agreed_unit(points, options)?;
     let normal = Pooled::of(points, |points| &points.normal);
     let lateral = Pooled::of(points, |points| &points.lateral);
     if !normal.points.is_empty() {
-        shows(points, options)?;
+        check_features(points, options.from)?;
     }
     let of_normal = |points: &[NormalPoint]| NormalCalibration::fit(points, options.from);
-    let normal_part = (!normal.points.is_empty() || lateral.points.is_empty())
-        .then(|| of_normal(&normal.points).map_err(|error| normal.refused(points, &error)))
-        .transpose()?
-        .map(|part| {
-            if options.per_marker {
-                part.per_marker()
-            } else {
-                part
-            }
-        });
-    let lateral_part = (!lateral.points.is_empty())
-        .then(|| {
-            LateralCalibration::fit(&lateral.points)
-                .map_err(|error| lateral.refused(points, &error))
-        })
-        .transpose()?;
+    let has_normal = !normal.points.is_empty() || lateral.points.is_empty();
+    let normal_part = has_normal.then(|| of_normal(&normal.points)).transpose();
+    let mut normal_part = normal_part.map_err(|error| normal.refused(points, &error))?;
+    if options.per_marker {
+        normal_part = normal_part.map(NormalCalibration::per_marker);
+    }
+    let has_lateral = !lateral.points.is_empty();
+    let lateral_part = has_lateral.then(|| LateralCalibration::fit(&lateral.points));
+    let lateral_part = lateral_part.transpose();
+    let lateral_part = lateral_part.map_err(|error| lateral.refused(points, &error))?;
     let all = Calibration::new(normal_part, lateral_part, options.markers);
-    let calibration = all.map_err(|error| normal.refused(points, &error))?;
     Ok(CalibrationReport {
-        copies: copies(&normal, &lateral),
-        calibration,
+        calibration: all.map_err(|error| normal.refused(points, &error))?,
         length_unit,
-        normal: normal.series(|points| {
-            let part = of_normal(points)?;
-            Ok(Fitted {
-                through_rest: part.line,
-                with_intercept: part.with_intercept,
-            })
-        }),
-        lateral: lateral.series(|points| {
-            let part = LateralCalibration::fit(points)?;
-            Ok(Fitted {
-                through_rest: part.line,
-                with_intercept: part.with_intercept,
-            })
-        }),
+        copies: copies(&normal, &lateral),
+        normal: normal.series(|points| of_normal(points).map(|part| Fitted::normal(&part))),
+        lateral: lateral
+            .series(|points| LateralCalibration::fit(points).map(|part| Fitted::lateral(&part))),
     })
 }
 
 /// Number of points that repeat an earlier one, for the kind with more of them; 0 if under half of each kind repeat.
-fn copies(normal: &Pooled<NormalPoint>, lateral: &Pooled<LateralPoint>) -> usize {
+fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
-        let marker = point.marker.map_or(-1.0, |marker| marker as f64);
-        [marker, point.normal, point.hue_turns, point.growth]
+        let marker = point.marker.map_or(0.0, |marker| marker as f64);
+        [point.normal, point.hue_turns, point.growth, 0.0, marker]
     });
     let of_lateral = lateral.copies(|point| {
-        let ([along, across], [x, y]) = (point.tangential, point.shift_px);
-        [along, across, x, y, point.normal.unwrap_or(0.0)]
+        let ([along, _], [x, y]) = (point.tangential, point.shift_px);
+        [along, x, y, point.normal.unwrap_or(0.0), 0.0]
     });
-    let all = [
-        (of_normal, normal.points.len()),
-        (of_lateral, lateral.points.len()),
-    ];
-    let many = all
-        .into_iter()
-        .filter(|(copies, points)| 2 * copies >= *points);
-    many.map(|(copies, _)| copies).max().unwrap_or(0)
+    of_normal.max(of_lateral)
 }
 
 /// The unit that headers or the setting `length_unit` state.
-fn agreed_units(
+fn agreed_unit(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
 ) -> Result<LengthUnit, RecordedError> {
-    let mut stated = options
-        .length_unit
-        .map(|unit| (unit, "setting `length_unit`"));
+    let option = options.length_unit;
+    let mut stated = option.map(|unit| (unit, "setting `length_unit`"));
     for CalibrationPoints { file, unit, .. } in points {
-        match (*unit, stated) {
-            (Some(unit), Some((before, source))) if unit != before => {
-                let (unit, before) = (unit.as_str(), before.as_str());
-                return Err(RecordedError::Readings {
-                    file: file.clone(),
-                    message: format!("the header says {unit}, {source} says {before}"),
-                });
-            }
-            (Some(unit), None) => stated = Some((unit, file)),
-            _ => {}
+        let Some(unit) = *unit else { continue };
+        let (before, source) = *stated.get_or_insert((unit, file));
+        if unit != before {
+            let (unit, before) = (unit.as_str(), before.as_str());
+            let message = format!("the header says {unit}, {source} says {before}");
+            return Err(RecordedError::readings(file, message));
         }
     }
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Rejects files without the columns that `options.from` needs.
-fn shows(points: &[CalibrationPoints], options: &CalibrateOptions) -> Result<(), RecordedError> {
-    let from = options.from;
-    let needs_hue = matches!(from, NormalFrom::Hue | NormalFrom::Both);
-    let needs_growth = matches!(from, NormalFrom::Size | NormalFrom::Both);
+/// Rejects files without the columns that `from` needs.
+fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
-        for (column, is_needed, is_there) in [
-            (HUE.name, needs_hue, one.has_hue),
-            (GROWTH.name, needs_growth, one.has_growth),
-        ] {
-            if is_needed && !is_there {
-                return Err(RecordedError::Readings {
-                    file: one.file.clone(),
-                    message: format!(
-                        "no column `{column}`; setting `from` {} needs it",
-                        from.name()
-                    ),
-                });
-            }
-        }
+        let missing = match from {
+            NormalFrom::Hue | NormalFrom::Both if !one.has_hue => HUE.name,
+            NormalFrom::Size | NormalFrom::Both if !one.has_growth => GROWTH.name,
+            _ => continue,
+        };
+        let from = from.name();
+        let message = format!("no column `{missing}`; setting `from` {from} needs it");
+        return Err(RecordedError::readings(&one.file, message));
     }
     Ok(())
 }
 
 /// The points of all files.
-struct Pooled<P> {
+struct Pooled<'a, P> {
     points: Vec<P>,
-    /// File index, series and line of each point.
-    sources: Vec<(usize, Option<u64>, Option<usize>)>,
-    files: Vec<String>,
+    /// File, series and line of each point.
+    sources: Vec<(&'a str, Option<u64>, Option<usize>)>,
 }
 
-impl<P: Copy> Pooled<P> {
-    /// Number of points, except those at rest, whose `numbers` repeat an earlier point of the same series.
-    fn copies<const N: usize>(&self, numbers: impl Fn(&P) -> [f64; N]) -> usize {
-        let mut known = HashSet::new();
-        let points = self.points.iter().zip(&self.sources);
-        let is_again = |(point, (_, series, _)): &(&P, &(usize, Option<u64>, Option<usize>))| {
-            let numbers = numbers(point);
-            let is_at_rest = numbers.iter().all(|number| *number == 0.0);
-            !is_at_rest && !known.insert((*series, numbers.map(f64::to_bits)))
+impl<'a, P: Copy + 'a> Pooled<'a, P> {
+    fn of(
+        files: &'a [CalibrationPoints],
+        part: impl Fn(&'a CalibrationPoints) -> &'a Vec<Located<P>>,
+    ) -> Self {
+        let located = |file: &'a CalibrationPoints| {
+            let all = part(file).iter();
+            all.map(|one| (one.point, (file.file.as_str(), one.series, one.line)))
         };
-        points.filter(is_again).count()
+        let (points, sources) = files.iter().flat_map(located).unzip();
+        Self { points, sources }
     }
 
-    fn of(
-        files: &[CalibrationPoints],
-        part: impl Fn(&CalibrationPoints) -> &Vec<Known<P>>,
-    ) -> Self {
-        let mut pooled = Self {
-            points: Vec::new(),
-            sources: Vec::new(),
-            files: Vec::new(),
-        };
-        for file in files.iter().filter(|file| !part(file).is_empty()) {
-            for known in part(file) {
-                pooled.points.push(known.point);
-                let source = (pooled.files.len(), known.series, known.line);
-                pooled.sources.push(source);
-            }
-            pooled.files.push(file.file.clone());
+    /// Number of points, except those at rest, whose `numbers` repeat an earlier point of the same series; 0 if these are
+    /// under half of all points. The last of the numbers may be anything at rest.
+    fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
+        let all = self.points.iter().zip(&self.sources);
+        let moved = all.filter_map(|(point, (_, series, _))| {
+            let [a, b, c, d, e] = numbers(point);
+            let is_moved = [a, b, c, d].iter().any(|number| *number != 0.0);
+            let series = series.map_or(-1.0, |series| series as f64);
+            is_moved.then_some([a, b, c, d, e, series])
+        });
+        let count = source::copies(moved).len();
+        if 2 * count >= self.points.len() {
+            count
+        } else {
+            0
         }
-        pooled
     }
 
     /// Result of `fit` for each series, if there are several, in the order in which they appear.
-    fn series<F>(
+    fn series(
         &self,
-        fit: impl Fn(&[P]) -> Result<F, CalibrationError>,
-    ) -> Vec<(String, Result<F, CalibrationError>)> {
-        let mut names: Vec<(usize, Option<u64>)> = Vec::new();
-        for &(file, series, _) in &self.sources {
-            if !names.contains(&(file, series)) {
-                names.push((file, series));
+        fit: impl Fn(&[P]) -> Result<Fitted, CalibrationError>,
+    ) -> Vec<(String, Result<Fitted, CalibrationError>)> {
+        let mut series: Vec<(&str, Option<u64>)> = Vec::new();
+        for &(file, number, _) in &self.sources {
+            if !series.contains(&(file, number)) {
+                series.push((file, number));
             }
         }
-        if names.len() < 2 {
+        if series.len() < 2 {
             return Vec::new();
         }
-        let fitted = |&(file, series): &(usize, Option<u64>)| {
-            let of_series = self.sources.iter().zip(&self.points);
-            let points: Vec<P> = of_series
-                .filter(|(source, _)| (source.0, source.1) == (file, series))
-                .map(|(_, point)| *point)
-                .collect();
-            let name = match (series, self.files.len()) {
-                (Some(series), 1) => format!("series {series}"),
-                (Some(series), _) => format!("{} series {series}", self.files[file]),
-                (None, _) => self.files[file].clone(),
+        let has_one_file = self.sources.iter().all(|one| one.0 == self.sources[0].0);
+        let fitted = |&(file, number): &(&str, Option<u64>)| {
+            let all = self.sources.iter().zip(&self.points);
+            let of_series = all.filter(|(source, _)| (source.0, source.1) == (file, number));
+            let points: Vec<P> = of_series.map(|(_, point)| *point).collect();
+            let name = match number {
+                Some(number) if has_one_file => format!("series {number}"),
+                Some(number) => format!("{file} series {number}"),
+                None => file.to_owned(),
             };
             (name, fit(&points))
         };
-        names.iter().map(fitted).collect()
+        series.iter().map(fitted).collect()
     }
 
     /// The error with the file and the line that is at fault.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
-        let message = error.to_string();
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)
         {
-            return RecordedError::Line {
-                file: self.files[*file].clone(),
-                line: *line,
-                message: "a number is beyond 1e100".to_owned(),
-            };
+            return RecordedError::line(file, *line, "a number is beyond 1e100");
         }
-        let files: Vec<&str> = if self.files.is_empty() {
-            all.iter().map(|points| points.file.as_str()).collect()
-        } else {
-            self.files.iter().map(String::as_str).collect()
-        };
-        RecordedError::Readings {
-            file: files.join(", "),
-            message,
+        let mut files: Vec<&str> = self.sources.iter().map(|source| source.0).collect();
+        files.dedup();
+        if files.is_empty() {
+            files = all.iter().map(|points| points.file.as_str()).collect();
         }
+        RecordedError::readings(files.join(", "), error.to_string())
     }
 }

@@ -1,29 +1,25 @@
 //! Calibrations as TOML files.
 
-use std::path::Path;
-
+use palpate_study::config::LengthUnit;
 use palpate_tracking::{
-    Calibration, CalibrationError, LateralCalibration, Line, MarkerGain, NormalCalibration,
-    NormalFrom,
+    Calibration, LateralCalibration, Line, MarkerGain, NormalCalibration, NormalFrom,
 };
 use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
-use super::camera_calibration::is_camera;
+use super::camera_file::is_camera;
 use super::error::RecordedError;
-use palpate_study::config::LengthUnit;
 
 const HEADER: &str = "\
-# Calibration of a camera sensor: how the sight of a marker follows its displacement. TextTable by
+# Calibration of a camera sensor: how the picture of a marker depends on its displacement. Written by
 # `palpate sensor calibrate`, read by `palpate sensor track --calibration`.
 #
 # Lengths are in length_unit. [normal]: displacement = signal / slope, where the signal is
 # hue_weight x change of hue in turns + nearness_weight x (1 - diameter at rest / diameter pressed);
-# where per_marker is true, this is multiplied with the gain of a marker that has one. [lateral]:
+# if per_marker is true, this is multiplied by the gain of the marker, if it has one. [lateral]:
 # displacement = shift of the centroid in px / (px_per_length + per_indentation x normal
-# displacement). A `line` goes through rest and is what displacements are read from,
-# `with_intercept` is for comparison. Residuals are of displacements: rms, and std with the degrees
-# of freedom as divisor.
+# displacement). Displacements are computed from `line`, which goes through rest; `with_intercept` is
+# for comparison. Residuals are of displacements: rms, and std with the degrees of freedom as divisor.
 
 ";
 
@@ -31,89 +27,34 @@ const HEADER: &str = "\
 #[serde(deny_unknown_fields)]
 struct CalibrationFile {
     length_unit: LengthUnit,
-    /// Number of markers that the frame at rest shows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Number of markers in the frame at rest.
     markers: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     normal: Option<NormalPart>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    lateral: Option<LateralPart>,
+    lateral: Option<LateralCalibration>,
 }
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NormalPart {
-    from: SightName,
+    from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
     /// Smallest and largest displacement in the fit.
     range: [f64; 2],
     per_marker: bool,
-    line: LinePart,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    with_intercept: Option<LinePart>,
+    line: Line,
+    with_intercept: Option<Line>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    marker: Vec<MarkerPart>,
+    marker: Vec<MarkerGain>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum SightName {
-    Hue,
-    Size,
-    Both,
-}
-
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MarkerPart {
-    marker: usize,
-    gain: f64,
-    line: LinePart,
-}
-
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LateralPart {
-    px_per_length: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    px_per_length_std: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    per_indentation: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    per_indentation_std: Option<f64>,
-    residual_rms: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    residual_std: Option<f64>,
-    range: [f64; 2],
-    normal_range: [f64; 2],
-    line: LinePart,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    with_intercept: Option<LinePart>,
-}
-
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LinePart {
-    slope: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    slope_std: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    intercept: Option<f64>,
-    r_squared: f64,
-    residual_rms: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    residual_std: Option<f64>,
-    points: usize,
-}
-
-/// A calibration as TOML. [`read_calibration`] restores it exactly.
+/// A calibration as TOML. [`parse_calibration`] restores it exactly.
 pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> String {
     let file = CalibrationFile {
         length_unit,
         markers: calibration.markers(),
         normal: calibration.normal_part().map(NormalPart::of),
-        lateral: calibration.lateral_part().map(LateralPart::of),
+        lateral: calibration.lateral_part().copied(),
     };
     let body = toml::to_string(&file).expect("numbers, words and tables of them have a TOML form");
     // Write −0 as 0.
@@ -123,20 +64,12 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
 /// Reads a calibration, and the unit of its lengths.
 ///
 /// # Errors
-/// [`RecordedError::File`] with what is wrong and where.
-pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), RecordedError> {
-    parse_calibration(&RecordedFile::read(path)?)
-}
-
-/// A calibration and its unit, as [`read_calibration`] reads them.
-///
-/// # Errors
-/// Errors of [`read_calibration`].
+/// [`RecordedError::File`] with the problem and its place.
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text("a calibration is needed, as `palpate sensor calibrate` writes it")?;
     if is_camera(text) {
         return Err(file.error(
-            "is a camera that a frame at rest told, which knows no displacements; it is of use to the method image",
+            "is a camera from a frame at rest, not a calibration of displacements; it is of use to the method image",
         ));
     }
     let parsed: CalibrationFile = toml::from_str(text).map_err(|error| {
@@ -145,133 +78,36 @@ pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit
             error.to_string().trim_end()
         ))
     })?;
-    let unit = parsed.length_unit;
-    let calibration = parsed
-        .calibration()
-        .map_err(|error| file.error(error.to_string()))?;
-    Ok((calibration, unit))
-}
-
-impl CalibrationFile {
-    fn calibration(self) -> Result<Calibration, CalibrationError> {
-        Calibration::new(
-            self.normal.map(NormalPart::part),
-            self.lateral.map(LateralPart::part),
-            self.markers,
-        )
-    }
-}
-
-impl SightName {
-    const fn of(from: NormalFrom) -> Self {
-        match from {
-            NormalFrom::Hue => Self::Hue,
-            NormalFrom::Size => Self::Size,
-            NormalFrom::Both => Self::Both,
-        }
-    }
-
-    const fn part(self) -> NormalFrom {
-        match self {
-            Self::Hue => NormalFrom::Hue,
-            Self::Size => NormalFrom::Size,
-            Self::Both => NormalFrom::Both,
-        }
-    }
+    let normal = parsed.normal.map(NormalPart::part);
+    let calibration = Calibration::new(normal, parsed.lateral, parsed.markers);
+    let calibration = calibration.map_err(|error| file.error(error.to_string()))?;
+    Ok((calibration, parsed.length_unit))
 }
 
 impl NormalPart {
     fn of(part: &NormalCalibration) -> Self {
         let [hue_weight, nearness_weight] = part.weights;
-        let marker = |gain: &MarkerGain| MarkerPart {
-            marker: gain.marker,
-            gain: gain.gain,
-            line: LinePart::of(&gain.line),
-        };
         Self {
-            from: SightName::of(part.from),
+            from: part.from,
             hue_weight,
             nearness_weight,
             range: part.range,
             per_marker: part.uses_gains,
-            line: LinePart::of(&part.line),
-            with_intercept: part.with_intercept.as_ref().map(LinePart::of),
-            marker: part.gains.iter().map(marker).collect(),
+            line: part.line,
+            with_intercept: part.with_intercept,
+            marker: part.gains.clone(),
         }
     }
 
     fn part(self) -> NormalCalibration {
-        let gain = |marker: MarkerPart| MarkerGain {
-            marker: marker.marker,
-            gain: marker.gain,
-            line: marker.line.part(),
-        };
         NormalCalibration {
-            from: self.from.part(),
+            from: self.from,
             weights: [self.hue_weight, self.nearness_weight],
-            line: self.line.part(),
-            with_intercept: self.with_intercept.map(LinePart::part),
+            line: self.line,
+            with_intercept: self.with_intercept,
             range: self.range,
-            gains: self.marker.into_iter().map(gain).collect(),
+            gains: self.marker,
             uses_gains: self.per_marker,
-        }
-    }
-}
-
-impl LateralPart {
-    fn of(part: &LateralCalibration) -> Self {
-        Self {
-            px_per_length: part.px_per_length,
-            px_per_length_std: part.px_per_length_std,
-            per_indentation: part.per_indentation,
-            per_indentation_std: part.per_indentation_std,
-            residual_rms: part.residual_rms,
-            residual_std: part.residual_std,
-            range: part.range,
-            normal_range: part.normal_range,
-            line: LinePart::of(&part.line),
-            with_intercept: part.with_intercept.as_ref().map(LinePart::of),
-        }
-    }
-
-    fn part(self) -> LateralCalibration {
-        LateralCalibration {
-            px_per_length: self.px_per_length,
-            px_per_length_std: self.px_per_length_std,
-            per_indentation: self.per_indentation,
-            per_indentation_std: self.per_indentation_std,
-            residual_rms: self.residual_rms,
-            residual_std: self.residual_std,
-            line: self.line.part(),
-            with_intercept: self.with_intercept.map(LinePart::part),
-            range: self.range,
-            normal_range: self.normal_range,
-        }
-    }
-}
-
-impl LinePart {
-    fn of(line: &Line) -> Self {
-        Self {
-            slope: line.slope,
-            slope_std: line.slope_std,
-            intercept: line.intercept,
-            r_squared: line.r_squared,
-            residual_rms: line.residual_rms,
-            residual_std: line.residual_std,
-            points: line.count,
-        }
-    }
-
-    fn part(self) -> Line {
-        Line {
-            slope: self.slope,
-            slope_std: self.slope_std,
-            intercept: self.intercept,
-            r_squared: self.r_squared,
-            residual_rms: self.residual_rms,
-            residual_std: self.residual_std,
-            count: self.points,
         }
     }
 }
@@ -281,11 +117,8 @@ mod tests {
     use super::*;
     use palpate_tracking::{LateralPoint, NormalPoint};
 
-    fn written(text: &str) -> Result<(Calibration, LengthUnit), RecordedError> {
-        let dir = tempfile::tempdir().expect("a temporary directory");
-        let path = dir.path().join("calibration.toml");
-        std::fs::write(&path, text).expect("writable");
-        read_calibration(&path)
+    fn parsed(text: &str) -> Result<(Calibration, LengthUnit), RecordedError> {
+        parse_calibration(&RecordedFile::new("calibration.toml", text.into()))
     }
 
     /// Calibration with all optional parts.
@@ -314,37 +147,24 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn a_written_calibration_is_read_and_other_keys_are_refused() {
         let calibration = full();
-        assert_eq!(
-            calibration.normal_part().map(|part| part.gains.len()),
-            Some(2)
-        );
+        let gains = calibration.normal_part().map(|part| part.gains.len());
+        assert_eq!(gains, Some(2));
         let text = calibration_toml(&calibration, LengthUnit::Cm);
-        assert_eq!(
-            written(&text).expect("sound"),
-            (calibration, LengthUnit::Cm)
-        );
-    }
+        assert_eq!(parsed(&text).unwrap(), (calibration, LengthUnit::Cm));
 
-    #[test]
-    fn what_is_missing_or_unknown_is_refused() {
-        let text = calibration_toml(&full(), LengthUnit::Mm);
         let lines: Vec<&str> = text.lines().collect();
-        for (index, line) in lines.iter().enumerate() {
-            let Some((key, _)) = line.split_once(" = ") else {
-                continue;
-            };
-            if line.starts_with('#') {
-                continue;
-            }
-            let mut renamed = lines.clone();
-            let other = line.replacen(key, "unheard_of", 1);
-            renamed[index] = &other;
-            let error = written(&renamed.join("\n")).expect_err(key).to_string();
-            assert!(error.contains("unheard_of"), "{error}");
+        let is_key = |line: &str| line.contains(" = ") && !line.starts_with('#');
+        for (index, line) in lines.iter().enumerate().filter(|(_, line)| is_key(line)) {
+            let (key, _) = line.split_once(" = ").unwrap();
+            let renamed = line.replacen(key, "another", 1);
+            let mut lines = lines.clone();
+            lines[index] = &renamed;
+            let error = parsed(&lines.join("\n")).unwrap_err().to_string();
+            assert!(error.contains("another"), "{error}");
         }
-        let error = written("length_unit = \"mm\"").expect_err("has no part");
-        assert!(error.to_string().contains("0 parts"));
+        let error = parsed("length_unit = \"mm\"").unwrap_err().to_string();
+        assert!(error.contains("0 parts"), "{error}");
     }
 }

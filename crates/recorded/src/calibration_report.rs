@@ -1,8 +1,10 @@
 //! Report of a calibration in words: its lines and its warnings.
 
-use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
+use palpate_tracking::{
+    Calibration, CalibrationError, LateralCalibration, Line, NormalCalibration, NormalFrom,
+};
 
-use super::calibration_file::calibration_toml;
+use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
@@ -14,43 +16,54 @@ pub struct CalibrationReport {
     /// Unit of the calibration's lengths.
     pub length_unit: LengthUnit,
     /// Lines of the normal displacement for each series; empty if there is only one.
-    pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,
+    pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// The same for the tangential displacement.
-    pub lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
+    pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// Number of points that repeat an earlier one to the last digit; 0 if under half of the points do.
-    pub copies: usize,
+    pub(super) copies: usize,
 }
 
 /// The two lines of a set of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fitted {
+pub(super) struct Fitted {
     /// Line through rest; displacements are computed from it.
-    pub through_rest: Line,
-    /// Line with an intercept, as the 2020 paper draws it; `None` where it is not known.
-    pub with_intercept: Option<Line>,
+    through_rest: Line,
+    /// Line with an intercept, as the 2020 paper draws it; `None` if it is not available.
+    with_intercept: Option<Line>,
+}
+
+impl Fitted {
+    pub(super) fn normal(part: &NormalCalibration) -> Self {
+        Self {
+            through_rest: part.line,
+            with_intercept: part.with_intercept,
+        }
+    }
+
+    pub(super) fn lateral(part: &LateralCalibration) -> Self {
+        Self {
+            through_rest: part.line,
+            with_intercept: part.with_intercept,
+        }
+    }
 }
 
 /// A residual above this share of the largest displacement gives a warning.
-const LARGE_RESIDUAL: f64 = 0.1;
+const MAX_RESIDUAL: f64 = 0.1;
 
 /// A warning is given if an intercept increases R² by more than this.
-const OFF_REST: f64 = 0.3;
+const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
 /// Slopes of series that differ by more than this share give a warning.
-const LARGE_SPREAD: f64 = 0.2;
+const MAX_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
-    /// The calibration as TOML.
-    pub fn to_toml(&self) -> String {
-        calibration_toml(&self.calibration, self.length_unit)
-    }
-
     /// Lines of text that describe the calibration.
     pub fn summary(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(part) = self.calibration.normal_part() {
             let words = Words {
-                title: format!("normal displacement from {}", sight(part.from)),
+                title: format!("normal displacement from {}", feature(part.from)),
                 signal: match part.from {
                     NormalFrom::Hue => "turns/",
                     NormalFrom::Size => "1/",
@@ -58,11 +71,7 @@ impl CalibrationReport {
                 },
                 unit: self.length_unit,
             };
-            let fitted = Fitted {
-                through_rest: part.line,
-                with_intercept: part.with_intercept,
-            };
-            lines.extend(words.tell(part.range, &fitted, &self.normal));
+            lines.extend(words.lines(part.range, &Fitted::normal(part), &self.normal));
             if part.gains.len() > 1 {
                 let slopes: Vec<f64> = part.gains.iter().map(|gain| gain.line.slope).collect();
                 let [low, high] = ends(&slopes).map(|slope| figures(slope, 3));
@@ -80,11 +89,7 @@ impl CalibrationReport {
                 signal: "px/",
                 unit,
             };
-            let fitted = Fitted {
-                through_rest: part.line,
-                with_intercept: part.with_intercept,
-            };
-            lines.extend(words.tell(part.range, &fitted, &self.lateral));
+            lines.extend(words.lines(part.range, &Fitted::lateral(part), &self.lateral));
             if let Some(slope) = part.per_indentation {
                 let unit = unit.as_str();
                 let [low, high] = part.normal_range.map(|end| figures(end, 4));
@@ -104,34 +109,42 @@ impl CalibrationReport {
         let unit = self.length_unit.as_str();
         let normal = self.calibration.normal_part();
         let lateral = self.calibration.lateral_part();
-        let parts = [
-            normal.map(|part| {
-                let residual = part.line.residual_rms;
-                let lines = (part.line, part.with_intercept);
-                ("normal", residual, lines, part.range, &self.normal)
-            }),
-            lateral.map(|part| {
-                let residual = part.residual_rms;
-                let lines = (part.line, part.with_intercept);
-                ("tangential", residual, lines, part.range, &self.lateral)
-            }),
-        ];
+        let normal = normal.map(|part| {
+            let residual = part.line.residual_rms;
+            (
+                "normal",
+                residual,
+                Fitted::normal(part),
+                part.range,
+                &self.normal,
+            )
+        });
+        let lateral = lateral.map(|part| {
+            let fitted = Fitted::lateral(part);
+            (
+                "tangential",
+                part.residual_rms,
+                fitted,
+                part.range,
+                &self.lateral,
+            )
+        });
         let mut warnings = Vec::new();
         let mut warn = |code, text: String, numbers: &[_]| {
             warnings.push(Warning::new(code, text, numbers.iter().copied()));
         };
         if self.copies > 0 {
             let text = format!(
-                "{} points repeat others to the last digit: copies are no new readings, and make the stated uncertainty too small",
+                "{} points repeat others to the last digit: {COPIES}",
                 self.copies
             );
             warn("repeated-rows", text, &[("copies", self.copies as f64)]);
         }
-        for (what, residual, (line, with_intercept), range, series) in parts.into_iter().flatten() {
-            if let Some(free) =
-                with_intercept.filter(|free| free.r_squared - line.r_squared > OFF_REST)
-            {
-                let [free, line] = [free, line].map(|line| line.r_squared);
+        for (what, residual, fitted, range, series) in normal.into_iter().chain(lateral) {
+            let line = fitted.through_rest;
+            let free = fitted.with_intercept.map(|line| line.r_squared);
+            if let Some(free) = free.filter(|free| free - line.r_squared > MAX_GAIN_OF_INTERCEPT) {
+                let line = line.r_squared;
                 let text = format!(
                     "a line with an intercept explains the {what} points far better (R^2 {}) than one through rest (R^2 {}): are they changes from rest, and in the order of the displacements?",
                     figures(free, 3),
@@ -142,7 +155,7 @@ impl CalibrationReport {
             }
             let largest = range[0].abs().max(range[1].abs());
             let percent = 100.0 * residual / largest;
-            if residual > LARGE_RESIDUAL * largest {
+            if residual > MAX_RESIDUAL * largest {
                 let text = format!(
                     "the {what} residual is {} {unit}, {percent:.0} % of the largest displacement",
                     figures(residual, 3)
@@ -160,13 +173,13 @@ impl CalibrationReport {
                 let numbers = [("slope", line.slope), ("slope_std", std)];
                 warn("insignificant-slope", text, &numbers);
             }
-            let slopes: Vec<f64> = series
-                .iter()
-                .filter_map(|(_, fitted)| Some(fitted.as_ref().ok()?.through_rest.slope))
-                .collect();
+            let slope = |(_, fitted): &(_, Result<Fitted, _>)| {
+                Some(fitted.as_ref().ok()?.through_rest.slope)
+            };
+            let slopes: Vec<f64> = series.iter().filter_map(slope).collect();
             let [low, high] = ends(&slopes);
             let spread = (high - low) / (0.5 * (low + high)).abs();
-            if spread > LARGE_SPREAD {
+            if spread > MAX_SPREAD {
                 let percent = 100.0 * spread;
                 let text = format!(
                     "the {what} slopes of the series differ by up to {percent:.0} %: displacements from one series have an error of scale"
@@ -178,7 +191,7 @@ impl CalibrationReport {
     }
 }
 
-const fn sight(from: NormalFrom) -> &'static str {
+const fn feature(from: NormalFrom) -> &'static str {
     match from {
         NormalFrom::Hue => "hue",
         NormalFrom::Size => "size",
@@ -195,7 +208,7 @@ struct Words {
 }
 
 impl Words {
-    fn tell(
+    fn lines(
         &self,
         range: [f64; 2],
         all: &Fitted,
@@ -256,23 +269,4 @@ fn figures(number: f64, count: usize) -> String {
         return format!("{rounded:e}");
     }
     format!("{rounded}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_the_figures_that_count() {
-        for (number, count, text) in [
-            (0.025_834_9, 4, "0.02583"),
-            (6.981_91, 3, "6.98"),
-            (0.0, 3, "0"),
-            (-1234.56, 2, "-1200"),
-            (1.0e-9, 2, "1e-9"),
-            (2.34e30, 2, "2.3e30"),
-        ] {
-            assert_eq!(figures(number, count), text);
-        }
-    }
 }

@@ -1,29 +1,104 @@
-//! Readings of a calibrated camera sensor from two frames.
+//! Readings of a camera sensor from two frames, and the press that is estimated from them by either method.
 
 use std::collections::BTreeMap;
 
 use palpate_press::Misfit;
 use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use palpate_study::{Column, Table, Unit, Warning};
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
 
-use super::Value;
-use super::consistency;
 use super::error::RecordedError;
-use super::extra_columns::ExtraColumns;
-use super::frame_pair::{FramePair, TrackCounts};
-use super::press_estimate::{PressOptions, estimate_press};
+use super::frame_pair::{Frame, FramePair, TrackCounts};
+use super::image_estimate::estimate_images;
+use super::press_estimate::estimate_press;
+use super::press_options::{PictureOptions, PressOptions};
 use super::press_recording::PressRecording;
 use super::press_report::{PressReport, Row};
+use super::press_warnings::misfit_warning;
+use super::reading_table::ExtraColumns;
 use super::source::ReadingSource;
-use palpate_study::Warning;
-use palpate_study::config::LengthUnit;
-use palpate_study::{Column, Table, Unit};
+use super::value::Value;
+
+/// Method that estimates a press from two frames, with its settings.
+#[derive(Clone, Debug)]
+pub enum FrameReader {
+    /// Converts the markers' changes to displacements by a calibration and fits the press to these.
+    Displacements {
+        /// The calibration.
+        calibration: Box<Calibration>,
+        /// Unit of its lengths and of all others.
+        unit: LengthUnit,
+        /// The camera's scale; `None` for the calibration's px per length times the markers' distance from the centre.
+        px_per_rad: Option<f64>,
+        /// Options of the estimate.
+        options: Box<PressOptions>,
+    },
+    /// Fits the press to the frames themselves.
+    Pictures(Box<PictureOptions>),
+}
+
+/// Displacements of the markers, and the press that they show.
+#[derive(Debug)]
+pub struct FrameReading {
+    /// Table with one row per tracked marker.
+    pub readings: Table,
+    /// Displacements on a regular grid.
+    pub field: Table,
+    /// The estimate.
+    pub estimate: Result<TrackedPress, RecordedError>,
+    /// Unit of all lengths.
+    pub unit: LengthUnit,
+}
+
+impl FrameReader {
+    /// Reads tracked markers of a frame at rest and a pressed one. The field has `grid` points along each side and is
+    /// filtered by a Gaussian of standard deviation `filter_std`. `file` names the readings in messages; `None` if they
+    /// are not in a file.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if the calibration is of another sensor or lacks normal displacements, if the camera's
+    /// scale is unknown, if no marker was tracked, and for a negative or infinite `filter_std`. For a fit to the frames
+    /// also if they are of another size, layout, colour or camera, under-exposed or saturated, or determine no press.
+    pub fn read(
+        &self,
+        frames: [&Frame; 2],
+        tracked: &FramePair,
+        (grid, filter_std): (usize, f64),
+        file: Option<String>,
+    ) -> Result<FrameReading, RecordedError> {
+        let (reading, estimate) = match self {
+            Self::Displacements {
+                calibration,
+                unit,
+                px_per_rad,
+                options,
+            } => {
+                let calibration = (calibration.as_ref(), *unit);
+                let reading =
+                    CameraReading::read(tracked, calibration, (options, *px_per_rad), file)?;
+                let estimate = reading.estimate(options);
+                (reading, estimate)
+            }
+            Self::Pictures(options) => {
+                let (reading, press) = estimate_images(frames, tracked, options, file)?;
+                (reading, Ok(press))
+            }
+        };
+        Ok(FrameReading {
+            readings: reading.table(reading.field.markers()),
+            field: reading.grid(grid, filter_std)?,
+            estimate,
+            unit: reading.unit,
+        })
+    }
+}
 
 /// Relative standard error of the calibrated slope above which a warning is given.
-const VAGUE: f64 = 0.05;
+const MAX_SLOPE_SHARE: f64 = 0.05;
 
-/// Relative standard error of a calibration's slope of normal displacements; 0 if it is not known.
+/// Relative standard error of a calibration's slope of normal displacements; 0 if it is unknown.
 fn slope_share(calibration: &Calibration) -> f64 {
     let line = calibration.normal_part().map(|part| part.line);
     line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
@@ -31,16 +106,16 @@ fn slope_share(calibration: &Calibration) -> f64 {
 }
 
 /// Factor between the stated and the calibrated scale of a camera above which a warning is given.
-const FAR_OFF: f64 = 1.25;
+const MAX_SCALE_RATIO: f64 = 1.25;
 
 /// The displacements of the markers that were tracked.
 #[derive(Clone, Debug)]
-pub struct CameraReading {
-    origin: ReadingSource,
+pub(super) struct CameraReading {
+    source: ReadingSource,
     unit: LengthUnit,
     radius: f64,
     has_tangential: bool,
-    fates: TrackCounts,
+    counts: TrackCounts,
     field: Field,
     /// Warnings about the frames and the camera's scale.
     warnings: Vec<Warning>,
@@ -53,7 +128,7 @@ pub struct CameraReading {
 pub struct TrackedPress {
     frames: TrackCounts,
     /// Mean tangential displacement away from the marker of the largest normal displacement, over the contact; `null`
-    /// where tangential displacements are not calibrated or no other marker was displaced inward.
+    /// if tangential displacements are not calibrated or no other marker was displaced inward.
     outward_displacement: Option<Value>,
     #[serde(flatten)]
     object: PressReport,
@@ -63,31 +138,25 @@ impl CameraReading {
     /// Converts the changes of tracked markers to displacements by a calibration. `px_per_rad` is the camera's scale;
     /// `None` for the calibration's px per length times the markers' distance from the centre. `file` is the name of the
     /// readings, for messages; `None` if they are not in a file.
-    ///
-    /// # Errors
-    /// [`RecordedError::Readings`] if the calibration has other markers or no normal displacements, if the camera's
-    /// scale is unknown, or if no marker was tracked.
-    pub fn read(
+    fn read(
         frames: &FramePair,
         (calibration, unit): (&Calibration, LengthUnit),
         (options, px_per_rad): (&PressOptions, Option<f64>),
         file: Option<String>,
     ) -> Result<Self, RecordedError> {
-        let origin = origin(frames, file);
-        let fail = |message: String| origin.fail(message);
+        let source = source(frames, file);
+        let fail = |message: String| source.fail(message);
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
-            return Err(fail(
-                "the calibration is of tangential displacements alone; the normal ones are needed"
-                    .to_owned(),
-            ));
+            let message = "the calibration has no normal displacements, which are needed";
+            return Err(source.fail(message));
         }
         let lateral = calibration.lateral_part();
         let distance = options.radius() - options.depth();
         let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
         let px_per_rad = px_per_rad.or(calibrated).ok_or_else(|| {
-            fail("the calibration has no px per length: give setting `px_per_rad`".to_owned())
+            source.fail("the calibration has no px per length: give setting `px_per_rad`")
         })?;
         let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
         let mut displaced = Vec::new();
@@ -109,16 +178,16 @@ impl CameraReading {
             FieldError::OutOfRange { .. } => fail(format!(
                 "{error}: is the camera's scale, {px_per_rad} px per rad, right?"
             )),
-            _ => no_field(&origin, error),
+            _ => no_field(&source, error),
         })?;
         let far = calibrated.filter(|&calibrated| {
-            !(calibrated / FAR_OFF..=calibrated * FAR_OFF).contains(&px_per_rad)
+            !(calibrated / MAX_SCALE_RATIO..=calibrated * MAX_SCALE_RATIO).contains(&px_per_rad)
         });
         let scale = far.map(|calibrated| {
             let numbers = [("stated", px_per_rad), ("calibrated", calibrated)];
             let [stated, calibrated] = [px_per_rad, calibrated].map(Number::rounded);
             let text = format!(
-                "the camera's scale is stated as {stated} px per rad, but the calibration, the sensor's radius and the depth of its markers make it {calibrated}"
+                "the camera's scale is stated as {stated} px per rad, but it is {calibrated} by the calibration, the sensor's radius and the depth of its markers"
             );
             Warning::new("camera-scale", text, numbers)
         });
@@ -129,8 +198,8 @@ impl CameraReading {
             unit,
             radius: options.radius(),
             has_tangential: lateral.is_some(),
-            fates: frames.fates(),
-            origin,
+            counts: frames.counts(),
+            source,
         })
     }
 
@@ -142,8 +211,8 @@ impl CameraReading {
         (radius, unit): (f64, LengthUnit),
         file: Option<String>,
     ) -> Result<Self, RecordedError> {
-        let origin = origin(frames, file);
-        let field = Field::new(displaced).map_err(|error| no_field(&origin, error))?;
+        let source = source(frames, file);
+        let field = Field::new(displaced).map_err(|error| no_field(&source, error))?;
         Ok(Self {
             warnings: frames.warnings(),
             slope_share: 0.0,
@@ -151,8 +220,8 @@ impl CameraReading {
             unit,
             radius,
             has_tangential: true,
-            fates: frames.fates(),
-            origin,
+            counts: frames.counts(),
+            source,
         })
     }
 
@@ -160,45 +229,38 @@ impl CameraReading {
     pub(super) fn row(&self, marker: usize) -> Row {
         Row {
             row: marker + 1,
-            line: self.origin.line(marker),
+            line: self.source.line(marker),
             columns: BTreeMap::default(),
         }
     }
 
     /// Warning of a misfit of a press; an outlier is the number of its row.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
-        consistency::warning(misfit, &self.origin, self.unit.as_str())
+        misfit_warning(misfit, &self.source, self.unit)
     }
 
     /// Report of the object, with the tracking statuses, the outward displacement of the markers, and the warnings
     /// about the frames.
-    pub(super) fn pressed_by(&self, mut object: PressReport) -> TrackedPress {
+    pub(super) fn tracked_press(&self, mut object: PressReport) -> TrackedPress {
         object.warnings.extend(self.warnings.iter().cloned());
         let outward = self.field.outward().filter(|_| self.has_tangential);
         TrackedPress {
-            frames: self.fates,
+            frames: self.counts,
             outward_displacement: outward
                 .map(|mean| Value::new(mean, None, Unit::Length, self.unit)),
             object,
         }
     }
 
-    /// Table with one row per tracked marker, as `estimate press` accepts it.
-    pub fn readings(&self) -> Table {
-        self.table(self.field.markers())
-    }
-
     /// Displacements on a grid over the rectangle of the markers, without the places outside their convex hull;
     /// filtered by a Gaussian of standard deviation `filter_std`, length along the skin.
-    ///
-    /// # Errors
-    /// [`RecordedError::Readings`] for a negative or infinite `filter_std`.
-    pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
+    fn grid(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
-        let smooth = smooth.map_err(|error| self.origin.fail(error.to_string()))?;
+        let smooth = smooth.map_err(|error| self.source.fail(error.to_string()))?;
         Ok(self.table(&smooth.grid(grid)))
     }
 
+    /// Table with one row per displacement, as `estimate press` accepts it.
     fn table(&self, displaced: &[Displaced]) -> Table {
         let columns = [
             "x",
@@ -211,7 +273,7 @@ impl CameraReading {
         let columns = columns.take(if self.has_tangential { 5 } else { 3 });
         let mut table = Table::new(columns);
         for one in displaced {
-            let [x, y] = one.place.map(|angle| self.radius * angle);
+            let [x, y] = self.place(one);
             let along = self.has_tangential.then_some(one.tangential);
             let along = along.into_iter().flatten();
             table.push_numbers([x, y, one.normal].into_iter().chain(along));
@@ -219,12 +281,16 @@ impl CameraReading {
         table
     }
 
+    fn place(&self, displaced: &Displaced) -> [f64; 2] {
+        displaced.place.map(|angle| self.radius * angle)
+    }
+
     /// Warning if the calibrated slope is less certain than the estimator's `gain_std` allows.
     fn gain(&self, options: &PressOptions) -> Option<Warning> {
-        let told = options.estimator.priors().gain_std?;
-        (self.slope_share > VAGUE.max(told)).then(|| {
+        let stated = options.estimator.priors().gain_std?;
+        (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {
             let text = format!(
-                "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count: state it with setting `gain_std` {}",
+                "the slope of the calibration has a relative standard error of {:.0} %; the intervals do not contain this gain of all normal displacements: state it with setting `gain_std` {}",
                 100.0 * self.slope_share,
                 Number::rounded(self.slope_share)
             );
@@ -233,18 +299,12 @@ impl CameraReading {
     }
 
     /// The curvature of the object.
-    ///
-    /// # Errors
-    /// Errors of [`estimate_press`].
-    pub fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
+    fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
         let markers = self.field.markers();
         let tangential = markers.iter().map(|marker| marker.tangential).collect();
         let readings = PressRecording {
-            origin: self.origin.clone(),
-            places: markers
-                .iter()
-                .map(|marker| marker.place.map(|angle| self.radius * angle))
-                .collect(),
+            source: self.source.clone(),
+            places: markers.iter().map(|marker| self.place(marker)).collect(),
             normal: markers.iter().map(|marker| marker.normal).collect(),
             tangential: self.has_tangential.then_some(tangential),
             unit: Some(self.unit),
@@ -252,21 +312,21 @@ impl CameraReading {
         };
         let mut object = estimate_press(&readings, options)?;
         object.warnings.extend(self.gain(options));
-        Ok(self.pressed_by(object))
+        Ok(self.tracked_press(object))
     }
 }
 
-/// ReadingSource of the readings of two frames.
-fn origin(frames: &FramePair, file: Option<String>) -> ReadingSource {
-    file.map_or(ReadingSource::Arrays, |name| ReadingSource::File {
-        name,
+/// Source of the readings of two frames.
+fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
+    file.map_or_else(ReadingSource::arrays, |name| {
         // Line 1 is the header.
-        lines: (2..frames.tracks.len() + 2).collect(),
+        let lines = (2..frames.tracks.len() + 2).collect();
+        ReadingSource { name, lines }
     })
 }
 
-fn no_field(origin: &ReadingSource, error: FieldError) -> RecordedError {
-    origin.fail(match error {
+fn no_field(source: &ReadingSource, error: FieldError) -> RecordedError {
+    source.fail(match error {
         FieldError::NoMarkers => "no marker was found again".to_owned(),
         _ => error.to_string(),
     })

@@ -22,26 +22,24 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     }
 }
 
-/// Numbers of a table that show its decimal sign.
+/// Detects the decimal sign of a table's numbers.
 #[derive(Debug, Default)]
-pub(super) struct Shown {
+pub(super) struct DecimalSign {
     /// First number whose comma must be a decimal comma.
     comma: Option<String>,
     /// First number with a point.
     point: Option<String>,
 }
 
-impl Shown {
-    /// Remembers a field if it shows the decimal sign.
-    pub(super) fn look(&mut self, text: &str) {
-        let place = match () {
+impl DecimalSign {
+    /// Adds a field.
+    pub(super) fn add(&mut self, text: &str) {
+        let first = match () {
             () if text.contains('.') => &mut self.point,
             () if text.contains(',') && !may_be_grouped(text) => &mut self.comma,
             () => return,
         };
-        if place.is_none() {
-            *place = Some(text.to_owned());
-        }
+        first.get_or_insert_with(|| text.to_owned());
     }
 
     /// The decimal sign, or an error if it is ambiguous; `odd` is a number with a comma.
@@ -58,8 +56,8 @@ impl Shown {
             (None, None) => {
                 let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
                 Err(format!(
-                    "`{odd}` may be {as_decimal} or {as_whole}, and no other number tells; give setting `decimal` comma if it is \
-                     {as_decimal}, else write it without the comma"
+                    "`{odd}` may be {as_decimal} or {as_whole}; give setting `decimal` comma if it is {as_decimal}, else write it \
+                     without the comma"
                 ))
             }
         }
@@ -81,35 +79,29 @@ fn may_be_grouped(text: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn shown(fields: &[&str]) -> Result<Decimal, String> {
-        let mut shown = Shown::default();
-        fields.iter().for_each(|field| shown.look(field));
-        let odd = fields.iter().find(|field| field.contains(','));
-        shown.decimal(odd.unwrap())
-    }
-
     #[test]
-    fn a_comma_is_decimal_where_it_can_be_nothing_else() {
-        for other in [
-            "0,123", "1,5", "1234,567", "-0,5", "1,234e-3", ",5", "12,3456",
+    fn an_unambiguous_comma_is_a_decimal_sign() {
+        for (fields, expected) in [
+            (&["1,234", "0,123"][..], Ok(())),
+            (&["1,234", "1234,567"], Ok(())),
+            (&["1,234", "1,234e-3"], Ok(())),
+            (&["1,234", ",5"], Ok(())),
+            (&["1,234", "12,345"], Err("may be 1.234 or 1234")),
+            (&["-1,234,567"], Err("may be")),
+            (&["1,234", "1.5"], Err("separator of thousands")),
+            (&["1,5", "1.5"], Err("one decimal sign")),
         ] {
-            assert_eq!(shown(&["1,234", other]), Ok(Decimal::Comma), "{other}");
-        }
-        for (fields, words) in [
-            (&["1,234", "12,345"][..], "may be 1.234 or 1234"),
-            (&["-1,234,567"], "may be"),
-            (&["1,234", "1.5"], "separator of thousands"),
-            (&["1,5", "1.5"], "one decimal sign"),
-            (&["1,234.5"], "separator of thousands"),
-        ] {
-            let said = shown(fields).unwrap_err();
-            assert!(said.contains(words), "{fields:?}: {said}");
+            let mut sign = DecimalSign::default();
+            fields.iter().for_each(|field| sign.add(field));
+            match (sign.decimal(fields[0]), expected) {
+                (found, Ok(())) => assert_eq!(found, Ok(Decimal::Comma), "{fields:?}"),
+                (found, Err(words)) => assert!(found.unwrap_err().contains(words), "{fields:?}"),
+            }
         }
     }
 
     #[test]
-    fn numbers() {
-        assert_eq!(number("1,5", Decimal::Comma), Ok(1.5));
+    fn numbers_have_one_decimal_sign() {
         assert_eq!(number("-1,5e-3", Decimal::Comma), Ok(-1.5e-3));
         assert_eq!(number("3", Decimal::Comma), Ok(3.0));
         for text in ["1.5", "1,2,3", "", "inf", "1e999", "x"] {

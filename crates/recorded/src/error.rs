@@ -24,7 +24,7 @@ pub enum RecordedError {
         message: String,
     },
     /// An array of readings is wrong: a number in it, or its length.
-    #[error("{array}{}: {message}", shown(index))]
+    #[error("{array}{}: {message}", brackets(index))]
     Array {
         /// Name of the argument that holds the array.
         array: &'static str,
@@ -45,6 +45,24 @@ pub enum RecordedError {
     },
 }
 
+impl RecordedError {
+    /// An error that concerns a file's readings as a whole.
+    pub(super) fn readings(file: impl Into<String>, message: impl Into<String>) -> Self {
+        let (file, message) = (file.into(), message.into());
+        Self::Readings { file, message }
+    }
+
+    /// An error in a line of a file.
+    pub(super) fn line(file: &str, line: usize, message: impl Into<String>) -> Self {
+        let (file, message) = (file.to_owned(), message.into());
+        Self::Line {
+            file,
+            line,
+            message,
+        }
+    }
+}
+
 /// Adds a reference to `palpate explain` to a message, except for bad settings, which need no explanation.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
@@ -54,7 +72,7 @@ pub(super) fn explained(message: String, kind: &str) -> String {
 }
 
 /// An index in brackets; nothing if it is empty.
-fn shown(index: &[usize]) -> String {
+fn brackets(index: &[usize]) -> String {
     let index: Vec<String> = index.iter().map(usize::to_string).collect();
     match index.is_empty() {
         true => String::new(),

@@ -8,8 +8,8 @@ use palpate_study::{read_all, read_limited};
 use super::error::RecordedError;
 use super::table_format::Form;
 
-/// Largest recorded file that is read, MiB.
-const MOST_MIB: u64 = 256;
+/// Largest size of a recorded file, MiB.
+const MAX_MIB: u64 = 256;
 
 /// A recorded file: its name, for messages, its bytes, and the form in which its table is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,16 +34,13 @@ impl RecordedFile {
     /// # Errors
     /// [`RecordedError::File`] if the file does not exist or cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordedError> {
-        let name = path.display().to_string();
-        let bytes = read_limited(path, MOST_MIB).map_err(|error| RecordedError::File {
-            file: name.clone(),
-            message: match error.kind() {
-                std::io::ErrorKind::NotFound => "no such file".to_owned(),
-                std::io::ErrorKind::IsADirectory => "is a directory, not a file".to_owned(),
-                _ => format!("cannot be read: {error}"),
-            },
+        let file = Self::new(path.display().to_string(), Vec::new());
+        let bytes = read_limited(path, MAX_MIB).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => file.error("no such file"),
+            std::io::ErrorKind::IsADirectory => file.error("is a directory, not a file"),
+            _ => file.error(format!("cannot be read: {error}")),
         })?;
-        Ok(Self::new(name, bytes))
+        Ok(Self { bytes, ..file })
     }
 
     /// Reads a stream, such as standard input, to its end. Messages call it `name`.
@@ -51,9 +48,8 @@ impl RecordedFile {
     /// # Errors
     /// [`RecordedError::File`] if it cannot be read, or is larger than the limit for files.
     pub fn read_stream(name: &str, stream: impl Read) -> Result<Self, RecordedError> {
-        let bytes = read_all(stream, MOST_MIB).map_err(|error| RecordedError::File {
-            file: name.to_owned(),
-            message: format!("cannot be read: {error}"),
+        let bytes = read_all(stream, MAX_MIB).map_err(|error| {
+            Self::new(name, Vec::new()).error(format!("cannot be read: {error}"))
         })?;
         Ok(Self::new(name, bytes))
     }
@@ -73,16 +69,7 @@ impl RecordedFile {
 
     /// An error in a line.
     pub(super) fn fail(&self, line: usize, message: impl Into<String>) -> RecordedError {
-        RecordedError::Line {
-            file: self.name.clone(),
-            line,
-            message: message.into(),
-        }
-    }
-
-    /// Text of the table in this file.
-    pub(super) fn table(&self) -> Result<&str, RecordedError> {
-        self.text("a header and one row per reading are needed")
+        RecordedError::line(&self.name, line, message)
     }
 
     /// The file's UTF-8 text without the byte order mark. If the file is empty, the error states what is `needed`.

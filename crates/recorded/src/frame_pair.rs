@@ -1,14 +1,17 @@
-//! Two frames of a camera sensor, at rest and pressed.
+//! Frames of a camera sensor: from PNG files, and the markers of a frame at rest in a pressed one.
 
+use std::io::Cursor;
 use std::num::NonZeroU8;
 
-use image::RgbImage;
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, RgbImage};
 use palpate_tracking::{
     Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
 use serde::Serialize;
 
 use super::error::RecordedError;
+use super::file::RecordedFile;
 use palpate_estimators::tracks_table;
 use palpate_study::{Table, Warning};
 
@@ -19,6 +22,50 @@ pub struct Frame {
     pub file: String,
     /// Its pixels.
     pub image: RgbImage,
+}
+
+/// Largest side of a frame, px. Larger frames are rejected before they are decoded.
+const LARGEST_SIDE: u32 = 8192;
+
+/// Signature that every PNG file begins with.
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+/// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. An alpha channel is
+/// allowed if no pixel is transparent, because transparent pixels have no colour.
+///
+/// # Errors
+/// [`RecordedError::File`] if the file is no PNG image, or is broken, larger than 8192 px to a side, or transparent.
+pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
+    if file.bytes.is_empty() {
+        return Err(file.error("is empty; a PNG image is needed"));
+    }
+    if !file.bytes.starts_with(&SIGNATURE) {
+        return Err(file.error("is not a PNG image"));
+    }
+    let broken =
+        |error: ImageError| file.error(format!("is a broken or truncated PNG image: {error}"));
+    let decoder = PngDecoder::new(Cursor::new(&file.bytes)).map_err(broken)?;
+    let (width, height) = decoder.dimensions();
+    if width > LARGEST_SIDE || height > LARGEST_SIDE {
+        return Err(file.error(format!(
+            "has {width} x {height} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are read"
+        )));
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    if image.color().has_alpha()
+        && image
+            .to_rgba16()
+            .pixels()
+            .any(|pixel| pixel.0[3] != u16::MAX)
+    {
+        return Err(file.error(
+            "has transparent pixels, which have no colour; flatten it or drop its alpha channel",
+        ));
+    }
+    Ok(Frame {
+        file: file.name.clone(),
+        image: image.into_rgb8(),
+    })
 }
 
 /// Tracks of the markers from a rest frame to a pressed one.
@@ -56,7 +103,7 @@ pub struct TrackCounts {
 }
 
 /// Share of lost markers above which a warning is given.
-const FEW_LOST: f64 = 0.1;
+const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
     /// Whether enough markers were found again for both frames to be of one sensor.
@@ -64,10 +111,10 @@ impl TrackCounts {
         2 * self.tracked >= self.at_rest
     }
 
-    /// The warning where many markers were not found again.
+    /// The warning if many markers were not found again.
     fn warning(&self) -> Option<Warning> {
         let missed = self.at_rest - self.tracked;
-        let are_many = missed as f64 > FEW_LOST * self.at_rest as f64;
+        let are_many = missed as f64 > MAX_LOST * self.at_rest as f64;
         (are_many && self.are_of_one_sensor()).then(|| {
             let text = format!(
                 "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
@@ -80,20 +127,17 @@ impl TrackCounts {
 }
 
 /// Least median shift, px, and its least ratio to the scatter about it, for a warning that all markers moved alike.
-const ALIKE_PX: f64 = 0.5;
-const ALIKE: f64 = 2.5;
+const MIN_COMMON_PX: f64 = 0.5;
+const MIN_COMMON_RATIO: f64 = 2.5;
 /// Fewest markers that determine a common motion.
-const FEWEST: usize = 8;
+const MIN_MARKERS: usize = 8;
 
 /// Difference of green levels, of 255, that is drawn in full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 /// The markers of a frame.
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
-    let refused = |error: TrackingError| RecordedError::Readings {
-        file: frame.file.clone(),
-        message: error.to_string(),
-    };
+    let refused = |error: TrackingError| RecordedError::readings(&frame.file, error.to_string());
     Finder::default().find(&frame.image).map_err(refused)
 }
 
@@ -104,13 +148,11 @@ pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
 pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, RecordedError> {
     let [of_rest, of_pressed] = [rest, pressed].map(|frame| frame.image.dimensions());
     if of_rest != of_pressed {
-        return Err(RecordedError::Readings {
-            file: pressed.file.clone(),
-            message: format!(
-                "has {} x {} px; {} has {} x {}",
-                of_pressed.0, of_pressed.1, rest.file, of_rest.0, of_rest.1
-            ),
-        });
+        let message = format!(
+            "has {} x {} px; {} has {} x {}",
+            of_pressed.0, of_pressed.1, rest.file, of_rest.0, of_rest.1
+        );
+        return Err(RecordedError::readings(&pressed.file, message));
     }
     let at_rest = find(rest)?;
     let found = find(pressed)?;
@@ -128,19 +170,19 @@ pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, Recorded
 /// # Errors
 /// [`RecordedError::Readings`] for frames of different sizes.
 pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, RecordedError> {
-    difference(&rest.image, &pressed.image, FULL_LEVELS).map_err(|error| RecordedError::Readings {
-        file: pressed.file.clone(),
-        message: error.to_string(),
-    })
+    let image = difference(&rest.image, &pressed.image, FULL_LEVELS);
+    image.map_err(|error| RecordedError::readings(&pressed.file, error.to_string()))
 }
 
 impl FramePair {
     /// Number of markers by status.
-    pub fn fates(&self) -> TrackCounts {
-        let count = |status| {
-            let of_status = self.tracks.iter().filter(|track| track.status == status);
-            of_status.count()
+    pub fn counts(&self) -> TrackCounts {
+        let of_status = |status| {
+            self.tracks
+                .iter()
+                .filter(move |track| track.status == status)
         };
+        let count = |status| of_status(status).count();
         TrackCounts {
             at_rest: self.at_rest(),
             tracked: count(Status::Tracked),
@@ -152,13 +194,13 @@ impl FramePair {
         }
     }
 
-    /// How many markers the rest frame shows whole.
-    pub fn at_rest(&self) -> usize {
+    /// Number of whole markers in the rest frame.
+    pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
     }
 
-    /// The marker whose picture changed the most, by the absolute value of `strength`.
+    /// The marker whose picture changed most, by the absolute value of `strength`.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -175,25 +217,23 @@ impl FramePair {
         tracks_table(self.tracks.iter().map(Some))
     }
 
-    /// Refuses frames that do not show the same sensor.
+    /// Rejects frames of different sensors.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] where fewer than half of the markers are found again.
+    /// [`RecordedError::Readings`] if fewer than half of the markers are found again.
     pub fn of_one_sensor(&self) -> Result<(), RecordedError> {
-        let fates = self.fates();
+        let counts = self.counts();
         let [rest, pressed] = &self.files;
-        if fates.are_of_one_sensor() {
+        if counts.are_of_one_sensor() {
             return Ok(());
         }
         let TrackCounts {
             at_rest, tracked, ..
-        } = fates;
-        Err(RecordedError::Readings {
-            file: pressed.clone(),
-            message: format!(
-                "shows {tracked} of the {at_rest} markers of {rest} again: are these frames of one sensor?"
-            ),
-        })
+        } = counts;
+        let message = format!(
+            "shows {tracked} of the {at_rest} markers of {rest} again: are these frames of one sensor?"
+        );
+        Err(RecordedError::readings(pressed, message))
     }
 
     /// Warnings about the tracks.
@@ -201,26 +241,26 @@ impl FramePair {
         let [rest, pressed] = &self.files;
         let moved = self.moved_together().map(|(median, spacing)| {
             let text = format!(
-                "half of the markers of {rest} moved by more than {median:.1} px, which stand {spacing:.1} px apart: another sensor in {pressed}, or a camera that moved?"
+                "half of the markers of {rest} moved by more than {median:.1} px, but neighbours are {spacing:.1} px apart: is {pressed} of another sensor, or did the camera move?"
             );
             let numbers = [("median_shift_px", median), ("spacing_px", spacing)];
             Warning::new("other-sensor", text, numbers)
         });
-        let swapped = self.looks_swapped().map(|growth| {
+        let swapped = self.swapped().map(|growth| {
             let percent = -100.0 * growth;
             let text = format!(
-                "the marker that changed most shrank by {percent:.1} %: a press brings it nearer; are {rest} and {pressed} swapped?"
+                "the marker that changed most shrank by {percent:.1} %, but a press makes it larger: are {rest} and {pressed} swapped?"
             );
             Warning::new("swapped-frames", text, [("growth", growth)])
         });
         let alike = self.moved_alike().filter(|_| moved.is_none());
         let alike = alike.map(|(how, numbers)| {
             let text = format!(
-                "all markers of {rest} {how} in {pressed}: did the camera move? what they have in common is no press"
+                "all markers of {rest} {how} in {pressed}: did the camera move? a press moves markers differently"
             );
             Warning::new("moved-camera", text, numbers)
         });
-        let lost = self.fates().warning();
+        let lost = self.counts().warning();
         let moved = moved.into_iter().chain(alike);
         moved.chain(swapped).chain(lost).collect()
     }
@@ -263,14 +303,14 @@ impl FramePair {
                 Some((arm, track.change()?.shift_px))
             })
             .collect();
-        if shifts.len() < FEWEST {
+        if shifts.len() < MIN_MARKERS {
             return None;
         }
         let of_axis = |axis: usize| median(shifts.iter().map(|(_, shift)| shift[axis]));
         let [x, y] = [of_axis(0)?, of_axis(1)?];
         let apart = |(_, shift): &([f64; 2], [f64; 2])| libm::hypot(shift[0] - x, shift[1] - y);
         let size = libm::hypot(x, y);
-        if size > ALIKE_PX && size > ALIKE * median(shifts.iter().map(apart))? {
+        if size > MIN_COMMON_PX && size > MIN_COMMON_RATIO * median(shifts.iter().map(apart))? {
             let text = format!("moved by about ({x:.1}, {y:.1}) px");
             return Some((text, vec![("shift_x_px", x), ("shift_y_px", y)]));
         }
@@ -280,7 +320,7 @@ impl FramePair {
         let all = median(shifts.iter().map(turn))?;
         let apart = median(shifts.iter().map(|shift| (turn(shift) - all).abs()))?;
         let arm = median(shifts.iter().map(|(arm, _)| libm::hypot(arm[0], arm[1])))?;
-        let is_turned = all.abs() * arm > ALIKE_PX && all.abs() > ALIKE * apart;
+        let is_turned = all.abs() * arm > MIN_COMMON_PX && all.abs() > MIN_COMMON_RATIO * apart;
         is_turned.then(|| {
             let turn = all.to_degrees();
             let text = format!("turned about the middle by about {turn:.1} degrees");
@@ -289,7 +329,7 @@ impl FramePair {
     }
 
     /// Growth of the marker whose size changed the most, if it shrank by more than the scatter of the others.
-    fn looks_swapped(&self) -> Option<f64> {
+    fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;
         (growth < -0.01 && -growth > 5.0 * scatter).then_some(growth)

@@ -8,86 +8,24 @@ use palpate_ep2::{
     Status, Uncertainty, regions,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_statistics::StatedQuantity;
+use palpate_statistics::{Misfit, StatedQuantity};
 
-use super::Value;
-use super::consistency::FORMAT_VERSION;
-use super::duplicate_rows::repeated;
 use super::error::{RecordedError, explained};
-use super::extra_columns::ExtraColumns;
-use super::glide_misfit::{alone, misfit_warnings, noise, spacing};
+use super::glide_options::GlideOptions;
 use super::glide_recording::GlideRecording;
 use super::glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
-use super::glide_settings::TipReports;
-use super::input_checks::{of_directions, of_normals};
-use super::source::agreed_unit;
+use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
+use super::reading_table::ExtraColumns;
+use super::value::{FORMAT_VERSION, Value};
 use palpate_estimators::GlideFit;
-use palpate_study::Unit;
-use palpate_study::Warning;
-use palpate_study::config::{GlideEstimatorConfig, LengthUnit, SettingError};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct GlideOptions {
-    /// The estimator.
-    #[serde(skip)]
-    pub estimator: GlideEstimatorConfig,
-    /// The unit of lengths, where the header does not state it.
-    #[serde(skip)]
-    pub length_unit: Option<LengthUnit>,
-    /// Points along each side of the grid for the regions and the map.
-    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
-    pub grid: usize,
-    /// Whether the map has one point per contact, in their order, instead of the grid.
-    #[serde(skip)]
-    pub map_at_contacts: bool,
-    /// Radius of round fingertips, in the readings' length unit, where positions are not of the contacts but of the point
-    /// that setting `reports` names: contacts then follow from the normals, or from a first fit.
-    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
-    pub tip_radius: Option<f64>,
-    /// The point of round fingertips that positions are of; by default lowest-point.
-    pub reports: Option<TipReports>,
-    /// The direction out of the object, for readings without normals, where only its side of the patch matters, or of
-    /// lowest points.
-    pub outward: [f64; 3],
-    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
-    /// threshold. By default computed from the patch's size.
-    #[schemars(extend("minimum" = 0))]
-    pub gaussian_threshold: Option<f64>,
-    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default computed from the patch's size.
-    #[schemars(extend("minimum" = 0))]
-    pub mean_threshold: Option<f64>,
-    /// Distance between fingers, in the readings' length unit: the unit of length of the settings of two-pass, and of
-    /// position noise stated as a fraction. By default the mean distance between neighbouring fingers.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
-    pub inter_finger_distance: Option<f64>,
-}
-
-impl Default for GlideOptions {
-    fn default() -> Self {
-        Self {
-            estimator: GlideEstimatorConfig::default(),
-            length_unit: None,
-            grid: 30,
-            map_at_contacts: false,
-            tip_radius: None,
-            reports: None,
-            outward: [0.0, 0.0, 1.0],
-            gaussian_threshold: None,
-            mean_threshold: None,
-            inter_finger_distance: None,
-        }
-    }
-}
+use palpate_study::config::{LengthUnit, SettingError};
+use palpate_study::{Unit, Warning};
 
 /// Estimates the curvature of a patch from recorded contacts.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one contact is at fault; otherwise [`RecordedError::Readings`]: the options contradict
-/// the file, or the contacts do not determine the patch.
+/// [`RecordedError::Line`] if one contact is at fault; otherwise [`RecordedError::Readings`] if the options contradict the
+/// file, or if the contacts do not determine the patch.
 pub fn estimate_glide(
     recorded: &GlideRecording,
     options: &GlideOptions,
@@ -121,17 +59,19 @@ impl<'r> GlideFitResult<'r> {
         recorded: Cow<'r, GlideRecording>,
         given: &GlideOptions,
     ) -> Result<Self, RecordedError> {
-        let unit = agreed_unit(&recorded.origin, recorded.unit, given.length_unit)?;
+        let unit = recorded.source.unit(recorded.unit, given.length_unit)?;
         let refused = |error| refused(&recorded, &error);
         let options = with_length_noise(&recorded, given)?;
         let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
-        let of_tips = of_tips(&recorded, &options, &method).map_err(refused)?;
+        let outward = Vector3::from(options.outward);
+        let contacts = |tip: RoundTip| tip.contacts(&recorded.contacts, &outward, &method);
+        let of_tips = options.tip().map(contacts).transpose().map_err(refused)?;
         let contacts = of_tips.as_deref().unwrap_or(&recorded.contacts);
-        let patch = Patch::new(contacts, &Vector3::from(options.outward)).map_err(refused)?;
+        let patch = Patch::new(contacts, &outward).map_err(refused)?;
         let fit = method.fit(&patch).map_err(refused)?;
         let centre = fit.centre().map_err(refused)?;
         let stated = options.thresholds();
-        let stated = stated.map_err(|error| recorded.origin.fail(error.to_string()))?;
+        let stated = stated.map_err(|error| recorded.source.fail(error.to_string()))?;
         let (limits, limits_from) = match stated {
             Some(thresholds) => (thresholds, "given"),
             None => (
@@ -196,10 +136,10 @@ impl<'r> GlideFitResult<'r> {
         let refused = |error| self.refused(&error);
         let points = self.fit.map(options.grid).map_err(refused)?;
         let regions = regions(options.grid, &points, &self.limits).map_err(refused)?;
-        let estimate = self.told(&regions);
+        let estimate = self.report(&regions);
         let (points, regions, extras) = match options.map_at_contacts {
             true => (self.at_contacts()?, None, self.recorded.extras.clone()),
-            false => (points, Some(regions), ExtraColumns::default()),
+            false => (points, Some(regions.of_point), ExtraColumns::default()),
         };
         let map = GlideMap {
             points,
@@ -211,33 +151,56 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// The warning if the distance between fingers is not the stated one.
-    fn spacing(&self) -> Option<String> {
-        let GlideOptions {
-            inter_finger_distance,
-            estimator,
-            ..
-        } = &self.given;
-        spacing(&self.patch, *inter_finger_distance, estimator, self.unit)
-    }
-
-    /// The warning if there are too few contacts for the uncertainties that the method could state.
-    fn few(&self) -> Option<String> {
-        let states = !matches!(self.options.estimator, GlideEstimatorConfig::TwoPass { .. });
-        let is_untold = self.centre.curvature.uncertainty.is_none();
-        let contacts = self.patch.samples.len();
-        (states && is_untold).then(|| {
-            format!("there are no standard deviations: {contacts} contacts do not tell their noise; state it with setting `position_std`")
-        })
+    /// Warnings about the contacts, with these misfits.
+    fn warnings(&self, misfits: &[Misfit], unknown_fit: Option<String>) -> Vec<Warning> {
+        let (recorded, patch, unit) = (&self.recorded, &self.patch, self.unit);
+        let (source, contacts) = (&recorded.source, self.contacts());
+        let directions = directions(contacts);
+        let misfits = misfit_warnings(misfits, directions.is_some(), source);
+        // Two-pass, which alone has a status, states no uncertainty.
+        let is_unknown = self.centre.curvature.uncertainty.is_none() && self.fit.status.is_none();
+        let unknown_noise = is_unknown.then(|| {
+            let count = patch.samples.len();
+            format!("there are no standard deviations: {count} contacts do not determine their noise; state it with setting `position_std`")
+        });
+        let rows = recorded.contacts.iter().map(|contact| {
+            let ([x, y, z], finger) = (contact.position.into(), contact.finger as f64);
+            let [normal_x, normal_y, normal_z] = contact.normal.unwrap_or_default().into();
+            [finger, x, y, z, normal_x, normal_y, normal_z]
+        });
+        Warning::of(
+            StatedQuantity::Scale.code(),
+            spacing(patch, &self.given, unit),
+        )
+        .into_iter()
+        .chain(misfits)
+        .chain(Warning::of("unknown-fit", unknown_fit))
+        .chain(Warning::of("unknown-noise", unknown_noise))
+        .chain(Warning::of(
+            "distant-contact",
+            distant(contacts, unit, source),
+        ))
+        .chain(stated_noise(patch, &self.options.estimator, unit))
+        .chain(normals(contacts))
+        .chain(Warning::of("signs", directions))
+        .chain(Warning::of(
+            "repeated-rows",
+            source.repeated("contact", rows, 0.0),
+        ))
+        .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
+        .collect()
     }
 
     /// The estimate with these regions.
-    fn told(&self, regions: &Regions) -> GlideEstimate {
+    fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
         let (patch, fit, limits, unit) = (&self.patch, &self.fit, &self.limits, self.unit);
         let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
+        let bare = |value: f64, power: Unit| Value::bare(value, power.of(unit));
         let curvature = centre.curvature;
         let stds = curvature.uncertainty;
+        let gaussian_std = stds.map(|stds| stds.gaussian_std);
+        let mean_std = stds.map(|stds| stds.mean_std);
         let [min_std, max_std] = principal_stds(&curvature);
         let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
         let (tested, unknown) = match method.misfit(patch) {
@@ -247,23 +210,7 @@ impl<'r> GlideFitResult<'r> {
                 (MisfitTest::default(), Some(why))
             }
         };
-        let p_value = tested.goodness.map(|goodness| goodness.p_value);
-        let directions = of_directions(self.contacts());
-        let misfits = misfit_warnings(&tested.misfits, directions.is_some(), &recorded.origin);
-        let distant = alone(self.contacts(), unit, &recorded.origin);
-        let normals = of_normals(self.contacts());
-        let warnings = Warning::of(StatedQuantity::Scale.code(), self.spacing())
-            .into_iter()
-            .chain(misfits)
-            .chain(Warning::of("unknown-fit", unknown))
-            .chain(Warning::of("unknown-noise", self.few()))
-            .chain(Warning::of("distant-contact", distant))
-            .chain(noise(patch, &options.estimator, unit))
-            .chain(normals)
-            .chain(Warning::of("signs", directions))
-            .chain(Warning::of("repeated-rows", copies(recorded)))
-            .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
-            .collect();
+        let warnings = self.warnings(&tested.misfits, unknown);
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
@@ -273,16 +220,8 @@ impl<'r> GlideFitResult<'r> {
             length_unit: unit.as_str(),
             position: tidy(&centre.position.coords),
             normal: tidy(&centre.normal),
-            gaussian_curvature: value(
-                curvature.gaussian,
-                stds.map(|stds| stds.gaussian_std),
-                Unit::PerLengthSquared,
-            ),
-            mean_curvature: value(
-                curvature.mean,
-                stds.map(|stds| stds.mean_std),
-                Unit::PerLength,
-            ),
+            gaussian_curvature: value(curvature.gaussian, gaussian_std, Unit::PerLengthSquared),
+            mean_curvature: value(curvature.mean, mean_std, Unit::PerLength),
             k_min: value(centre.k_min, min_std, Unit::PerLength),
             k_max: value(centre.k_max, max_std, Unit::PerLength),
             direction_of_min: tidy(&centre.direction_of_min),
@@ -290,31 +229,24 @@ impl<'r> GlideFitResult<'r> {
             shape_index: centre.shape_index,
             class: curvature.class(limits).name(),
             class_probabilities: curvature.class_probabilities(limits).map(|all| {
-                ShapeClass::ALL
-                    .map(ShapeClass::name)
-                    .into_iter()
-                    .zip(all)
-                    .collect()
+                let names = ShapeClass::ALL.map(ShapeClass::name).into_iter();
+                names.zip(all).collect()
             }),
             sign_class: curvature.sign_class().name(),
             thresholds: Thresholds {
-                gaussian: value(limits.gaussian(), None, Unit::PerLengthSquared),
-                mean: value(limits.mean(), None, Unit::PerLength),
+                gaussian: bare(limits.gaussian(), Unit::PerLengthSquared),
+                mean: bare(limits.mean(), Unit::PerLength),
                 from: self.limits_from,
             },
             noise: fit.noise.map(|noise| PatchNoise {
-                position_std: value(noise.position_std, None, Unit::Length),
+                position_std: bare(noise.position_std, Unit::Length),
                 normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
             }),
             status: fit.status.map(Status::name),
             effective_unknowns: fit.effective_unknowns,
             grid: options.grid,
-            regions: regions
-                .regions
-                .iter()
-                .map(|one| PatchRegion::of(one, unit))
-                .collect(),
-            p_value,
+            regions: PatchRegion::all(regions, unit),
+            p_value: tested.goodness.map(|goodness| goodness.p_value),
             warnings,
             covariance: stds.map(|stds| {
                 let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
@@ -327,29 +259,7 @@ impl<'r> GlideFitResult<'r> {
     }
 }
 
-/// Warning about contacts that are repeated.
-fn copies(recorded: &GlideRecording) -> Option<String> {
-    let contacts = recorded.contacts.iter().map(|contact| {
-        let [x, y, z] = contact.position.into();
-        let [along_x, along_y, along_z] = contact.normal.unwrap_or_default().into();
-        let finger = contact.finger as f64;
-        [finger, x, y, z, along_x, along_y, along_z]
-    });
-    repeated(&recorded.origin, "contact", contacts, 0.0)
-}
-
-/// Contacts computed from the points of round tips, if the options state such a tip.
-fn of_tips(
-    recorded: &GlideRecording,
-    options: &GlideOptions,
-    method: &GlideFit,
-) -> Result<Option<Vec<Contact>>, Ep2Error> {
-    let outward = Vector3::from(options.outward);
-    let contacts = |tip: &RoundTip| tip.contacts(&recorded.contacts, &outward, method);
-    options.tip().as_ref().map(contacts).transpose()
-}
-
-/// Options with position noise as a length. A fraction refers to the stated, or else the measured, finger distance.
+/// Options with position noise as a length. A fraction refers to the stated or, without one, the measured finger distance.
 fn with_length_noise(
     recorded: &GlideRecording,
     options: &GlideOptions,
@@ -363,12 +273,17 @@ fn with_length_noise(
     let found = patch.finger_distance;
     let found = found.map(|distance| distance * patch.frame.scale());
     let Some(distance) = options.inter_finger_distance.or(found) else {
-        let message = "the contacts are of one finger, which has no distance to another: setting `position_fraction_of_ifd` needs setting `inter_finger_distance`";
-        return Err(recorded.origin.fail(message.to_owned()));
+        let message = format!(
+            "{ONE_FINGER}: setting `position_fraction_of_ifd` needs setting `inter_finger_distance`"
+        );
+        return Err(recorded.source.fail(message));
     };
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
 }
+
+/// Reason why there is no distance between fingers.
+const ONE_FINGER: &str = "all contacts are of one finger, so there is no distance between fingers";
 
 /// The error, with the line of the contact at fault if there is one.
 fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
@@ -380,17 +295,16 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
         | Ep2Error::Folded { contact, .. } => Some(*contact),
         _ => None,
     };
-    let origin = &recorded.origin;
     let message = remedied(error, recorded.fingers);
     let signs = match error {
-        Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
+        Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => directions(&recorded.contacts),
         _ => None,
     };
     let message = signs.map_or(message.clone(), |signs| format!("{message}; {signs}"));
     let message = explained(message, error.name());
     match contact {
-        Some(contact) => origin.fail_at(contact, message),
-        None => origin.fail(message),
+        Some(contact) => recorded.source.fail_at(contact, message),
+        None => recorded.source.fail(message),
     }
 }
 
@@ -398,7 +312,7 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
 fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
-            "the contacts are of one finger, which has no distance to another: two-pass needs setting `inter_finger_distance`".to_owned()
+            format!("{ONE_FINGER}: two-pass needs setting `inter_finger_distance`")
         }
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => {
             SettingError::of_number("inter_finger_distance", bad.value, bad.expected).to_string()
@@ -408,9 +322,7 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
         }
         Ep2Error::NoSide { .. } => {
             let curve = match fingers {
-                1 => {
-                    "; if the contacts lie along one curve, they do not tell the surface beside it"
-                }
+                1 => "; contacts along one curve do not determine the surface beside it",
                 _ => "",
             };
             format!("{error}; give another with setting `outward`{curve}")
@@ -419,8 +331,8 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
     }
 }
 
-/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by
-/// the mean of its sides. `None` where they leave the range of doubles.
+/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by the mean of its sides.
+/// `None` if they exceed the range of doubles.
 fn of_size(fit: &Fit) -> Option<ShapeThresholds> {
     let [u, v] = fit
         .domain
@@ -429,8 +341,8 @@ fn of_size(fit: &Fit) -> Option<ShapeThresholds> {
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }
 
-/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two cannot be
-/// distinguished, or if the method states no uncertainty.
+/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two cannot be distinguished
+/// or if the method states no uncertainty.
 fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
     let Some(uncertainty) = curvature.uncertainty else {
         return [None; 2];

@@ -1,16 +1,14 @@
 //! Recorded glides.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::Contact;
 
 use super::RecordedFile;
 use super::error::RecordedError;
-use super::extra_columns::ExtraColumns;
-use super::finger_assignment::told_apart;
-use super::reading_table::{ReadingTable, header};
+use super::finger_assignment::assign_fingers;
+use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
 use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
@@ -19,13 +17,13 @@ use palpate_study::readings::{Column, GLIDES};
 /// Recorded readings of a glide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideRecording {
-    pub(super) origin: ReadingSource,
+    pub(super) source: ReadingSource,
     /// The contacts, in the order of the file.
     pub(super) contacts: Vec<Contact>,
-    /// How many fingers there are.
+    /// Number of fingers.
     pub(super) fingers: usize,
-    /// The unit that the header states.
-    pub(super) unit: Option<LengthUnit>,
+    /// The unit of lengths that the header states.
+    pub unit: Option<LengthUnit>,
     /// Other fields of the file, contact by contact.
     pub(super) extras: ExtraColumns,
     /// How contacts were assigned to fingers, if the file does not name the fingers.
@@ -46,8 +44,8 @@ impl GlideRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many normals or fingers as
-    /// points.
+    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of points and normals or
+    /// fingers.
     pub fn new(
         points: &[[f64; 3]],
         normals: Option<&[[f64; 3]]>,
@@ -63,17 +61,17 @@ impl GlideRecording {
         if let Some(fingers) = fingers {
             same_length(("fingers", fingers.len()), all)?;
         }
-        let mut known = Fingers::default();
+        let mut indices = Fingers::default();
         let contact = |(place, point): (usize, &[f64; 3])| {
-            let finger = known.place(fingers.map_or(0, |fingers| fingers[place]));
+            let finger = indices.place(fingers.map_or(0, |fingers| fingers[place]));
             let normal = normals.map(|normals| Vector3::from(normals[place]));
             Contact::new(finger, Point3::from(*point), normal)
         };
         let contacts = points.iter().enumerate().map(contact).collect();
         Ok(Self {
-            origin: ReadingSource::Arrays,
+            source: ReadingSource::arrays(),
             contacts,
-            fingers: known.0.len(),
+            fingers: indices.0.len(),
             unit,
             extras: ExtraColumns::default(),
             note: None,
@@ -83,11 +81,6 @@ impl GlideRecording {
     /// Whether the contacts have normals.
     pub fn has_normals(&self) -> bool {
         self.contacts.iter().any(|contact| contact.normal.is_some())
-    }
-
-    /// The unit of lengths that the header states.
-    pub fn unit(&self) -> Option<LengthUnit> {
-        self.unit
     }
 }
 
@@ -107,40 +100,27 @@ impl Fingers {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn read_glide(path: &Path) -> Result<GlideRecording, RecordedError> {
-    parse_glide(RecordedFile::read(path)?)
-}
-
-/// Recorded contacts, as [`read_glide`] reads them.
-///
-/// # Errors
-/// Errors of [`read_glide`].
 pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> {
-    let text = file.table()?;
-    let table = TextTable::of(&file, text)?;
+    let table = TextTable::of(&file)?;
     let header = header(&table, &GLIDES)?;
     let [finger, places @ .., _, _, _] = &GLIDES;
     let names_fingers = header.has(finger);
     let with_normals = GLIDES[4..].iter().any(|column| header.has(column));
-    let columns: Vec<Column> = [finger]
-        .into_iter()
-        .filter(|_| names_fingers)
-        .chain(places)
-        .chain(GLIDES[4..].iter().filter(|_| with_normals))
-        .copied()
-        .collect();
-    let others = GLIDES.iter().filter(|column| !columns.contains(column));
-    let others: Vec<Column> = others.copied().collect();
+    let is_read = |column: &Column| match column {
+        column if column == finger => names_fingers,
+        column => places.contains(column) || with_normals,
+    };
+    let (columns, others): (Vec<Column>, Vec<Column>) = GLIDES.into_iter().partition(is_read);
     let sheet = ReadingTable::read(&table, &columns, &others)?;
     let mut positions = Vec::new();
     // Fingers may have any numbers in the file; here they are numbered in order of appearance.
-    let mut known = Fingers::default();
+    let mut indices = Fingers::default();
     let (mut fingers, mut normals) = (Vec::new(), Vec::new());
     for (line, numbers) in sheet.rows() {
         let numbers = match names_fingers {
             true => {
                 let number = sheet.index(line, finger.name, numbers[0])?;
-                fingers.push(known.place(number));
+                fingers.push(indices.place(number));
                 &numbers[1..]
             }
             false => numbers,
@@ -150,7 +130,7 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     }
     let note = (!names_fingers).then(|| {
         let unit = sheet.unit.unwrap_or_default().as_str();
-        let (found, note) = told_apart(&positions, &sheet.after_gaps, unit);
+        let (found, note) = assign_fingers(&positions, &sheet.after_gaps, unit);
         fingers = found;
         note
     });
@@ -159,10 +139,7 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     Ok(GlideRecording {
         contacts: contacts.collect(),
         fingers: fingers.iter().max().map_or(0, |most| most + 1),
-        origin: ReadingSource::File {
-            name: sheet.file,
-            lines: sheet.lines,
-        },
+        source: sheet.source,
         unit: sheet.unit,
         extras: sheet.extras,
         note,

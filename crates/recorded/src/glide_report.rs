@@ -7,24 +7,24 @@ use palpate_ep2::{MapPoint, Region, Regions};
 use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
-use super::Value;
-use super::extra_columns::ExtraColumns;
-use palpate_estimators::{map_table, push_map};
+use super::reading_table::ExtraColumns;
+use super::value::Value;
+use palpate_estimators::{map_table, push_map_point};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, Unit, Warning};
 
 /// Thresholds below which curvatures count as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Thresholds {
+pub(super) struct Thresholds {
     pub(super) gaussian: Value,
     pub(super) mean: Value,
-    /// ReadingSource of the thresholds, in words.
+    /// Source of the thresholds, in words.
     pub(super) from: &'static str,
 }
 
 /// Noise of the contacts, estimated or stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PatchNoise {
+pub(super) struct PatchNoise {
     /// Standard deviation of positions along the surface's normal.
     pub(super) position_std: Value,
     /// Standard deviation of a normal's tilt about each tangent; `null` without normals.
@@ -33,7 +33,7 @@ pub struct PatchNoise {
 
 /// A connected part of the map that has one class.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PatchRegion {
+pub(super) struct PatchRegion {
     pub(super) class: &'static str,
     /// Number of map points in the region.
     pub(super) points: usize,
@@ -49,7 +49,6 @@ pub struct PatchRegion {
 /// Output of `estimate glide`. Curvature, class and directions are those of the patch's middle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
-    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
     pub(super) format_version: u32,
     pub(super) method: &'static str,
     pub(super) contacts: usize,
@@ -67,10 +66,10 @@ pub struct GlideEstimate {
     /// Unit tangents, of either sign.
     pub(super) direction_of_min: [f64; 3],
     pub(super) direction_of_max: [f64; 3],
-    /// Shape index from −1, a cup, to 1, a cap; `null` where the surface is flat.
+    /// Shape index from −1, a cup, to 1, a cap; `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
     pub(super) class: &'static str,
-    /// Probability of each class; `null` where the method states no uncertainty.
+    /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Class by the signs of the curvatures alone.
     pub(super) sign_class: &'static str,
@@ -97,7 +96,7 @@ pub struct GlideEstimate {
 
 impl GlideEstimate {
     /// Covariance of Gaussian and mean curvature in the middle of the patch, 1/length⁴, 1/length³ and 1/length²; `None`
-    /// where the method states no uncertainty.
+    /// if the method states no uncertainty.
     pub fn covariance(&self) -> Option<[[f64; 2]; 2]> {
         self.covariance
     }
@@ -106,8 +105,10 @@ impl GlideEstimate {
 /// The estimated curvature on a grid over the patch, or at the contacts.
 #[derive(Clone, Debug)]
 pub struct GlideMap {
-    pub(super) points: Vec<MapPoint>,
-    pub(super) regions: Option<Regions>,
+    /// The contacts, or a grid whose slowest index runs along the fingers' path.
+    pub points: Vec<MapPoint>,
+    /// Index of the region of each point; `None` for a map at the contacts.
+    pub regions: Option<Vec<usize>>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
     /// Other fields of the readings, contact by contact, for a map at the contacts.
@@ -115,33 +116,14 @@ pub struct GlideMap {
 }
 
 impl GlideMap {
-    /// Points of the map: the contacts, or a grid whose slowest index runs along the fingers' path.
-    pub fn points(&self) -> &[MapPoint] {
-        &self.points
-    }
-
-    /// Index of the region that each map point belongs to; `None` for a map at the contacts.
-    pub fn regions(&self) -> Option<&[usize]> {
-        self.regions
-            .as_ref()
-            .map(|regions| regions.of_point.as_slice())
-    }
-
-    /// Limits below which curvatures count as zero.
-    pub fn thresholds(&self) -> &ShapeThresholds {
-        &self.thresholds
-    }
-
-    /// The map as CSV, one row per point. A map at the contacts has empty regions, and ends with the columns of the
-    /// readings that palpate does not use; `readings_` is put before a name that the map already has.
+    /// The map as CSV, one row per point. A map at the contacts has no regions, and ends with the columns of the readings
+    /// that palpate does not use. If the map already has a column of that name, the prefix `readings_` is added.
     pub fn to_csv(&self) -> String {
-        let mut map = map_table(self.unit);
-        push_map(
-            &mut map,
-            &self.points,
-            self.regions.as_ref(),
-            &self.thresholds,
-        );
+        let mut map = map_table(self.unit, false);
+        for (place, point) in self.points.iter().enumerate() {
+            let region = self.regions.as_ref().map(|regions| regions[place]);
+            push_map_point(&mut map, None, point, region, &self.thresholds);
+        }
         let mut table = map.table;
         for name in &self.extras.names {
             let mut name = name.clone();
@@ -158,8 +140,13 @@ impl GlideMap {
 }
 
 impl PatchRegion {
-    pub(super) fn of(region: &Region, unit: LengthUnit) -> Self {
-        let value = |value: f64, power: Unit| Value::new(value, None, power, unit);
+    pub(super) fn all(regions: &Regions, unit: LengthUnit) -> Vec<Self> {
+        let all = regions.regions.iter();
+        all.map(|region| Self::of(region, unit)).collect()
+    }
+
+    fn of(region: &Region, unit: LengthUnit) -> Self {
+        let value = |value: f64, power: Unit| Value::bare(value, power.of(unit));
         Self {
             class: region.class.name(),
             points: region.points,

@@ -6,9 +6,6 @@ use palpate_study::readings::{
 
 use super::table_format::pair;
 
-/// Smallest similarity, from 0 to 1, at which a column of the file is proposed for a missing one.
-const SIMILAR: f64 = 0.8;
-
 /// A name in the file's header.
 struct Heading<'a> {
     name: &'a str,
@@ -112,9 +109,9 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Whether the user assigned a name in the file to this column.
-    pub(super) fn is_told(&self, column: &Column) -> bool {
-        self.told(column).is_some()
+    /// Whether the user assigned a name in the file to one of these columns.
+    pub(super) fn is_assigned(&self, columns: &[Column]) -> bool {
+        columns.iter().any(|column| self.assigned(column).is_some())
     }
 
     /// Places of the columns.
@@ -136,7 +133,7 @@ impl<'a> Header<'a> {
     }
 
     /// Key of the user's assignment for a column, the assigned name in the file, and the unit in the key.
-    fn told(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
+    fn assigned(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
         self.names.iter().find_map(|(key, name)| {
             let unit = column.is_named(&spelt(key))?;
             Some((key.as_str(), name.as_str(), unit))
@@ -144,22 +141,22 @@ impl<'a> Header<'a> {
     }
 
     fn place(&self, column: &Column) -> Result<Option<Place>, String> {
-        match self.told(column) {
-            Some((key, name, unit)) => self.told_place(column, key, name, unit).map(Some),
+        match self.assigned(column) {
+            Some((key, name, unit)) => self.assigned_place(column, key, name, unit).map(Some),
             None => self.own_place(column),
         }
     }
 
     /// Place of a column that has palpate's name in the file.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
-        let is_taken = |heading: &Heading<'_>| {
-            let mut told = self.names.values();
-            told.any(|name| name.trim() == heading.name)
+        let is_assigned = |heading: &Heading<'_>| {
+            let mut names = self.names.values();
+            names.any(|name| name.trim() == heading.name)
         };
         let mut places = Vec::new();
         let mut unknown = None;
         for (index, heading) in self.headings.iter().enumerate() {
-            if is_taken(heading) {
+            if is_assigned(heading) {
                 continue;
             }
             let is_part = heading.part.as_ref() == Some(column);
@@ -187,51 +184,41 @@ impl<'a> Header<'a> {
             ([place], _) => Ok(Some(*place)),
             ([first, second, ..], _) => {
                 let [first, second] = [first, second].map(|place| self.name(place.index));
-                let twice = format!("column `{}` stands twice", column.stem());
+                let twice = format!("column `{}` occurs twice", column.stem());
+                let pair = pair(column.stem(), first);
                 Err(match first == second {
-                    true => {
-                        format!("{twice}, and nothing tells which is meant; rename one of them")
-                    }
-                    false => {
-                        let pair = pair(column.stem(), first);
-                        format!(
-                            "{twice}, as `{first}` and as `{second}`; say which: setting `columns` '{pair}'"
-                        )
-                    }
+                    true => format!("{twice}; rename one of them"),
+                    false => format!(
+                        "{twice}, as `{first}` and as `{second}`; state which by setting `columns` '{pair}'"
+                    ),
                 })
             }
         }
     }
 
     /// Place of a column to which the user assigned another name.
-    fn told_place(
+    fn assigned_place(
         &self,
         column: &Column,
         key: &str,
         name: &str,
         of_key: Option<ColumnUnit>,
     ) -> Result<Place, String> {
+        let says = format!("setting `columns` assigns `{name}` to `{key}`");
         let exact = |heading: &Heading<'_>| heading.name == name.trim();
         let alike = |heading: &Heading<'_>| spelt(heading.name) == spelt(name);
-        let places = |fits: &dyn Fn(&Heading<'_>) -> bool| -> Vec<usize> {
-            let headings = self.headings.iter().enumerate();
-            headings
-                .filter(|(_, heading)| fits(heading))
-                .map(|(index, _)| index)
-                .collect()
-        };
         let without_unit = |heading: &Heading<'_>| heading.base == spelt(name);
+        let places = |fits: &dyn Fn(&Heading<'_>) -> bool| -> Vec<usize> {
+            let all = 0..self.headings.len();
+            all.filter(|&index| fits(&self.headings[index])).collect()
+        };
         let ways: [&dyn Fn(&Heading<'_>) -> bool; 3] = [&exact, &alike, &without_unit];
-        let found = ways.into_iter().map(places);
-        let found = found.into_iter().find(|found| !found.is_empty());
-        let found = found.unwrap_or_default();
+        let mut found = ways.into_iter().map(places);
+        let found = found.find(|found| !found.is_empty()).unwrap_or_default();
         let &[index] = found.as_slice() else {
             return Err(match found.len() {
-                0 => format!(
-                    "`{key}` is said to be `{name}`, which is no column; {}",
-                    self.listed()
-                ),
-                many => format!("`{key}` is said to be `{name}`, as {many} columns are called"),
+                0 => format!("{says}, which is no column; {}", self.listed()),
+                many => format!("{says}, as {many} columns are called"),
             });
         };
         let heading = &self.headings[index];
@@ -241,7 +228,7 @@ impl<'a> Header<'a> {
             && QUATERNION.into_iter().all(has)
         {
             return Err(format!(
-                "`{key}` is said to be `{name}`, which is part of a quaternion; without it in setting `columns` the quaternion is read"
+                "{says}, which is part of a quaternion; without it the quaternion is read"
             ));
         }
         let in_file = match heading.bracket {
@@ -255,9 +242,7 @@ impl<'a> Header<'a> {
         };
         let unit = match (of_key, in_file) {
             (Some(of_key), Some(in_file)) if of_key != in_file => {
-                return Err(format!(
-                    "`{key}` is said to be `{name}`, whose header states another unit"
-                ));
+                return Err(format!("{says}, whose header states another unit"));
             }
             (of_key, in_file) => of_key.or(in_file),
         };
@@ -328,38 +313,21 @@ impl<'a> Header<'a> {
         message
     }
 
-    /// Pairs of names for the missing columns, assigned in order of similarity; `…` if no name is similar.
+    /// Pairs of names for the missing columns; `…` if no free name is similar.
     fn proposed(&self, missing: &[Column], free: &[usize]) -> Vec<String> {
-        let mut scored: Vec<(f64, usize, usize)> = Vec::new();
-        for (place, column) in missing.iter().enumerate() {
-            for &index in free {
-                let score = similarity(column, &self.headings[index]);
-                if score >= SIMILAR {
-                    scored.push((score, place, index));
-                }
-            }
-        }
-        scored.sort_by(|one, other| other.0.total_cmp(&one.0).then(one.2.cmp(&other.2)));
-        let mut of_column: Vec<Option<usize>> = vec![None; missing.len()];
-        for (_, place, index) in scored {
-            if of_column[place].is_none() && !of_column.contains(&Some(index)) {
-                of_column[place] = Some(index);
-            }
-        }
-        missing
-            .iter()
-            .zip(of_column)
-            .map(|(column, index)| match index {
-                None => format!("{}=…", column.name),
-                Some(index) => {
-                    let heading = &self.headings[index];
-                    let states = heading.bracket.is_some()
-                        || suffix(heading, column).ok().flatten().is_some();
-                    let key = if states { column.stem() } else { column.name };
-                    pair(key, heading.name)
-                }
-            })
-            .collect()
+        let mut free = free.to_vec();
+        let mut pair_of = |column: &Column| {
+            let similar = |&index: &usize| is_similar(column, &self.headings[index]);
+            let Some(place) = free.iter().position(similar) else {
+                return format!("{}=…", column.name);
+            };
+            let heading = &self.headings[free.remove(place)];
+            let states =
+                heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
+            let key = if states { column.stem() } else { column.name };
+            pair(key, heading.name)
+        };
+        missing.iter().map(&mut pair_of).collect()
     }
 }
 
@@ -371,7 +339,7 @@ const fn has_no_need(measure: Measure) -> bool {
 fn no_unit(name: &str, column: &Column) -> String {
     let own = pair(column.name, name);
     format!(
-        "`{name}` states no unit ({}); write setting `columns` '{own}' if it is that of `{}`",
+        "`{name}` states no unit ({}); write setting `columns` '{own}' if its unit is that of `{}`",
         column.measure.units(),
         column.name
     )
@@ -395,8 +363,8 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
             let name = heading.name;
             let stem = column.stem();
             Err(format!(
-                "`{name}` may be in inches, or in what its name says; write setting `columns` '{}' if it is in inches, \
-                 '{}' if it is in millimetres",
+                "`{name}` may be in inches or not; write setting `columns` '{}' if it is in inches, '{}' if it is in \
+                 millimetres",
                 pair(&format!("{stem}_inch"), name),
                 pair(&format!("{stem}_mm"), name)
             ))
@@ -411,96 +379,82 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
 }
 
-/// Similarity of a column's name to one in the file, from 0 to 1.
-fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
+/// Whether a name in the file may denote the column: it has a unit of the column or none, and all words of the column's
+/// name or its quantity and axis.
+fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion is not an angle.
-    if is_quaternion(heading) && column.measure != Measure::Length {
-        return 0.0;
+    let is_angle = is_quaternion(heading) && column.measure != Measure::Length;
+    let is_unit = |unit: &str| column.measure.unit(unit).is_some();
+    if is_angle || heading.bracket.is_some_and(|unit| !is_unit(unit)) {
+        return false;
     }
-    if heading
-        .bracket
-        .is_some_and(|unit| column.measure.unit(unit).is_none())
-    {
-        return 0.0;
-    }
-    let wanted: Vec<&str> = column.stem().split('_').collect();
-    let shown: Vec<&str> = heading.base.split('_').collect();
-    let is_unit = |measure: Measure| {
-        let last = shown.last().filter(|_| shown.len() > 1);
-        last.is_some_and(|last| measure.unit(last).is_some())
-    };
+    let words: Vec<&str> = heading.base.split('_').collect();
     let others = [
         Measure::Length,
         Measure::Angle,
         Measure::Time,
         Measure::Pixel,
     ];
-    if !is_unit(column.measure) && others.into_iter().any(is_unit) {
-        return 0.0;
+    if let [_, .., last] = words[..]
+        && !is_unit(last)
+        && others.iter().any(|other| other.unit(last).is_some())
+    {
+        return false;
     }
-    let of_word = |word: &&str| {
-        let likeness = |other: &&str| match word.len().min(other.len()) {
-            0 | 1 => f64::from(u8::from(word == other)),
-            _ => strsim::jaro_winkler(word, other),
-        };
-        shown.iter().map(likeness).fold(0.0, f64::max)
-    };
-    let total: f64 = wanted.iter().map(of_word).sum();
-    let more = shown.len().saturating_sub(wanted.len());
-    let of_words = total / wanted.len() as f64 - 0.01 * more.min(10) as f64;
-    match of_words < SIMILAR && is_of_axis(column, &shown) {
-        true => SIMILAR,
-        false => of_words,
-    }
+    column.stem().split('_').all(|word| words.contains(&word)) || is_of_axis(column, &words)
 }
 
 /// Whether a name in the file denotes the same quantity and axis, by its letters or its list index: `px` and
 /// `position.0` are an x, `rx` is a rotation about x, `du` and `u` are a shift.
-fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
-    let wanted: Vec<&str> = column.stem().split('_').collect();
-    let Some((axis, quantity)) = wanted.split_last().filter(|(axis, _)| axis.len() == 1) else {
+fn is_of_axis(column: &Column, words: &[&str]) -> bool {
+    let (quantity, axis) = match column.stem().rsplit_once('_') {
+        Some((quantity, axis)) => (quantity, axis),
+        None => ("", column.stem()),
+    };
+    let is_no_unit = |word: &&&str| column.measure.unit(word).is_none() || words.len() == 1;
+    let words: Vec<&str> = words.iter().filter(is_no_unit).copied().collect();
+    let Some((last, rest)) = words.split_last().filter(|_| axis.len() == 1) else {
         return false;
     };
-    let is_no_unit = |word: &&&str| column.measure.unit(word).is_none() || shown.len() == 1;
-    let words: Vec<&str> = shown.iter().filter(is_no_unit).copied().collect();
-    let Some((last, rest)) = words.split_last() else {
-        return false;
-    };
-    let place = match *axis {
+    let index = match axis {
         "x" | "u" => "0",
         "y" | "v" => "1",
         _ => "2",
     };
     // The words before the letter or the index name the quantity.
-    let (letter, rest) = match last.strip_suffix(*axis) {
-        Some("") => ("", rest),
-        Some(letter) if letter.len() == 1 => (letter, rest),
-        _ if *last == place && !rest.is_empty() => ("", rest),
+    let letter = match last.strip_suffix(axis) {
+        Some(letter) if letter.len() <= 1 => letter,
+        _ if *last == index && !rest.is_empty() => "",
         _ => return false,
     };
-    let others = [
-        "normal",
-        "rotation",
-        "shift",
-        "tangential",
-        "force",
-        "torque",
-        "velocity",
-    ];
     let says = |quantity: &str| {
-        rest.iter()
-            .any(|word| strsim::jaro_winkler(word, quantity) >= 0.9)
+        let is_start = |word: &&str| word.len() > 2 && quantity.starts_with(*word);
+        rest.iter().any(is_start)
     };
-    match quantity.first() {
-        None => {
+    let letters: &[&str] = match quantity {
+        "" => {
             // A single letter other than p names another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
-            !others.into_iter().any(says) && rest.iter().all(is_place) && matches!(letter, "" | "p")
+            return !OTHERS.into_iter().any(says)
+                && rest.iter().all(is_place)
+                && matches!(letter, "" | "p");
         }
-        Some(&"rotation") => says("rotation") || (rest.is_empty() && matches!(letter, "r" | "w")),
-        Some(&"shift") => says("shift") || (rest.is_empty() && matches!(letter, "" | "d" | "s")),
-        Some(&"normal") => says("normal") || (rest.is_empty() && letter == "n"),
-        Some(&"tangential") => says("tangential") || (rest.is_empty() && letter == "d"),
-        Some(_) => false,
-    }
+        "rotation" => &["r", "w"],
+        "shift" => &["", "d", "s"],
+        "normal" => &["n"],
+        "tangential" => &["d"],
+        _ => return false,
+    };
+    says(quantity) || (rest.is_empty() && letters.contains(&letter))
 }
+
+/// Quantities with axes that are not places.
+const OTHERS: [&str; 7] = [
+    "normal",
+    "rotation",
+    "shift",
+    "tangential",
+    "force",
+    "torque",
+    "velocity",
+];

@@ -1,63 +1,32 @@
 //! Estimates the curvature of an object from two frames of a camera sensor, by a fit to the markers' pictures.
 
-mod camera_prior;
-mod error_scaling;
-mod image_options;
-
-pub use image_options::PictureOptions;
-
-use palpate_press::{Body, MarkerDisplacement, Measured, Misfit, PressError};
-use palpate_study::Table;
+use palpate_estimators::{ImageEstimator, ImageFitSetup, ImageModel, MarkerImages, pressed_images};
+use palpate_press::{
+    Body, ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate, Seen,
+};
+use palpate_statistics::Number;
+use palpate_study::{FieldError, Warning};
 use palpate_tracking::{Displaced, MarkerErrors, Track};
 
-use self::camera_prior::CameraPrior;
-use self::error_scaling::ScaledFit;
-use super::camera_calibration::{NominalSensor, SeenAtRest, camera_of, usable};
+use super::camera_calibration::{MarkersAtRest, usable};
+use super::camera_prior::CameraPrior;
 use super::camera_reading::{CameraReading, TrackedPress};
-use super::consistency::{self, FORMAT_VERSION};
 use super::error::{RecordedError, explained};
 use super::frame_pair::{Frame, FramePair};
-use super::press_estimate::{GIVE_INDENTATION, force_and_pressure, too_large};
-use super::press_report::{Described, PressReport, Row};
-use palpate_estimators::{ImageFitSetup, MarkerImages, pressed_images};
-use palpate_study::FieldError;
-use palpate_study::Warning;
-
-/// The press estimated from two frames, and the displacements of its markers.
-#[derive(Clone, Debug)]
-pub struct ImageEstimate {
-    sensed: CameraReading,
-    press: TrackedPress,
-}
-
-impl ImageEstimate {
-    /// One row per tracked marker: its place in the layout, and its displacement, which is that of the estimated
-    /// press plus a correction from its own picture.
-    pub fn readings(&self) -> Table {
-        self.sensed.readings()
-    }
-
-    /// The field on a grid, as [`CameraReading::field`].
-    ///
-    /// # Errors
-    /// Errors of [`CameraReading::field`].
-    pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
-        self.sensed.field(grid, filter_std)
-    }
-
-    /// The estimate.
-    pub const fn press(&self) -> &TrackedPress {
-        &self.press
-    }
-}
+use super::layout_matching::{CONTRADICTION, scatter};
+use super::nominal_sensor::NominalSensor;
+use super::press_estimate::{GIVE_INDENTATION, force_and_pressure};
+use super::press_options::PictureOptions;
+use super::press_report::{PressReport, Row};
+use super::press_warnings::{indentation_check, large_contact, left_out, stated_indentation};
 
 /// Text of the warning that light and blur of the pictures may cause other warnings.
 const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected as for markers at rest; they change as markers move, which may cause other warnings";
 
-/// Estimates the curvature of an object from a frame at rest and a pressed frame. The markers at rest are matched
-/// with the layout. A press is fitted to the centroid, hue and size of each tracked marker, with the errors that the
-/// tracker states. `tracked` is the tracking result of these frames. `file` names the readings in messages; `None` if
-/// they are no file.
+/// Estimates the curvature of an object from a frame at rest and a pressed frame; also returns the displacements of the
+/// markers. The markers at rest are matched with the layout. A press is fitted to the centroid, hue and size of each
+/// tracked marker, with the errors that the tracker states. `tracked` is the tracking result of these frames. `file` names
+/// the readings in messages; `None` if they are no file.
 ///
 /// If markers scatter more than these errors explain, uncertainties are widened by the same factor, with a warning.
 /// Misfits, p-value and reduced χ² of a press use the errors that explain the scatter at rest.
@@ -65,94 +34,72 @@ const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are correct
 /// # Errors
 /// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
 /// colours, for a camera that the frame at rest contradicts, and for frames that determine no press.
-pub fn estimate_images(
+pub(super) fn estimate_images(
     [rest, press]: [&Frame; 2],
     tracked: &FramePair,
     options: &PictureOptions,
     file: Option<String>,
-) -> Result<ImageEstimate, RecordedError> {
-    let at_rest = |message: String| failure(rest, message);
+) -> Result<(CameraReading, TrackedPress), RecordedError> {
+    let at_rest = |message: String| RecordedError::readings(&rest.file, message);
     let of_study = |error: FieldError| at_rest(format!("{}: {}", error.path, error.message));
-    let camera = camera_of(&options.press).map_err(of_study)?;
-    usable(rest, camera).map_err(at_rest)?;
-    usable(press, camera).map_err(|message| failure(press, message))?;
-    let meant =
-        NominalSensor::of(&options.press, camera).and_then(NominalSensor::through_blemishes);
-    let meant = meant.map_err(of_study)?;
-    let seen = SeenAtRest::of(&meant, &tracked.found[0], options.unit()).map_err(at_rest)?;
-    let known = CameraPrior::of(&meant, options, rest)?;
-    let doubt = known.doubt(&seen.camera, rest)?;
-    let plan = ImageFitSetup {
+    let nominal = NominalSensor::of(&options.press).map_err(of_study)?;
+    usable(rest, nominal.camera).map_err(at_rest)?;
+    let of_press = |message| RecordedError::readings(&press.file, message);
+    usable(press, nominal.camera).map_err(of_press)?;
+    let nominal = nominal.through_blemishes().map_err(of_study)?;
+    let markers = MarkersAtRest::of(&nominal, &tracked.found[0], options.unit).map_err(at_rest)?;
+    let prior = CameraPrior::of(&nominal, options, rest)?;
+    let other_camera = prior.other_camera(&markers.camera, rest)?;
+    let setup = ImageFitSetup {
         estimator: &options.press.estimator,
         model: &options.press.model,
-        sphere: &meant.sphere,
-        markers: &meant.markers,
-        optics: &meant.seen_from(&known.stand).map_err(of_study)?,
-        stds: known.stds,
-        departure_prior: known.departure_prior.clone(),
+        sphere: &nominal.sphere,
+        markers: &nominal.markers,
+        optics: &nominal.optics_of(&prior.geometry).map_err(of_study)?,
+        stds: prior.stds,
+        departure_prior: prior.departure_prior.clone(),
         layers: &Body::bonded_layers,
     };
-    let fit = plan.fit().map_err(of_study)?;
+    let fit = setup.fit().map_err(of_study)?;
     let fit = fit.ok_or_else(|| at_rest("the estimator takes no pictures".to_owned()))?;
-    let matched = Matched::of(&seen, tracked);
     let scene = Scene {
         frames: [rest, press],
         options,
-        meant: &meant,
-        matched: &matched,
+        nominal: &nominal,
+        tracked,
+        matched: Matched::of(markers.found, tracked),
     };
-    let measured = scene.indentation();
-    let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
-    let refused = |error: PressError| scene.refused(&error);
-    let widened = ScaledFit::of(
-        fit,
-        &seen.seen,
-        matched.pressed(tracked, &meant),
-        indentation,
-    );
-    let mut widened =
-        widened.map_err(
-            |(error, at_rest)| match error_scaling::reason(rest, at_rest) {
-                Some(reason) => {
-                    failure(press, explained(format!("{error}; {reason}"), error.name()))
-                }
-                None => refused(error),
-            },
-        )?;
-    if widened.misfits.is_empty() {
-        widened.estimate.within_object().map_err(refused)?;
+    let std = options.press.estimator.priors().indentation_std;
+    let unit = options.unit.as_str();
+    let stated = options.indentation;
+    let stated = stated.map(|value| stated_indentation(value, std, unit));
+    let (indentation, assumed) = stated.unzip();
+    let images = scene.images();
+    let scaled = ScaledFit::of(fit, &markers.pictures, images, indentation);
+    let mut scaled = scaled.map_err(|(error, scatter)| scene.refused(&error, scatter))?;
+    let refused = |error: PressError| scene.refused(&error, 1.0);
+    if scaled.misfits.is_empty() {
+        scaled.estimate.within_object().map_err(refused)?;
     }
-    let moved = scene.moved(&widened).map_err(refused)?;
-    let sensed = scene.sensed(tracked, &moved, file)?;
-    let (contradiction, unchecked) = match widened.check_indentation(indentation) {
-        Ok(contradiction) => (contradiction, None),
-        Err(error) => (None, Some(consistency::unchecked_indentation(error))),
-    };
-    widened.misfits.extend(contradiction);
-    let blemished = meant.is_blemished() && !widened.misfits.is_empty();
-    let warnings = (seen.missing.into_iter())
-        .chain(Warning::of("other-camera", doubt))
+    let moved = scene.displacements(&scaled).map_err(refused)?;
+    let reading = scene.reading(&moved, file)?;
+    let (contradiction, unchecked) = indentation_check(scaled.check_indentation(indentation));
+    scaled.misfits.extend(contradiction);
+    let blemished = nominal.is_blemished() && !scaled.misfits.is_empty();
+    let mut report = scene.report(&scaled, &moved, &reading)?;
+    let of_frames = (markers.missing.into_iter())
+        .chain(Warning::of("other-camera", other_camera))
         .chain(Warning::of("ignored-layer", options.other_body()))
         .chain(Warning::of(
             "uneven-pictures",
             blemished.then_some(BLEMISHED),
         ))
-        .chain(widened.warnings(scene.frames))
+        .chain(scaled.warnings(scene.frames))
         .chain(unchecked)
-        .chain(measured.and_then(|(_, warning)| warning))
-        .collect();
-    let object = scene.object(&widened, &moved, warnings, &sensed)?;
-    Ok(ImageEstimate {
-        press: sensed.pressed_by(object),
-        sensed,
-    })
-}
-
-fn failure(frame: &Frame, message: String) -> RecordedError {
-    RecordedError::Readings {
-        file: frame.file.clone(),
-        message,
-    }
+        .chain(assumed.flatten());
+    report.warnings.splice(..0, of_frames);
+    let press = reading.tracked_press(report);
+    Ok((reading, press))
 }
 
 /// Markers of a layout, matched with the tracked markers.
@@ -164,35 +111,16 @@ struct Matched {
 }
 
 impl Matched {
-    fn of(at_rest: &SeenAtRest, tracked: &FramePair) -> Self {
-        // The tracks begin with those of the markers at rest, in their order.
-        let tracks = at_rest.found.clone();
-        let again = |marker: &usize| {
+    /// The tracks begin with those of the markers at rest, in their order, so that the indices of markers are those of
+    /// tracks.
+    fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
+        let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
             track.is_some_and(|track| track.change().is_some())
         };
-        let mut rows: Vec<usize> = (0..tracks.len()).filter(again).collect();
+        let mut rows: Vec<usize> = (0..tracks.len()).filter(is_tracked).collect();
         rows.sort_by_key(|&marker| tracks[marker]);
         Self { tracks, rows }
-    }
-
-    /// Images of the markers in the pressed frame.
-    fn pressed(&self, tracked: &FramePair, meant: &NominalSensor<'_>) -> MarkerImages {
-        let of_layout = self.tracks.iter();
-        let tracks: Vec<Option<Track>> = of_layout
-            .map(|track| tracked.tracks.get((*track)?).copied())
-            .collect();
-        let errors: Vec<Option<MarkerErrors>> = tracks
-            .iter()
-            .map(|track| tracked.found[1].errors_of(&(*track)?.pressed?))
-            .collect();
-        let seen = pressed_images(&tracks, &errors).into_iter().enumerate();
-        MarkerImages {
-            own_rest: None,
-            pressed: seen
-                .map(|(marker, seen)| Some(meant.clear(marker, seen?)))
-                .collect(),
-        }
     }
 }
 
@@ -200,25 +128,34 @@ impl Matched {
 struct Scene<'a> {
     frames: [&'a Frame; 2],
     options: &'a PictureOptions,
-    meant: &'a NominalSensor<'a>,
-    matched: &'a Matched,
+    nominal: &'a NominalSensor<'a>,
+    tracked: &'a FramePair,
+    matched: Matched,
 }
 
 impl Scene<'_> {
-    fn unit(&self) -> &'static str {
-        self.options.unit().as_str()
+    /// Images of the markers in the pressed frame.
+    fn images(&self) -> MarkerImages {
+        let tracks = self.matched.tracks.iter();
+        let tracks: Vec<Option<Track>> = tracks
+            .map(|track| self.tracked.tracks.get((*track)?).copied())
+            .collect();
+        let errors = |track: &Option<Track>| self.tracked.found[1].errors_of(&(*track)?.pressed?);
+        let errors: Vec<Option<MarkerErrors>> = tracks.iter().map(errors).collect();
+        let images = pressed_images(&tracks, &errors).into_iter().enumerate();
+        let clear =
+            |(marker, image): (usize, Option<Seen>)| Some(self.nominal.clear(marker, image?));
+        MarkerImages {
+            own_rest: None,
+            pressed: images.map(clear).collect(),
+        }
     }
 
-    /// The stated indentation, with a warning if its standard deviation is assumed.
-    fn indentation(&self) -> Option<(Measured, Option<Warning>)> {
-        let std = self.options.press.estimator.priors().indentation_std;
-        let value = self.options.indentation?;
-        Some(consistency::indentation(value, std, self.unit()))
-    }
-
-    fn refused(&self, error: &PressError) -> RecordedError {
+    /// The error of a fit, with the scatter of the markers at rest as its possible cause.
+    fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
+            _ if scatter > 1.0 => format!("{error}; {}: {OF_REST}", scattered(rest, scatter)),
             PressError::NoContact { .. } if rest.image == pressed.image => {
                 format!("{error}: all pixels are those of {}", rest.file)
             }
@@ -227,83 +164,80 @@ impl Scene<'_> {
             }
             _ => error.to_string(),
         };
-        failure(pressed, explained(message, error.name()))
+        RecordedError::readings(&pressed.file, explained(message, error.name()))
     }
 
-    /// Marker displacements midway between the discs: by the fitted press, plus what each picture shows beyond it.
-    fn moved(&self, widened: &ScaledFit) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
-        let estimate = &widened.estimate;
+    /// Marker displacements midway between the discs: those of the fitted press, plus the residual displacement by each
+    /// marker's own picture.
+    fn displacements(
+        &self,
+        scaled: &ScaledFit,
+    ) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        let estimate = &scaled.estimate;
         let body = self.body()?;
         let contact = body.press(estimate.most_likely_curvature, estimate.indentation.value)?;
-        let by_press = self.meant.markers.displacements(&contact, estimate.contact);
-        let beyond = widened.beyond()?;
-        let pairs = by_press.iter().zip(beyond);
-        Ok(pairs
-            .map(|(by_press, beyond)| {
-                let beyond = beyond?;
-                Some(MarkerDisplacement {
-                    normal: by_press.normal + beyond.normal,
-                    tangential: [0, 1]
-                        .map(|axis| by_press.tangential[axis] + beyond.tangential[axis]),
-                })
+        let of_press = self
+            .nominal
+            .markers
+            .displacements(&contact, estimate.contact);
+        let residuals = scaled.method.beyond(&scaled.pictures, estimate)?;
+        let sum = |(of_press, residual): (&MarkerDisplacement, Option<MarkerDisplacement>)| {
+            let residual = residual?;
+            let along = |axis: usize| of_press.tangential[axis] + residual.tangential[axis];
+            Some(MarkerDisplacement {
+                normal: of_press.normal + residual.normal,
+                tangential: [0, 1].map(along),
             })
-            .collect())
+        };
+        Ok(of_press.iter().zip(residuals).map(sum).collect())
     }
 
     /// Displacements of the markers that were found again.
-    fn sensed(
+    fn reading(
         &self,
-        tracked: &FramePair,
         moved: &[Option<MarkerDisplacement>],
         file: Option<String>,
     ) -> Result<CameraReading, RecordedError> {
-        let radius = self.meant.sphere.radius;
-        let rows = self.matched.rows.iter();
-        let displaced: Vec<Displaced> = rows
-            .filter_map(|&marker| {
-                let moved = moved[marker]?;
-                Some(Displaced {
-                    place: self.meant.places[marker].map(|along| along / radius),
-                    tangential: moved.tangential,
-                    normal: moved.normal,
-                })
+        let radius = self.nominal.sphere.radius;
+        let displaced = |&marker: &usize| {
+            let moved = moved[marker]?;
+            Some(Displaced {
+                place: self.nominal.places[marker].map(|along| along / radius),
+                tangential: moved.tangential,
+                normal: moved.normal,
             })
-            .collect();
-        CameraReading::of(tracked, &displaced, (radius, self.options.unit()), file)
+        };
+        let displaced: Vec<Displaced> = self.matched.rows.iter().filter_map(displaced).collect();
+        CameraReading::of(self.tracked, &displaced, (radius, self.options.unit), file)
     }
 
-    fn object(
+    /// The report, with the warnings about the press.
+    fn report(
         &self,
-        widened: &ScaledFit,
+        scaled: &ScaledFit,
         moved: &[Option<MarkerDisplacement>],
-        mut warnings: Vec<Warning>,
-        sensed: &CameraReading,
+        reading: &CameraReading,
     ) -> Result<PressReport, RecordedError> {
-        let ScaledFit {
-            estimate, misfits, ..
-        } = widened;
+        let (estimate, options, unit) = (&scaled.estimate, self.options, self.options.unit);
         let rows = self.matched.rows.iter().copied();
         let rows: Vec<usize> = rows.filter(|&marker| moved[marker].is_some()).collect();
         let row = |marker: &usize| rows.iter().position(|one| one == marker);
-        let wrong_markers: Vec<Row> = estimate
-            .wrong_markers
-            .iter()
-            .filter_map(row)
-            .map(|at| sensed.row(at))
-            .collect();
-        let distances = self.meant.markers.subset(&rows).distances(estimate.contact);
-        warnings.extend(consistency::left_out(
+        let wrong = estimate.wrong_markers.iter().filter_map(row);
+        let wrong_markers: Vec<Row> = wrong.map(|row| reading.row(row)).collect();
+        let distances = self
+            .nominal
+            .markers
+            .subset(&rows)
+            .distances(estimate.contact);
+        let radius = estimate.contact_radius.value;
+        let left_out = left_out(
             &wrong_markers,
             &distances,
-            estimate.contact_radius.value,
-            self.options.indentation.is_some(),
-        ));
-        let press = &self.options.press;
-        warnings.extend(too_large(
-            estimate,
-            self.meant.sphere.radius,
-            self.options.thickness().is_some(),
-        ));
+            radius,
+            options.indentation.is_some(),
+        );
+        let is_layer = options.thickness().is_some();
+        let large = large_contact(estimate, self.nominal.sphere.radius, is_layer);
         let in_row = |misfit: &Misfit| match *misfit {
             // The scatter of the markers has its own warning.
             Misfit::PoorFit { .. } => None,
@@ -313,37 +247,142 @@ impl Scene<'_> {
             }),
             misfit => Some(misfit),
         };
-        let misfits = misfits.iter().filter_map(in_row);
-        warnings.extend(misfits.map(|misfit| sensed.warning(&misfit)));
-        let body = self.body();
-        let stresses = body
-            .and_then(|body| {
-                let young = self.options.young;
-                force_and_pressure(&body, estimate, young, self.options.unit())
-            })
-            .map_err(|error| self.refused(&error))?;
-        Ok(PressReport::of(
-            estimate,
-            Described {
-                format_version: FORMAT_VERSION,
-                method: press.estimator.name(),
-                c: None,
-                markers: rows.len(),
-                with_tangential: true,
-                unit: self.options.unit(),
-                stresses,
-                wrong_markers,
-                warnings,
-            },
-        ))
+        let misfits = scaled.misfits.iter().filter_map(in_row);
+        let misfits = misfits.map(|misfit| reading.warning(&misfit));
+        let stresses = self.body();
+        let stresses =
+            stresses.and_then(|body| force_and_pressure(&body, estimate, options.young, unit));
+        let [force, peak_pressure] = stresses.map_err(|error| self.refused(&error, 1.0))?;
+        Ok(PressReport {
+            markers: rows.len(),
+            force,
+            peak_pressure,
+            warnings: left_out.into_iter().chain(large).chain(misfits).collect(),
+            wrong_markers,
+            ..PressReport::of(estimate, options.press.estimator.name(), unit)
+        })
     }
 
     /// The sensor's soft body, with displacements at the depth of the markers.
     fn body(&self) -> Result<Body, PressError> {
-        let depth = self.meant.sphere.marker_depth;
+        let depth = self.nominal.sphere.marker_depth;
         match self.options.thickness() {
             Some(thickness) => Body::solved_layer(thickness, depth),
             None => Body::half_space(self.options.poisson(), depth),
         }
+    }
+}
+
+/// A fit of pictures with errors widened to the scatter of the markers.
+struct ScaledFit {
+    method: ImageEstimator,
+    pictures: MarkerImages,
+    /// The estimate; its goodness of fit uses errors widened by the scatter at rest only.
+    estimate: PressEstimate,
+    /// Contradictions between the pictures and the model, with the same errors.
+    misfits: Vec<Misfit>,
+    /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if these explain it.
+    scatter: [f64; 2],
+}
+
+impl ScaledFit {
+    /// The estimate from markers at rest and pressed.
+    ///
+    /// # Errors
+    /// Errors of the fit, with the scatter at rest.
+    fn of(
+        fit: ImageFit<ImageModel>,
+        rest: &[Option<Seen>],
+        mut pictures: MarkerImages,
+        indentation: Option<Measured>,
+    ) -> Result<Self, (PressError, f64)> {
+        let mut method = ImageEstimator::new(fit.clone(), rest.to_vec());
+        let at_rest = method.rest().map_err(|error| (error, 1.0))?;
+        let at_rest = scatter(at_rest.chi_squared / at_rest.freedom.max(1) as f64);
+        if at_rest > 1.0 {
+            let mut rest = rest.to_vec();
+            widen(&mut rest, at_rest);
+            widen(&mut pictures.pressed, at_rest);
+            method = ImageEstimator::new(fit, rest);
+        }
+        Self::pressed(method, pictures, indentation, at_rest).map_err(|error| (error, at_rest))
+    }
+
+    fn pressed(
+        method: ImageEstimator,
+        mut pictures: MarkerImages,
+        indentation: Option<Measured>,
+        at_rest: f64,
+    ) -> Result<Self, PressError> {
+        let mut estimate = method.estimate(&pictures, indentation)?;
+        let misfits = method.misfits(&pictures, indentation, &estimate)?;
+        let is_poor = |misfit: &Misfit| matches!(misfit, Misfit::PoorFit { .. });
+        let mut pressed = 1.0;
+        if misfits.iter().any(is_poor) {
+            pressed = estimate.reduced_chi_squared.sqrt();
+            widen(&mut pictures.pressed, pressed);
+            estimate = PressEstimate {
+                goodness: estimate.goodness,
+                reduced_chi_squared: estimate.reduced_chi_squared,
+                ..method.estimate(&pictures, indentation)?
+            };
+        }
+        Ok(Self {
+            method,
+            pictures,
+            estimate,
+            misfits,
+            scatter: [at_rest, at_rest * pressed],
+        })
+    }
+
+    /// Compares a stated indentation with the one that the same pictures alone give.
+    fn check_indentation(
+        &self,
+        indentation: Option<Measured>,
+    ) -> Result<Option<Misfit>, PressError> {
+        self.method.check_indentation(&self.pictures, indentation)
+    }
+
+    /// Warnings if the stated errors were widened.
+    fn warnings(&self, [rest, press]: [&Frame; 2]) -> impl Iterator<Item = Warning> {
+        let [at_rest, pressed] = self.scatter;
+        let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
+            let reliability = match scatter * scatter > CONTRADICTION {
+                true => ", and the curvature is not reliable",
+                false => "",
+            };
+            let scattered = scattered(frame, scatter);
+            let text =
+                format!("{scattered}; uncertainties are as much wider{reliability}: {cause}");
+            Warning::new(code, text, [("ratio", scatter)])
+        };
+        let of_rest = (at_rest > 1.0).then(|| warning("scatter-at-rest", at_rest, rest, OF_REST));
+        let of_press = (pressed > at_rest).then(|| {
+            let cause = "are the body and the indentation those of the sensor?";
+            let mut warning = warning("poor-fit", pressed, press, cause);
+            if let Some(goodness) = self.estimate.goodness {
+                warning.numbers.insert("p_value".into(), goodness.p_value);
+            }
+            warning
+        });
+        of_rest.into_iter().chain(of_press)
+    }
+}
+
+/// Question about markers that scatter at rest.
+const OF_REST: &str = "are the camera and the discs those of the sensor?";
+
+fn scattered(frame: &Frame, scatter: f64) -> String {
+    format!(
+        "the markers of {} scatter {} times as much as the frame's noise explains",
+        frame.file,
+        Number::rounded(scatter)
+    )
+}
+
+fn widen(pictures: &mut [Option<Seen>], scatter: f64) {
+    for picture in pictures.iter_mut().flatten() {
+        picture.covariance *= scatter * scatter;
     }
 }

@@ -1,126 +1,86 @@
-//! Recorded readings: tables in and out, and the estimators on them.
+//! Recorded readings: tables and frames in, estimates out.
 //!
-//! A table is CSV with any of the usual delimiters, or one JSON object per line. Its [`Form`] states what the table
-//! itself does not show.
+//! | step | files |
+//! |---|---|
+//! | a file to rows of text | `file`, `text_table` with a file per format: `delimited_text`, `json_lines` |
+//! | rows to columns of numbers in one unit | `header`, `decimal`, `reading_table` |
+//! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
+//! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
+//! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate` |
+//! | warnings | `roll_warnings`, `glide_warnings`, `press_warnings`, with the words of `misfit_warning` |
+//! | frames to tracked markers | `frame_pair`, `overlay` |
+//! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the pictures |
+//! | a frame at rest to a camera | `camera_calibration`, `layout_matching`, `nominal_sensor`, `camera_file`, `camera_prior` |
 
 mod calibration;
 mod calibration_file;
 mod calibration_report;
 mod camera_calibration;
+mod camera_file;
+mod camera_prior;
 mod camera_reading;
-mod consistency;
 mod decimal;
-mod drawing;
-mod duplicate_rows;
+mod delimited_text;
 mod error;
-mod extra_columns;
 mod file;
 mod finger_assignment;
-mod frame;
-mod frame_calibration;
 mod frame_pair;
-mod frame_reader;
 mod glide_estimate;
-mod glide_misfit;
+mod glide_options;
 mod glide_recording;
 mod glide_report;
-mod glide_settings;
+mod glide_warnings;
 mod header;
 mod image_estimate;
-mod input_checks;
+mod json_lines;
+mod layout_matching;
 mod misfit_warning;
+mod nominal_sensor;
 mod overlay;
 mod press_estimate;
+mod press_options;
 mod press_recording;
 mod press_report;
-mod press_settings;
+mod press_warnings;
 mod reading_table;
 mod roll_estimate;
-mod roll_misfit;
+mod roll_options;
 mod roll_recording;
-mod roll_settings;
+mod roll_warnings;
 mod source;
 mod study_options;
 mod table_format;
 mod text_table;
+mod value;
 
 pub use calibration::{
-    CalibrateOptions, CalibrationPoints, calibrate, parse_calibration_points,
-    read_calibration_points,
+    CalibrateOptions, CalibrationPoints, KnownDisplacements, calibrate, frame_calibration_points,
+    parse_calibration_points,
 };
-pub use calibration_file::{calibration_toml, parse_calibration, read_calibration};
-pub use calibration_report::{CalibrationReport, Fitted};
-pub use camera_calibration::{
-    CameraEstimate, Residual, calibrate_camera, parse_camera, read_camera,
-};
-pub use camera_reading::{CameraReading, TrackedPress};
-pub use consistency::{FORMAT_VERSION, INDENTATION_SHARE};
+pub use calibration_file::{calibration_toml, parse_calibration};
+pub use calibration_report::CalibrationReport;
+pub use camera_calibration::calibrate_camera;
+pub use camera_file::{CameraEstimate, Residual, parse_camera};
+pub use camera_reading::{FrameReader, FrameReading, TrackedPress};
 pub use error::RecordedError;
 pub use file::RecordedFile;
-pub use frame::{parse_frame, read_frame};
-pub use frame_calibration::{KnownDisplacements, frame_calibration_points};
-pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, track_frames};
-pub use frame_reader::{FrameReader, FrameReading};
-pub use glide_estimate::{GlideFitResult, GlideOptions, estimate_glide};
-pub use glide_recording::{GlideRecording, parse_glide, read_glide};
-pub use glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
-pub use glide_settings::TipReports;
-pub use image_estimate::{ImageEstimate, PictureOptions, estimate_images};
+pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames};
+pub use glide_estimate::{GlideFitResult, estimate_glide};
+pub use glide_options::{GlideOptions, TipReports};
+pub use glide_recording::{GlideRecording, parse_glide};
+pub use glide_report::{GlideEstimate, GlideMap};
 pub use overlay::overlay;
 pub use palpate_ep1::ReadingNoise;
 pub use palpate_ep2::{Curvature, MapPoint};
 pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
-pub use press_estimate::{PressOptions, estimate_press};
-pub use press_recording::{PressRecording, parse_press, read_press};
-pub use press_report::{PressNoise, PressReport, Radius, Row, Told};
-pub use roll_estimate::{RollEstimate, RollValues, UnresolvedProbe, estimate_roll};
-pub use roll_recording::{RollOptions, RollRecording, parse_roll, read_roll};
-pub use roll_settings::RollSettings;
+pub use press_estimate::estimate_press;
+pub use press_options::{PictureOptions, PressOptions};
+pub use press_recording::{PressRecording, parse_press};
+pub use press_report::PressReport;
+pub use roll_estimate::{RollEstimate, RollValues, estimate_roll};
+pub use roll_options::{RollOptions, RollSettings};
+pub use roll_recording::{RollRecording, parse_roll};
 pub use study_options::StudyMismatch;
 pub use table_format::{Decimal, Delimiter, Form, column_names};
-
-use std::borrow::Cow;
-
-use palpate_statistics::NORMAL_95;
-use serde::Serialize;
-
-use palpate_study::Unit;
-use palpate_study::config::LengthUnit;
-
-/// A value with its standard deviation, interval and unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Value {
-    /// The value.
-    pub value: f64,
-    /// Its standard deviation, if it is known.
-    pub std: Option<f64>,
-    /// 95 % interval; `None` without a standard deviation.
-    pub interval95: Option<[f64; 2]>,
-    /// Unit of all of them.
-    pub unit: Cow<'static, str>,
-}
-
-impl Value {
-    fn new(value: f64, std: Option<f64>, power: Unit, length: LengthUnit) -> Self {
-        Self::within(value, std, NORMAL_95, power, length)
-    }
-
-    /// A value whose 95 % interval reaches `half_width` standard deviations to either side.
-    fn within(
-        value: f64,
-        std: Option<f64>,
-        half_width: f64,
-        power: Unit,
-        length: LengthUnit,
-    ) -> Self {
-        let value = value + 0.0;
-        let interval = |std: f64| [value - half_width * std, value + half_width * std];
-        Self {
-            value,
-            std,
-            interval95: std.map(interval),
-            unit: Cow::Borrowed(power.of(length)),
-        }
-    }
-}
+pub use value::Value;

@@ -1,11 +1,8 @@
 //! Recorded presses.
 
-use std::path::Path;
-
 use super::RecordedFile;
 use super::error::RecordedError;
-use super::extra_columns::ExtraColumns;
-use super::reading_table::{ReadingTable, header};
+use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
 use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
@@ -14,22 +11,22 @@ use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
 /// Recorded readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressRecording {
-    pub(super) origin: ReadingSource,
+    pub(super) source: ReadingSource,
     /// Chart coordinates of each marker on the skin.
     pub(super) places: Vec<[f64; 2]>,
     /// Inward displacement of each marker.
     pub(super) normal: Vec<f64>,
     /// Displacement of each marker along the skin, if sensed.
     pub(super) tangential: Option<Vec<[f64; 2]>>,
-    /// The unit that the header states.
-    pub(super) unit: Option<LengthUnit>,
+    /// The unit of lengths that the header states.
+    pub unit: Option<LengthUnit>,
     /// Other fields of the file, marker by marker.
     pub(super) extras: ExtraColumns,
 }
 
 impl PressRecording {
-    /// Markers at these `positions` on the skin, displaced inward by `normal` and, where it was sensed, along the skin by
-    /// `tangential`. Lengths are in `unit`.
+    /// Markers at these `positions` on the skin, displaced inward by `normal` and along the skin by `tangential`, if that is
+    /// sensed. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::PressRecording;
@@ -40,8 +37,7 @@ impl PressRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many displacements as
-    /// positions.
+    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of displacements and positions.
     pub fn new(
         positions: &[[f64; 2]],
         normal: &[f64],
@@ -57,18 +53,13 @@ impl PressRecording {
             finite("tangential", tangential)?;
         }
         Ok(Self {
-            origin: ReadingSource::Arrays,
+            source: ReadingSource::arrays(),
             places: positions.to_vec(),
             normal: normal.to_vec(),
             tangential: tangential.map(<[_]>::to_vec),
             unit,
             extras: ExtraColumns::default(),
         })
-    }
-
-    /// The unit of lengths that the header states.
-    pub fn unit(&self) -> Option<LengthUnit> {
-        self.unit
     }
 
     /// Whether displacements along the skin were sensed.
@@ -82,30 +73,18 @@ impl PressRecording {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn read_press(path: &Path) -> Result<PressRecording, RecordedError> {
-    parse_press(RecordedFile::read(path)?)
-}
-
-/// The markers of a recorded press, as [`read_press`] reads them.
-///
-/// # Errors
-/// Errors of [`read_press`].
 pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> {
-    let text = file.table()?;
-    let table = TextTable::of(&file, text)?;
+    let table = TextTable::of(&file)?;
     let header = header(&table, &columns_of("press"))?;
     let has = |column: &Column| header.has(column);
     let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {
         (true, true) => {
-            let is_told = |column: &Column| header.is_told(column);
-            match (is_told(&PRESS_ROW[0]), PRESSES[..2].iter().any(is_told)) {
-                (told, other) if told != other => told,
-                _ => {
-                    let message = "there are both places x, y and radial_position; say by setting `columns` which of them \
-                                   are meant, as in setting `columns` 'radial_position=…'";
-                    return Err(file.fail(table.header_line, message));
-                }
+            let row = header.is_assigned(&PRESS_ROW[..1]);
+            if row == header.is_assigned(&PRESSES[..2]) {
+                let message = "there are both places x, y and radial_position; state which to read, as in setting `columns` 'radial_position=…'";
+                return Err(file.fail(table.header_line, message));
             }
+            row
         }
         (along_a_row, _) => along_a_row,
     };
@@ -135,10 +114,7 @@ pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> 
     }
     Ok(PressRecording {
         unit: sheet.unit,
-        origin: ReadingSource::File {
-            name: sheet.file,
-            lines: sheet.lines,
-        },
+        source: sheet.source,
         extras: sheet.extras,
         places,
         normal,

@@ -1,28 +1,18 @@
-//! Report of a pressed object, as JSON.
+//! Report of a press, as JSON.
 
 use std::collections::BTreeMap;
 
 use palpate_press::{ContactRegime, Estimated, PressEstimate};
+use palpate_study::config::LengthUnit;
+use palpate_study::{Unit, Warning};
 use serde::Serialize;
 
-use super::Value;
-use palpate_study::Unit;
-use palpate_study::Warning;
-use palpate_study::config::LengthUnit;
-
-/// A value with its uncertainty; an end of the interval is `null` where the readings set no bound.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Told {
-    value: f64,
-    std: Option<f64>,
-    interval95: [Option<f64>; 2],
-    unit: &'static str,
-}
+use super::value::{FORMAT_VERSION, Value, finite};
 
 /// The radius of an object that may be flat: the larger, the flatter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Radius {
-    /// Negative where concave; `null` where flat.
+pub(super) struct Radius {
+    /// Negative if concave; `null` if flat.
     value: Option<f64>,
     std: Option<f64>,
     /// 95 % interval of the radius if the object is convex, unsigned; an end of `null` is flat. `null` if it cannot
@@ -35,7 +25,7 @@ pub struct Radius {
 
 /// A row of the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Row {
+pub(super) struct Row {
     /// Number of the row from 1, without the header.
     pub(super) row: usize,
     /// Its line in the file.
@@ -47,21 +37,20 @@ pub struct Row {
 
 /// Noise of the displacements, stated or estimated from the residuals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PressNoise {
-    pub(super) normal_std: Value,
-    /// Standard deviation of tangential displacements; `null` where none are used.
-    pub(super) tangential_std: Option<Value>,
-    /// Reduced χ² of the fit: about 1 where residuals are as large as the noise.
-    pub(super) reduced_chi_squared: f64,
+pub(super) struct PressNoise {
+    normal_std: Value,
+    /// Standard deviation of tangential displacements; `null` if none are used.
+    tangential_std: Option<Value>,
+    /// Reduced χ² of the fit: about 1 if residuals are as large as the noise.
+    reduced_chi_squared: f64,
     /// Goodness-of-fit p-value by the stated noise; `null` if the noise is estimated from the residuals, and for a
     /// Gaussian.
-    pub(super) p_value: Option<f64>,
+    p_value: Option<f64>,
 }
 
 /// Output of `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressReport {
-    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
     pub(super) format_version: u32,
     pub(super) method: &'static str,
     /// The c of a Gaussian, given or calibrated; `null` for other methods.
@@ -70,11 +59,11 @@ pub struct PressReport {
     pub(super) with_tangential: bool,
     pub(super) length_unit: &'static str,
     /// 1/R_s + 1/R_o.
-    pub(super) relative_curvature: Told,
+    pub(super) relative_curvature: Value,
     /// Its inverse.
-    pub(super) effective_radius: Told,
-    /// 1/R_o, positive where convex.
-    pub(super) object_curvature: Told,
+    pub(super) effective_radius: Value,
+    /// 1/R_o, positive if convex.
+    pub(super) object_curvature: Value,
     /// R_o.
     pub(super) object_radius: Radius,
     /// Contact regime of the estimate.
@@ -82,8 +71,8 @@ pub struct PressReport {
     /// Shape of the object by the interval of its curvature: `convex`, `concave`, `flat-within-noise` or
     /// `not-resolved`.
     pub(super) verdict: &'static str,
-    pub(super) indentation: Told,
-    pub(super) contact_radius: Told,
+    pub(super) indentation: Value,
+    pub(super) contact_radius: Value,
     /// Force between the bodies; `null` without a Young's modulus, and for a Gaussian, which has no stress.
     pub(super) force: Option<Value>,
     /// Pressure in the middle of the contact; `null` if the force is `null`.
@@ -91,10 +80,10 @@ pub struct PressReport {
     /// Place of the contact on the skin, in the coordinates of the markers.
     pub(super) contact: [f64; 2],
     pub(super) contact_std: [Option<f64>; 2],
-    /// `null` where it is not fitted.
-    pub(super) baseline: Option<Told>,
+    /// `null` if it is not fitted.
+    pub(super) baseline: Option<Value>,
     /// Factor on normal displacements (for a Gaussian: amplitude over indentation); `null` if it is not fitted.
-    pub(super) gain: Option<Told>,
+    pub(super) gain: Option<Value>,
     /// Readings that contradict the others and were left out.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
@@ -107,94 +96,55 @@ pub struct PressReport {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Fields of a report that the estimate does not contain.
-pub(super) struct Described {
-    pub(super) format_version: u32,
-    pub(super) method: &'static str,
-    pub(super) c: Option<f64>,
-    pub(super) markers: usize,
-    pub(super) with_tangential: bool,
-    pub(super) unit: LengthUnit,
-    /// Force and peak pressure, if Young's modulus is given.
-    pub(super) stresses: [Option<Value>; 2],
-    pub(super) wrong_markers: Vec<Row>,
-    pub(super) warnings: Vec<Warning>,
-}
-
 impl PressReport {
-    /// Report of an estimate.
-    pub(super) fn of(estimate: &PressEstimate, described: Described) -> Self {
-        let Described { unit, .. } = described;
-        let told = |estimated, power| Told::new(&estimated, power, unit);
+    /// Report of an estimate by a method, without the fields that the estimate does not contain.
+    pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
+        let value = |estimated, power| Value::of(&estimated, power, unit);
+        let std = |std: f64| Value::bare(std, unit.as_str());
         let curvature = estimate.object_curvature();
         // The radius is that of the best fit: the curvature is bias-corrected.
         let most_likely = Estimated {
             value: estimate.most_likely_object_curvature(),
             ..curvature
         };
-        let [force, peak_pressure] = described.stresses;
-        let p_value = estimate.goodness.map(|goodness| goodness.p_value);
         Self {
-            format_version: described.format_version,
-            method: described.method,
-            c: described.c,
-            markers: described.markers,
-            with_tangential: described.with_tangential,
+            format_version: FORMAT_VERSION,
+            method,
+            c: None,
+            markers: 0,
+            with_tangential: true,
             length_unit: unit.as_str(),
-            relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
-            effective_radius: told(estimate.effective_radius(), Unit::Length),
-            object_curvature: told(curvature, Unit::PerLength),
+            relative_curvature: value(estimate.relative_curvature, Unit::PerLength),
+            effective_radius: value(estimate.effective_radius(), Unit::Length),
+            object_curvature: value(curvature, Unit::PerLength),
             object_radius: Radius::of(&most_likely, unit),
             regime: ContactRegime::of(estimate.sensor_curvature, most_likely.value).name(),
             verdict: estimate.verdict.name(),
-            indentation: told(estimate.indentation, Unit::Length),
-            contact_radius: told(estimate.contact_radius, Unit::Length),
-            force,
-            peak_pressure,
+            indentation: value(estimate.indentation, Unit::Length),
+            contact_radius: value(estimate.contact_radius, Unit::Length),
+            force: None,
+            peak_pressure: None,
             contact: estimate.contact.map(|component| component + 0.0),
-            contact_std: estimate
-                .contact_std
-                .map(|std| Some(std).filter(|std| std.is_finite())),
-            baseline: estimate
-                .baseline
-                .map(|baseline| told(baseline, Unit::Length)),
-            gain: estimate.gain.map(|gain| told(gain, Unit::One)),
-            wrong_markers: described.wrong_markers,
+            contact_std: estimate.contact_std.map(finite),
+            baseline: estimate.baseline.map(|one| value(one, Unit::Length)),
+            gain: estimate.gain.map(|gain| value(gain, Unit::One)),
+            wrong_markers: Vec::new(),
             noise: PressNoise {
-                normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
-                tangential_std: estimate
-                    .tangential_std
-                    .map(|std| Value::new(std, None, Unit::Length, unit)),
+                normal_std: std(estimate.normal_std),
+                tangential_std: estimate.tangential_std.map(std),
                 reduced_chi_squared: estimate.reduced_chi_squared,
-                p_value,
+                p_value: estimate.goodness.map(|goodness| goodness.p_value),
             },
             r_squared: estimate.r_squared,
             contact_seen: estimate.is_detected,
-            warnings: described.warnings,
-        }
-    }
-}
-
-fn finite(number: f64) -> Option<f64> {
-    // Adding 0 turns −0 into 0.
-    Some(number + 0.0).filter(|number| number.is_finite())
-}
-
-impl Told {
-    pub(super) fn new(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
-        Self {
-            value: estimated.value + 0.0,
-            std: finite(estimated.std),
-            interval95: [estimated.interval.low, estimated.interval.high]
-                .map(|end| end.and_then(finite)),
-            unit: power.of(length),
+            warnings: Vec::new(),
         }
     }
 }
 
 impl Radius {
     /// The inverse of a curvature.
-    pub(super) fn of(curvature: &Estimated, length: LengthUnit) -> Self {
+    fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
         // Without a bound on the curvature, the radius may be arbitrarily small.
@@ -217,50 +167,42 @@ impl Radius {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use palpate_press::Interval;
 
-    fn radius(value: f64, low: Option<f64>, high: Option<f64>) -> Radius {
-        let interval = Interval { low, high };
-        let std = 0.001;
-        Radius::of(
-            &Estimated {
+    use super::*;
+
+    #[test]
+    fn a_radius_is_the_inverse_of_a_curvature_of_any_sign() {
+        let [ball, wide] = [Some([Some(25.0), Some(100.0)]), Some([Some(100.0), None])];
+        for (value, low, high, radius, convex, concave) in [
+            (0.02, Some(0.01), Some(0.04), Some(50.0), ball, None),
+            (-0.02, Some(-0.04), Some(-0.01), Some(-50.0), None, ball),
+            (0.0, Some(-0.01), Some(0.01), None, wide, wide),
+            (
+                1.0,
+                Some(0.5),
+                None,
+                Some(1.0),
+                Some([Some(0.0), Some(2.0)]),
+                None,
+            ),
+            (0.0, Some(-0.01), Some(0.0), None, None, wide),
+        ] {
+            let std = 0.001;
+            let interval = Interval { low, high };
+            let estimated = Estimated {
                 value,
                 std,
                 interval,
-            },
-            LengthUnit::Mm,
-        )
-    }
-
-    #[test]
-    fn radii_of_either_sign_and_of_none() {
-        let ball = radius(0.02, Some(0.01), Some(0.04));
-        assert_eq!(ball.value, Some(50.0));
-        assert_eq!(
-            (ball.convex95, ball.concave95),
-            (Some([Some(25.0), Some(100.0)]), None)
-        );
-        assert_eq!(ball.std, Some(2.5));
-        let dish = radius(-0.02, Some(-0.04), Some(-0.01));
-        assert_eq!(dish.value, Some(-50.0));
-        assert_eq!(
-            (dish.convex95, dish.concave95),
-            (None, Some([Some(25.0), Some(100.0)]))
-        );
-        let flat = radius(0.0, Some(-0.01), Some(0.005));
-        assert_eq!((flat.value, flat.std), (None, None));
-        assert_eq!(flat.convex95, Some([Some(200.0), None]));
-        assert_eq!(flat.concave95, Some([Some(100.0), None]));
-        let sharp = radius(1.0, Some(0.5), None);
-        assert_eq!(
-            (sharp.convex95, sharp.concave95),
-            (Some([Some(0.0), Some(2.0)]), None)
-        );
-        let at_most = radius(0.0, Some(-0.01), Some(0.0));
-        assert_eq!(
-            (at_most.convex95, at_most.concave95),
-            (None, Some([Some(100.0), None]))
-        );
+            };
+            let found = Radius::of(&estimated, LengthUnit::Mm);
+            assert_eq!(found.value, radius);
+            assert_eq!(
+                (found.convex95, found.concave95),
+                (convex, concave),
+                "{value}"
+            );
+            assert_eq!(found.std, radius.map(|radius| std * radius * radius));
+        }
     }
 }

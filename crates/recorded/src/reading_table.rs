@@ -1,32 +1,32 @@
 //! Numbers of a table in palpate's units; errors name the line and the column.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
 
-use super::decimal::{Shown, number};
+use super::decimal::{DecimalSign, number};
+use super::delimited_text::tidy;
 use super::error::RecordedError;
-use super::extra_columns::ExtraColumns;
 use super::header::{Header, Place};
+use super::source::ReadingSource;
 use super::table_format::Decimal;
-use super::text_table::{TextTable, tidy};
+use super::text_table::TextTable;
 
 /// Maximum size of the columns that palpate does not use, MiB.
-const MOST_EXTRA_MIB: usize = 256;
+const MAX_EXTRA_MIB: usize = 256;
 
 /// Rows of numbers, in the order of the requested columns.
 pub(super) struct ReadingTable {
-    pub(super) file: String,
-    /// The line of each row.
-    pub(super) lines: Vec<usize>,
+    /// The file, and the line of each row.
+    pub(super) source: ReadingSource,
     /// Rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
     /// Row by row.
     numbers: Vec<f64>,
     columns: usize,
-    /// The unit of its lengths, where it is stated.
+    /// The unit of its lengths, if it is stated.
     pub(super) unit: Option<LengthUnit>,
     /// Other fields of the rows.
     pub(super) extras: ExtraColumns,
@@ -56,8 +56,8 @@ impl ReadingTable {
             None => decimal_of(table, &header, &places)?,
         };
         let is_other = |index: &usize| {
-            let is_asked = places.iter().any(|place| place.index == *index);
-            !is_asked && !table.header[*index].is_empty()
+            let is_read = places.iter().any(|place| place.index == *index);
+            !is_read && !table.header[*index].is_empty()
         };
         let others: Vec<usize> = (0..table.header.len()).filter(is_other).collect();
         let (mut lines, mut numbers, mut after_gaps) = (Vec::new(), Vec::new(), Vec::new());
@@ -111,22 +111,20 @@ impl ReadingTable {
             }
             lines.push(record.line);
             extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
-            match extras.bytes() > MOST_EXTRA_MIB << 20 {
+            match extras.bytes() > MAX_EXTRA_MIB << 20 {
                 true => Err(table.file.error(format!(
-                    "the columns that are not asked for take more than {MOST_EXTRA_MIB} MiB"
+                    "the columns that palpate does not use take more than {MAX_EXTRA_MIB} MiB"
                 ))),
                 false => Ok(()),
             }
         })?;
-        if lines.is_empty() {
-            return Err(RecordedError::Readings {
-                file: table.file.name.clone(),
-                message: "has a header but no readings".to_owned(),
-            });
+        let name = table.file.name.clone();
+        let source = ReadingSource { name, lines };
+        if source.lines.is_empty() {
+            return Err(source.fail("has a header but no readings"));
         }
         Ok(Self {
-            file: table.file.name.clone(),
-            lines,
+            source,
             after_gaps,
             numbers,
             columns: columns.len(),
@@ -138,16 +136,12 @@ impl ReadingTable {
     /// Each row's line and numbers.
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
         let rows = self.numbers.chunks_exact(self.columns);
-        self.lines.iter().copied().zip(rows)
+        self.source.lines.iter().copied().zip(rows)
     }
 
     /// An error in a line.
     pub(super) fn fail(&self, line: usize, message: String) -> RecordedError {
-        RecordedError::Line {
-            file: self.file.clone(),
-            line,
-            message,
-        }
+        RecordedError::line(&self.source.name, line, message)
     }
 
     /// The number of a probe or finger.
@@ -196,15 +190,12 @@ pub(super) fn header<'a>(
 ) -> Result<Header<'a>, RecordedError> {
     let names = &table.file.form.columns;
     check_names(names, columns).map_err(|ColumnNamesError { message, .. }| {
-        RecordedError::Readings {
-            file: table.file.name.clone(),
-            message: format!("setting `columns`: {message}"),
-        }
+        RecordedError::readings(&table.file.name, format!("setting `columns`: {message}"))
     })?;
     Ok(Header::new(&table.header, names))
 }
 
-/// Unit of all lengths of a table, where one is stated.
+/// Unit of all lengths of a table, if one is stated.
 fn length_unit(
     columns: &[Column],
     places: &[Place],
@@ -237,7 +228,7 @@ fn length_unit(
             [first, second, ..] => {
                 let target = first.nearest().unwrap_or_default().as_str();
                 Err(format!(
-                    "lengths are in {} and in {}; one unit is needed: setting `length_unit` {target} converts them",
+                    "lengths are in {} and in {}; setting `length_unit` {target} converts them to one unit",
                     first.name(),
                     second.name()
                 ))
@@ -261,7 +252,7 @@ fn length_unit(
 fn without_unit(column: &Column, other: ColumnUnit) -> String {
     let (stem, other) = (column.stem(), other.name());
     format!(
-        "column `{stem}` states no unit and others are in {other}; say which: setting `columns` '{stem}_{other}=NAME', with its name in the file"
+        "column `{stem}` states no unit and others are in {other}; state its unit by setting `columns` '{stem}_{other}=NAME', where NAME is its name in the file"
     )
 }
 
@@ -283,24 +274,72 @@ fn decimal_of(
         return Ok(Decimal::Point);
     }
     let mut odd: Option<(usize, usize, String)> = None;
-    let mut shown = Shown::default();
+    let mut sign = DecimalSign::default();
     table.each(|record| {
-        // A row of too few or too many fields is refused when numbers are read.
+        // A row of too few or too many fields is rejected when numbers are read.
         let is_whole = record.fields.len() == table.header.len();
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);
             if odd.is_none() && field.contains(',') {
                 odd = Some((record.line, place.index, field.to_owned()));
             }
-            shown.look(field);
+            sign.add(field);
         }
         Ok(())
     })?;
     let Some((line, index, field)) = odd else {
         return Ok(Decimal::Point);
     };
-    shown.decimal(&field).map_err(|what| {
+    sign.decimal(&field).map_err(|what| {
         let name = header.name(index);
         table.file.fail(line, format!("column `{name}`: {what}"))
     })
+}
+
+/// Fields of the columns that palpate does not use.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct ExtraColumns {
+    /// Names of the columns, as the file has them.
+    pub(super) names: Vec<String>,
+    /// Text of all fields, row by row, without separators.
+    text: String,
+    /// Byte position in `text` at which each field ends.
+    ends: Vec<usize>,
+}
+
+impl ExtraColumns {
+    pub(super) fn new(names: Vec<String>) -> Self {
+        let (text, ends) = Default::default();
+        Self { names, text, ends }
+    }
+
+    /// Adds the fields of a row.
+    pub(super) fn push<'a>(&mut self, fields: impl Iterator<Item = &'a str>) {
+        for field in fields {
+            self.text.push_str(field);
+            self.ends.push(self.text.len());
+        }
+    }
+
+    /// Size of all rows in bytes, with one delimiter per field.
+    pub(super) const fn bytes(&self) -> usize {
+        self.text.len() + self.ends.len()
+    }
+
+    /// Fields of a row; empty if there are no such columns.
+    pub(super) fn row(&self, row: usize) -> Vec<String> {
+        let first = row * self.names.len();
+        let ends = self.ends.iter().skip(first).take(self.names.len());
+        let before = first
+            .checked_sub(1)
+            .and_then(|before| self.ends.get(before));
+        let mut start = before.copied().unwrap_or_default();
+        let field = |end: &usize| self.text[std::mem::replace(&mut start, *end)..*end].to_owned();
+        ends.map(field).collect()
+    }
+
+    /// Fields of a row by the names of their columns.
+    pub(super) fn named(&self, row: usize) -> BTreeMap<String, String> {
+        self.names.iter().cloned().zip(self.row(row)).collect()
+    }
 }

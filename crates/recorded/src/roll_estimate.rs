@@ -9,23 +9,22 @@ use palpate_ep1::{Ep1Error, Estimate, LeastSquares, Measured, ProbeReading, Read
 use palpate_statistics::{NORMAL_95, Number, student_half_width};
 use serde::{Serialize, Serializer};
 
-use super::Value;
-use super::consistency::FORMAT_VERSION;
 use super::error::{RecordedError, explained};
-use super::input_checks::of_roll;
-use super::roll_recording::{RollOptions, RollRecording};
-use super::source::agreed_unit;
+use super::roll_options::RollOptions;
+use super::roll_recording::RollRecording;
+use super::roll_warnings::units;
+use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Unit, Warning};
 
 /// A probe whose contact did not move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct UnresolvedProbe {
+struct UnresolvedProbe {
     probe: u64,
     /// Upper bound of the object's radius of curvature in the direction of the roll; `null` if the pads' pitch is not
     /// given or too coarse.
     radius_below: Option<f64>,
-    unit: String,
+    unit: &'static str,
     /// Other fields of the probe's row, by column name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
@@ -76,7 +75,7 @@ pub struct RollValues {
 /// Output of `estimate roll`.
 #[derive(Serialize)]
 struct RollReport {
-    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
+    /// Version of this format, [`FORMAT_VERSION`].
     format_version: u32,
     method: &'static str,
     probes: usize,
@@ -97,7 +96,7 @@ impl RollEstimate {
         let value = |Measured { value, std }, power: Unit| {
             Value::within(value, std, self.half_width, power, *unit)
         };
-        let bare = |value: f64, power: Unit| Value::new(value, None, power, *unit);
+        let bare = |value: f64, power: Unit| Value::bare(value, power.of(*unit));
         let principal = estimate.curvature.principal();
         RollValues {
             normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
@@ -148,7 +147,7 @@ impl Serialize for RollEstimate {
 }
 
 impl RollEstimate {
-    /// Probes that rolled without a shift, with the bound on the object's radius that follows.
+    /// Probes that rolled without a shift, with the resulting bound on the object's radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
             recorded, options, ..
@@ -163,7 +162,7 @@ impl RollEstimate {
             UnresolvedProbe {
                 probe: recorded.probe(place),
                 radius_below: is_bound.then_some(radius),
-                unit: self.unit.as_str().to_owned(),
+                unit: self.unit.as_str(),
                 columns: recorded
                     .rows
                     .get(place)
@@ -177,9 +176,9 @@ impl RollEstimate {
 
 /// Estimates the object's curvature from recorded rolls.
 ///
-/// Standard deviations follow from the noise that is stated, else from the residuals, where
-/// there are more readings than unknowns. Intervals of the latter are Student's, of 2n − 3 degrees of freedom with n probes
-/// ([`palpate_statistics::student_half_width`]): of 95 %, 2.57 standard deviations to either side with 4 probes and 2.16 with 8.
+/// Standard deviations follow from the stated noise. Without stated noise they follow from the residuals, if there are more
+/// readings than unknowns. Then the half-width of the 95 % interval is Student's t of 2n − 3 degrees of freedom, where n is the
+/// number of probes: 2.57 standard deviations for 4 probes, 2.16 for 8 ([`palpate_statistics::student_half_width`]).
 ///
 /// ```
 /// use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
@@ -200,12 +199,12 @@ pub fn estimate_roll(
     recorded: RollRecording,
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
-    let origin = &recorded.origin;
-    let unit = agreed_unit(origin, recorded.unit, options.length_unit)?;
+    let source = &recorded.source;
+    let unit = source.unit(recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
     let fail = |message: String| {
-        let units = of_roll(readings, options.probe_radius, unit);
-        origin.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
+        let units = units(readings, options.probe_radius, unit);
+        source.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
     let half_way = PI * options.probe_radius;
     for (place, reading) in readings.iter().enumerate() {
@@ -213,7 +212,7 @@ pub fn estimate_roll(
         if shift > half_way * (1.0 + 1e-9) {
             let (probe, unit) = (recorded.probe(place), unit.as_str());
             return Err(fail(format!(
-                "probe {probe}: a shift of {} {unit} passes half way round the probe ({} {unit})",
+                "probe {probe}: a shift of {} {unit} is more than half way round the probe ({} {unit})",
                 Number(shift),
                 Number(half_way)
             )));

@@ -1,95 +1,32 @@
-//! Recorded rolls, and the options of their estimate.
+//! Recorded rolls.
 
-use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use nalgebra::Vector2;
-use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
+use palpate_ep1::ProbeReading;
 use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use palpate_study::readings::{Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
 
 use super::RecordedFile;
 use super::error::RecordedError;
-use super::extra_columns::ExtraColumns;
 use super::finger_assignment::parted;
-use super::reading_table::{ReadingTable, header};
+use super::header::Header;
+use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
 use super::text_table::TextTable;
-use palpate_study::config::{LengthUnit, RollEstimatorConfig, SettingError};
-use palpate_study::readings::{Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
-
-/// Settings of an estimate that the readings do not state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RollOptions {
-    /// The probe's radius, in the readings' length unit.
-    pub probe_radius: f64,
-    /// The estimator.
-    pub estimator: RollEstimatorConfig,
-    /// The unit of lengths, where the header does not state it.
-    pub length_unit: Option<LengthUnit>,
-    /// Noise and resolution of the readings, lengths in the same unit. If no noise is stated, standard deviations
-    /// follow from the residuals.
-    pub noise: ReadingNoise,
-}
-
-impl RollOptions {
-    /// Options with only the probe's radius stated.
-    pub fn new(probe_radius: f64) -> Self {
-        Self {
-            probe_radius,
-            estimator: RollEstimatorConfig::default(),
-            length_unit: None,
-            noise: ReadingNoise::default(),
-        }
-    }
-
-    /// Noise of pads on a probe of this radius. Each roll starts at a random place on a pad.
-    ///
-    /// # Errors
-    /// [`SettingError`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
-    pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, SettingError> {
-        let refuse = |expected: String| Err(SettingError::of_number("pitch", pitch, expected));
-        let radius = Number(probe_radius);
-        match pitch {
-            _ if !(pitch > 0.0 && pitch <= probe_radius) => {
-                refuse(format!("> 0 and at most the probe's radius, {radius}"))
-            }
-            _ if pitch < 1e-15 * probe_radius => {
-                refuse("at least 1e-15 of the probe's radius".to_owned())
-            }
-            _ => Ok(ReadingNoise::of_pads(pitch, PadStart::PerRoll)),
-        }
-    }
-
-    /// Noise of a sensor without pads, with this standard deviation of each component of a shift.
-    ///
-    /// # Errors
-    /// [`SettingError`] for one beyond the probe's radius, as of a pitch.
-    pub fn noise_of_shifts(
-        probe_radius: f64,
-        shift_std: f64,
-    ) -> Result<ReadingNoise, SettingError> {
-        if !(0.0..=probe_radius).contains(&shift_std) {
-            let radius = Number(probe_radius);
-            let expected = format!("at least 0 and at most the probe's radius, {radius}");
-            return Err(SettingError::of_number("shift_std", shift_std, expected));
-        }
-        Ok(ReadingNoise {
-            shift_std,
-            ..ReadingNoise::default()
-        })
-    }
-}
 
 /// Recorded readings of a roll.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollRecording {
-    pub(super) origin: ReadingSource,
+    pub(super) source: ReadingSource,
     /// The probes' numbers in a file; empty for arrays, whose probes are numbered from 0.
     pub(super) probes: Vec<u64>,
     /// Their readings.
     pub(super) readings: Vec<ProbeReading>,
-    /// The unit that the header states.
-    pub(super) unit: Option<LengthUnit>,
+    /// The unit of lengths that the header states.
+    pub unit: Option<LengthUnit>,
     /// The row of each probe in a file.
     pub(super) rows: Vec<usize>,
     /// Other fields of the file, row by row.
@@ -114,7 +51,7 @@ impl RollRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many shifts as rotations.
+    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of shifts and rotations.
     pub fn new<const D: usize>(
         rotations: &[[f64; D]],
         shifts: &[[f64; 2]],
@@ -126,7 +63,7 @@ impl RollRecording {
         finite("shifts", shifts)?;
         let pairs = rotations.iter().zip(shifts);
         Ok(Self {
-            origin: ReadingSource::Arrays,
+            source: ReadingSource::arrays(),
             probes: Vec::new(),
             readings: pairs
                 .map(|(turned, [u, v])| reading(turned[0], turned[1], *u, *v))
@@ -142,11 +79,6 @@ impl RollRecording {
     pub(super) fn probe(&self, reading: usize) -> u64 {
         self.probes.get(reading).copied().unwrap_or(reading as u64)
     }
-
-    /// The unit of lengths that the header states.
-    pub fn unit(&self) -> Option<LengthUnit> {
-        self.unit
-    }
 }
 
 /// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. The rotation of one row per
@@ -155,101 +87,103 @@ impl RollRecording {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn read_roll(path: &Path) -> Result<RollRecording, RecordedError> {
-    parse_roll(RecordedFile::read(path)?)
-}
-
-/// Recorded rolls, as [`read_roll`] reads them.
-///
-/// # Errors
-/// Errors of [`read_roll`].
 pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
-    let text = file.table()?;
-    let table = TextTable::of(&file, text)?;
-    let is_series = is_series(&table)?;
+    let table = TextTable::of(&file)?;
     let header = header(&table, &columns_of("roll"))?;
+    let fail = |message: String| Err(file.fail(table.header_line, message));
+    let is_series = match is_series(&header) {
+        Ok(is_series) => is_series,
+        Err(message) => return fail(message),
+    };
     let has = |column: &Column| header.has(column);
     let [probe, vector @ .., _, _] = &ROLLS;
     let is_quaternion = !vector.iter().all(has) && QUATERNION.iter().any(has);
-    let names_probes = header.has(probe);
+    let names_probes = has(probe);
     if is_quaternion && let Some(time) = header.time().filter(|_| is_series || !names_probes) {
-        let message = format!(
+        return fail(format!(
             "column `{time}`: a time series of a roll is not read with quaternions; give one row per roll, with a column `probe` and the rotation from start to end"
-        );
-        return Err(file.fail(table.header_line, message));
+        ));
     }
     let of_quaternion = [&[*probe][..], &QUATERNION, &ROLLS[3..]].concat();
-    let all = match (is_quaternion, is_series) {
+    let columns = match (is_quaternion, is_series) {
         (true, _) => &of_quaternion[..],
         (false, true) => &ROLL_SERIES[..],
         (false, false) => &ROLLS[..],
     };
-    let others = &all[1..];
-    let sheet = ReadingTable::read(&table, if names_probes { all } else { others }, &[])?;
+    let first = usize::from(names_probes);
+    let sheet = ReadingTable::read(&table, &columns[1 - first..], &[])?;
     let (probes, note) = match names_probes {
         true => {
-            let of_row =
-                |(line, numbers): (usize, &[f64])| sheet.index(line, probe.name, numbers[0]);
-            let probes: Result<Vec<u64>, _> = sheet.rows().map(of_row).collect();
-            (probes?, None)
+            let rows = sheet.rows();
+            let index = rows.map(|(line, numbers)| sheet.index(line, probe.name, numbers[0]));
+            (index.collect::<Result<Vec<u64>, _>>()?, None)
         }
         false => {
             let (probes, note) = counted(&sheet, is_series);
             (probes, Some(note))
         }
     };
-    let rows = sheet
-        .rows()
-        .zip(&probes)
-        .enumerate()
-        .map(|(row, ((line, numbers), &probe))| Row {
-            row,
-            line,
-            probe,
-            numbers: if names_probes { &numbers[1..] } else { numbers },
-        });
-    let rows = if is_series && !is_quaternion {
-        last_of_each(&sheet, rows)?
-    } else {
-        one_of_each(&sheet, rows)?
-    };
-    let (rows, probes, readings) = rows.into_iter().fold(
-        (Vec::new(), Vec::new(), Vec::new()),
-        |(mut rows, mut probes, mut readings), (row, probe, reading)| {
-            rows.push(row);
-            probes.push(probe);
-            readings.push(reading);
-            (rows, probes, readings)
-        },
-    );
-    Ok(RollRecording {
+    let mut recording = RollRecording {
         unit: sheet.unit,
-        origin: ReadingSource::File {
-            name: sheet.file,
-            lines: Vec::new(),
-        },
-        probes,
-        readings,
-        rows,
-        extras: sheet.extras,
+        probes: Vec::new(),
+        readings: Vec::new(),
+        rows: Vec::new(),
         note,
-    })
+        ..RollRecording::new::<2>(&[], &[], None)?
+    };
+    // Position and last time of each probe.
+    let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
+    for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
+        let (time, one) = match numbers[first..] {
+            [x, y, u, v] => (None, reading(x, y, u, v)),
+            [t_s, x, y, u, v] => (Some(t_s), reading(x, y, u, v)),
+            [x, y, z, w, u, v] => {
+                let rotation = rotation_vector([x, y, z, w]);
+                let [x, y] = rotation.map_err(|message| sheet.fail(line, message))?;
+                (None, reading(x, y, u, v))
+            }
+            _ => continue,
+        };
+        match (earlier.entry(probe), time) {
+            (Entry::Vacant(entry), _) => {
+                entry.insert((recording.rows.len(), time.unwrap_or_default()));
+                recording.rows.push(row);
+                recording.probes.push(probe);
+                recording.readings.push(one);
+            }
+            (Entry::Occupied(mut entry), Some(t_s)) => {
+                let (place, before) = *entry.get();
+                if t_s <= before {
+                    let message =
+                        format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
+                    return Err(sheet.fail(line, message));
+                }
+                entry.insert((place, t_s));
+                recording.rows[place] = row;
+                recording.readings[place] = one;
+            }
+            (Entry::Occupied(_), None) => {
+                let more = match is_quaternion {
+                    true => ": a time series of a roll is not read with quaternions",
+                    false => "",
+                };
+                return Err(sheet.fail(line, format!("probe {probe} occurs twice{more}")));
+            }
+        }
+    }
+    recording.source.name = sheet.source.name;
+    recording.extras = sheet.extras;
+    Ok(recording)
 }
 
 /// Whether a table has time series. If it has the columns of both kinds, the setting `columns` must choose.
-fn is_series(table: &TextTable<'_>) -> Result<bool, RecordedError> {
-    let header = header(table, &columns_of("roll"))?;
+fn is_series(header: &Header<'_>) -> Result<bool, String> {
     let has = |column: &Column| header.has(column);
-    let is_told = |column: &Column| header.is_told(column);
     let (shifts, pads) = (&ROLLS[3..], &ROLL_SERIES[4..]);
     match (shifts.iter().all(has), pads.iter().all(has)) {
-        (true, true) => match (shifts.iter().any(is_told), pads.iter().any(is_told)) {
+        (true, true) => match (header.is_assigned(shifts), header.is_assigned(pads)) {
             (shifts, pads) if shifts != pads => Ok(pads),
-            _ => {
-                let message = "there are both shift_u, shift_v and pad_u, pad_v; say by setting `columns` which of them are meant, \
-                               as in setting `columns` 'shift_u=…,shift_v=…'";
-                Err(table.file.fail(table.header_line, message))
-            }
+            _ => Err("there are both shift_u, shift_v and pad_u, pad_v; state which to read, as in setting `columns` 'shift_u=…,shift_v=…'".to_owned()),
         },
         (true, false) => Ok(false),
         (false, true) => Ok(true),
@@ -259,7 +193,7 @@ fn is_series(table: &TextTable<'_>) -> Result<bool, RecordedError> {
 
 /// Probe number of each row of a table without a column `probe`, and a note on how it was found.
 fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
-    let rows = sheet.lines.len();
+    let rows = sheet.source.lines.len();
     if !is_series {
         let note = format!("no column `probe`: each of the {rows} rows counts as a probe");
         return ((0..rows as u64).collect(), note);
@@ -271,21 +205,11 @@ fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     };
     let starts: Vec<usize> = (0..rows).filter(is_start).collect();
     let (parts, count) = parted(rows, &starts);
-    let note =
-        format!("no column `probe`: {count} are told, by blank lines or by times that do not rise");
+    let note = format!(
+        "no column `probe`: blank lines, or times that do not increase, separate {count} probes"
+    );
     (parts.into_iter().map(|part| part as u64).collect(), note)
 }
-
-/// A row of numbers, with the number of its probe.
-struct Row<'a> {
-    row: usize,
-    line: usize,
-    probe: u64,
-    numbers: &'a [f64],
-}
-
-/// Row, probe and reading.
-type Taken = (usize, u64, ProbeReading);
 
 fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     ProbeReading {
@@ -310,74 +234,4 @@ fn rotation_vector([x, y, z, w]: [f64; 4]) -> Result<[f64; 2], String> {
     let angle = 2.0 * libm::atan2(vector, w.abs()).copysign(w);
     let scale = if vector > 0.0 { angle / vector } else { 0.0 };
     Ok([x * scale, y * scale])
-}
-
-fn one_of_each<'a>(
-    sheet: &ReadingTable,
-    rows: impl Iterator<Item = Row<'a>>,
-) -> Result<Vec<Taken>, RecordedError> {
-    let mut known = HashSet::new();
-    let mut taken = Vec::new();
-    for Row {
-        row,
-        line,
-        probe,
-        numbers,
-    } in rows
-    {
-        let one = match *numbers {
-            [x, y, u, v] => reading(x, y, u, v),
-            [x, y, z, w, u, v] => {
-                let [x, y] =
-                    rotation_vector([x, y, z, w]).map_err(|message| sheet.fail(line, message))?;
-                reading(x, y, u, v)
-            }
-            _ => continue,
-        };
-        if !known.insert(probe) {
-            let more = match numbers.len() {
-                6 => ": a time series of a roll is not read with quaternions",
-                _ => "",
-            };
-            return Err(sheet.fail(line, format!("probe {probe} stands twice{more}")));
-        }
-        taken.push((row, probe, one));
-    }
-    Ok(taken)
-}
-
-fn last_of_each<'a>(
-    sheet: &ReadingTable,
-    rows: impl Iterator<Item = Row<'a>>,
-) -> Result<Vec<Taken>, RecordedError> {
-    let mut times: HashMap<u64, (usize, f64)> = HashMap::new();
-    let mut taken = Vec::new();
-    for Row {
-        row,
-        line,
-        probe,
-        numbers,
-    } in rows
-    {
-        let &[t_s, x, y, u, v] = numbers else {
-            continue;
-        };
-        let one = (row, probe, reading(x, y, u, v));
-        match times.get_mut(&probe) {
-            Some((_, before)) if t_s <= *before => {
-                let message =
-                    format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
-                return Err(sheet.fail(line, message));
-            }
-            Some((place, before)) => {
-                *before = t_s;
-                taken[*place] = one;
-            }
-            None => {
-                times.insert(probe, (taken.len(), t_s));
-                taken.push(one);
-            }
-        }
-    }
-    Ok(taken)
 }

@@ -1,92 +1,122 @@
-//! ReadingSource of readings, for messages.
+//! Sources of readings, for messages.
+
+use std::collections::HashSet;
 
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 
 use super::error::RecordedError;
 
-/// Place that readings come from.
+/// Source of readings: a file with the line of each reading, or the arrays of a program, which have no lines.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum ReadingSource {
-    /// A file, and the line of each reading.
-    File { name: String, lines: Vec<usize> },
-    /// Arrays that a program has in memory.
-    Arrays,
+pub(super) struct ReadingSource {
+    pub(super) name: String,
+    pub(super) lines: Vec<usize>,
 }
 
 impl ReadingSource {
-    /// Name of the readings in messages.
-    pub(super) fn name(&self) -> &str {
-        match self {
-            Self::File { name, .. } => name,
-            Self::Arrays => "readings",
-        }
+    /// Arrays that a program has in memory.
+    pub(super) fn arrays() -> Self {
+        let (name, lines) = ("readings".to_owned(), Vec::new());
+        Self { name, lines }
     }
 
     /// Line of a reading, if it has one.
     pub(super) fn line(&self, reading: usize) -> Option<usize> {
-        match self {
-            Self::File { lines, .. } => lines.get(reading).copied(),
-            Self::Arrays => None,
-        }
+        self.lines.get(reading).copied()
+    }
+
+    /// Name of a reading's row in messages.
+    pub(super) fn row(&self, reading: usize) -> String {
+        let line = self.line(reading);
+        let line = line.map_or(String::new(), |line| format!(", line {line}"));
+        format!("row {}{line}", reading + 1)
     }
 
     /// Error that concerns the readings as a whole.
-    pub(super) fn fail(&self, message: String) -> RecordedError {
-        RecordedError::Readings {
-            file: self.name().to_owned(),
-            message,
-        }
+    pub(super) fn fail(&self, message: impl Into<String>) -> RecordedError {
+        RecordedError::readings(&self.name, message)
     }
 
     /// Error that concerns one reading, with its line in a file. For arrays, the message must state its index.
     pub(super) fn fail_at(&self, reading: usize, message: String) -> RecordedError {
-        match (self, self.line(reading)) {
-            (Self::File { name, .. }, Some(line)) => RecordedError::Line {
-                file: name.clone(),
-                line,
-                message,
-            },
-            _ => self.fail(message),
+        match self.line(reading) {
+            Some(line) => RecordedError::line(&self.name, line, message),
+            None => self.fail(message),
         }
+    }
+
+    /// The unit that the header of the file or the setting `length_unit` states.
+    pub(super) fn unit(
+        &self,
+        header: Option<LengthUnit>,
+        option: Option<LengthUnit>,
+    ) -> Result<LengthUnit, RecordedError> {
+        match (header, option) {
+            (Some(header), Some(option)) if header != option => {
+                let (header, option) = (header.as_str(), option.as_str());
+                Err(self.fail(format!(
+                    "the header says {header}, setting `length_unit` says {option}"
+                )))
+            }
+            (header, option) => Ok(header.or(option).unwrap_or_default()),
+        }
+    }
+
+    /// Warning text if readings repeat all numbers of an earlier one, and these are at least `share` of all readings.
+    pub(super) fn repeated<const N: usize>(
+        &self,
+        what: &str,
+        readings: impl ExactSizeIterator<Item = [f64; N]>,
+        share: f64,
+    ) -> Option<String> {
+        let all = readings.len() as f64;
+        let again = copies(readings);
+        let count = again.len();
+        let first = self.row(*again.first()?);
+        let rows = match count {
+            1 => format!("{first} repeats the {what} of an earlier row"),
+            _ => format!("{count} rows, the first of them {first}, repeat {what}s of earlier rows"),
+        };
+        (count as f64 >= share * all).then(|| format!("{rows} to the last digit: {COPIES}"))
     }
 }
 
-/// The unit that the header of a file or the setting `length_unit` states.
-pub(super) fn agreed_unit(
-    origin: &ReadingSource,
-    header: Option<LengthUnit>,
-    option: Option<LengthUnit>,
-) -> Result<LengthUnit, RecordedError> {
-    match (header, option) {
-        (Some(header), Some(option)) if header != option => {
-            let (header, option) = (header.as_str(), option.as_str());
-            Err(origin.fail(format!(
-                "the header says {header}, setting `length_unit` says {option}"
-            )))
-        }
-        (header, option) => Ok(header.or(option).unwrap_or_default()),
-    }
+/// Consequence of copied readings.
+pub(super) const COPIES: &str =
+    "copies are not new readings, and make the stated uncertainty too small";
+
+/// Indices of readings that repeat all numbers of an earlier one.
+pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -> Vec<usize> {
+    // Adding 0 turns −0 into 0.
+    let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
+    let mut earlier = HashSet::new();
+    let is_copy = |(place, numbers)| (!earlier.insert(bits(numbers))).then_some(place);
+    readings.enumerate().filter_map(is_copy).collect()
 }
 
-/// Refuses numbers of an array that are not finite.
+/// Rejects numbers of an array that are not finite.
 pub(super) fn finite<const D: usize>(
     array: &'static str,
     rows: &[[f64; D]],
 ) -> Result<(), RecordedError> {
-    let is_good = |row: &[f64; D]| row.iter().all(|number| number.is_finite());
-    let Some(row) = rows.iter().position(|row| !is_good(row)) else {
+    let bad = |row: &[f64; D]| row.iter().position(|number| !number.is_finite());
+    let mut numbered = rows.iter().enumerate();
+    let Some((row, column)) = numbered.find_map(|(row, numbers)| Some((row, bad(numbers)?))) else {
         return Ok(());
     };
-    let column = rows[row].iter().position(|number| !number.is_finite());
-    let column = column.unwrap_or_default();
-    let value = rows[row][column];
-    Err(RecordedError::Array {
+    let place = if D == 1 { vec![row] } else { vec![row, column] };
+    Err(not_finite(array, place, rows[row][column]))
+}
+
+/// Error of a number of an array that is not finite.
+pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> RecordedError {
+    RecordedError::Array {
         array,
-        index: if D == 1 { vec![row] } else { vec![row, column] },
+        index,
         value: Some(value),
         message: format!("must be finite, is {}", Number(value)),
-    })
+    }
 }
 
 /// Rejects an array that has more or fewer rows than another.
@@ -103,4 +133,23 @@ pub(super) fn same_length(
         value: None,
         message: format!("has {rows} rows; {other} has {rows_of_other}"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_names_copied_rows() {
+        let (name, lines) = ("r.csv".to_owned(), vec![2, 3, 5, 6]);
+        let source = ReadingSource { name, lines };
+        let warning = |rows: &[[f64; 2]]| source.repeated("marker", rows.iter().copied(), 0.0);
+        assert_eq!(warning(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
+        let one = warning(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();
+        let row = "row 3, line 5 repeats the marker of an earlier row to the last digit";
+        assert!(one.starts_with(row), "{one}");
+        let two = warning(&[[0.0; 2], [0.0; 2], [1.0; 2], [0.0; 2]]).unwrap();
+        let rows = "2 rows, the first of them row 2, line 3, repeat markers of earlier rows";
+        assert!(two.starts_with(rows), "{two}");
+    }
 }

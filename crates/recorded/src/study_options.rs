@@ -1,14 +1,13 @@
 //! Options of estimates from recorded readings, copied from a study.
 
 use palpate_study::config::{
-    FingertipConfig, GlideConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig,
-    ProbeConfig, Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
+    FingertipConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig, ProbeConfig,
+    Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
 };
 
-use super::glide_estimate::GlideOptions;
-use super::glide_settings::TipReports;
-use super::press_estimate::PressOptions;
-use super::roll_recording::RollOptions;
+use super::glide_options::{GlideOptions, TipReports};
+use super::press_options::PressOptions;
+use super::roll_options::RollOptions;
 use palpate_ep1::ReadingNoise;
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
@@ -62,39 +61,32 @@ pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, Study
     })
 }
 
-fn of_kind<'a, T>(
-    study: &'a StudyConfig,
-    needed: &'static str,
-    pick: fn(&'a SceneConfig) -> Option<&'a T>,
-) -> Result<&'a T, StudyMismatch> {
-    pick(&study.scene).ok_or(StudyMismatch::Kind {
-        needed,
-        found: study.scene.kind(),
-    })
-}
-
 /// The press of a study.
 pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
-    of_kind(study, "press", |scene| match scene {
-        SceneConfig::Press(press) => Some(press),
-        _ => None,
-    })
+    match &study.scene {
+        SceneConfig::Press(press) => Ok(press),
+        scene => Err(other_kind("press", scene)),
+    }
+}
+
+fn other_kind(needed: &'static str, scene: &SceneConfig) -> StudyMismatch {
+    let found = scene.kind();
+    StudyMismatch::Kind { needed, found }
 }
 
 impl RollOptions {
     /// Options with the probe and the estimator of a study and with this noise of its sensor, lengths converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene that is no roll, a unit that cannot be converted, and what `noise` refuses.
+    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and errors of `noise`.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
         noise: impl FnOnce(&RollConfig) -> Result<ReadingNoise, FieldError>,
     ) -> Result<Self, StudyMismatch> {
-        let config: &RollConfig = of_kind(study, "roll", |scene| match scene {
-            SceneConfig::Roll(roll) => Some(roll),
-            _ => None,
-        })?;
+        let SceneConfig::Roll(config) = &study.scene else {
+            return Err(other_kind("roll", &study.scene));
+        };
         let factor = factor(study, unit)?;
         let ProbeConfig::Sphere { radius } = config.probe;
         let noise = noise(config)?;
@@ -116,13 +108,12 @@ impl GlideOptions {
     /// readings state the tip's lowest point; lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene that is no glide, a unit that cannot be converted, and thresholds that contradict each
+    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and thresholds that contradict each
     /// other.
     pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
-        let config: &GlideConfig = of_kind(study, "glide", |scene| match scene {
-            SceneConfig::Glide(glide) => Some(glide),
-            _ => None,
-        })?;
+        let SceneConfig::Glide(config) = &study.scene else {
+            return Err(other_kind("glide", &study.scene));
+        };
         let factor = factor(study, unit)?;
         let evaluate = &config.evaluate;
         let thresholds = ShapeThresholds::new(
@@ -130,7 +121,17 @@ impl GlideOptions {
             evaluate.mean_threshold / factor,
         )
         .map_err(|error| FieldError::at("scene.evaluate", error))?;
-        let tip_radius = radius_of_lowest_points(config).map(|radius| radius * factor);
+        // A round tip, if the sensor reports the tip's lowest point.
+        let tip_radius = match (&config.probe, &config.sensor) {
+            (
+                FingertipConfig::Sphere { radius },
+                GlideSensorConfig::Ideal {
+                    reports: Reports::LowestPoint,
+                    ..
+                },
+            ) => Some(radius * factor),
+            _ => None,
+        };
         Ok(Self {
             estimator: in_unit(&config.estimator, factor),
             length_unit: Some(unit),
@@ -144,28 +145,13 @@ impl GlideOptions {
     }
 }
 
-/// Radius of the round tip of a study whose sensor reports the tip's lowest point.
-fn radius_of_lowest_points(config: &GlideConfig) -> Option<f64> {
-    let FingertipConfig::Sphere { radius } = config.probe else {
-        return None;
-    };
-    let GlideSensorConfig::Ideal {
-        reports: Reports::LowestPoint,
-        ..
-    } = config.sensor
-    else {
-        return None;
-    };
-    Some(radius)
-}
-
 impl PressOptions {
     /// Options with the sensor and the estimator of a study, lengths converted to `unit`. The indentation of the study's
     /// presses is not that of the readings. `stated_stds` gives the standard deviations of normal and tangential
     /// displacements that the study states to its estimator.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene that is no press, a unit that cannot be converted, and what `stated_stds` refuses.
+    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and errors of `stated_stds`.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,

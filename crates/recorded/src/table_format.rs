@@ -1,9 +1,11 @@
-//! Form of a table of readings, for what the table itself does not show.
+//! Settings of a table that the table itself does not show.
+
+use std::str::FromStr;
 
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::ColumnNames;
 
-use super::text_table::fields;
+use super::delimited_text::fields;
 
 /// Form of a table of readings. Settings that are `None` are detected in the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,10 +33,10 @@ pub enum Delimiter {
 
 impl Delimiter {
     /// Delimiters, in the order in which they are tried.
-    pub const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
+    pub(super) const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
     /// Name in options.
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",
             Self::Semicolon => "semicolon",
@@ -42,17 +44,23 @@ impl Delimiter {
         }
     }
 
-    /// The character itself.
-    pub const fn sign(self) -> &'static str {
+    pub(super) const fn byte(self) -> u8 {
         match self {
-            Self::Tab => "\t",
-            Self::Semicolon => ";",
-            Self::Comma => ",",
+            Self::Tab => b'\t',
+            Self::Semicolon => b';',
+            Self::Comma => b',',
         }
     }
+}
 
-    pub(super) const fn byte(self) -> u8 {
-        self.sign().as_bytes()[0]
+/// A delimiter by its name or the character itself.
+impl FromStr for Delimiter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let is_named = |one: &Self| one.name() == text || text.as_bytes() == [one.byte()];
+        let found = Self::ALL.into_iter().find(is_named);
+        found.ok_or_else(|| "must be comma, semicolon or tab".to_owned())
     }
 }
 
@@ -65,23 +73,15 @@ pub enum Decimal {
     Comma,
 }
 
-impl Decimal {
-    /// Both signs.
-    pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
+/// A decimal sign by its name or the character itself.
+impl FromStr for Decimal {
+    type Err = String;
 
-    /// Name in options.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Comma => "comma",
-        }
-    }
-
-    /// The sign itself.
-    pub const fn sign(self) -> &'static str {
-        match self {
-            Self::Point => ".",
-            Self::Comma => ",",
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "point" | "." => Ok(Self::Point),
+            "comma" | "," => Ok(Self::Comma),
+            _ => Err("must be point or comma".to_owned()),
         }
     }
 }
@@ -114,7 +114,7 @@ pub fn column_names(text: &str) -> Result<ColumnNames, String> {
             ));
         };
         if names.insert(name.to_owned(), in_file.to_owned()).is_some() {
-            return Err(format!("`{name}` stands twice"));
+            return Err(format!("`{name}` is given twice"));
         }
     }
     match names.is_empty() {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Deref;
 
-use palpate_estimators::study_map_table;
+use palpate_estimators::map_table;
 use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
 use palpate_sweep::Observation;
@@ -76,7 +76,7 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
 /// Empty table for the maps of a config's scene, as [`Trials::map_table`] returns it, without building the scene.
 pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
     match config {
-        SceneConfig::Glide(_) => Some(study_map_table(unit)),
+        SceneConfig::Glide(_) => Some(map_table(unit, true)),
         SceneConfig::Press(_) => Some(PressScene::profile_table(unit)),
         SceneConfig::Roll(_) | SceneConfig::Fingertip(_) => None,
     }

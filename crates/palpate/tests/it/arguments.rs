@@ -49,7 +49,7 @@ const ROLLS: &str = "
 --probe-radius 10 --length-unit ft | one of m, cm, mm, um, unit
 --probe-radius 10 --columns shift_u | no pair of names
 --probe-radius 10 --columns =u | no pair of names
---probe-radius 10 --columns shift_u=a,shift_u=b | stands twice
+--probe-radius 10 --columns shift_u=a,shift_u=b | is given twice
 --probe-radius 10 --delimiter dot | comma, semicolon or tab
 --probe-radius 10 --decimal dot | point or comma
 --probe-radius 10 --pitch 11 | at most the probe's radius, 10
@@ -104,7 +104,7 @@ const PRESSES: &str = "
 --sensor-radius 20 --window 5 | only to --method gaussian
 --sensor-radius 20 --method gaussian --c 1 --gain-std 0.1 | --method half-space or bonded-layer
 --sensor-radius 20 --method gaussian | --c is needed by --method gaussian, or --indentation
---like camera.toml | needs the frames
+--like camera.toml | requires frames
 ";
 
 const CALIBRATIONS: &str = "

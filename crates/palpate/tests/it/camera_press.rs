@@ -177,6 +177,14 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
     desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
         .printed();
+    // The second of two cells describes this sensor.
+    let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
+    desk.write("sizes.toml", PRESS.to_owned() + sizes);
+    let calibrate = "sensor calibrate --rest t/rest.png --layout sizes.toml --out same.toml";
+    desk.palpate(&format!("{calibrate} --cell 1")).printed();
+    assert_eq!(desk.read("same.toml"), desk.read("camera.toml"));
+    desk.palpate(&format!("{calibrate} --cell 2"))
+        .fails(2, "--cell is 2");
     let run = format!("{FRAMES} {IMAGE} --calibration camera.toml");
     let estimate = track(&desk, &run);
     assert!(
@@ -260,7 +268,7 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     desk.palpate(&format!(
         "sensor track {FRAMES} --calibration camera.toml --sensor-radius 20 --depth 2"
     ))
-    .fails(1, "camera.toml: is a camera that a frame at rest told");
+    .fails(1, "camera.toml: is a camera from a frame at rest");
 }
 
 #[test]

@@ -71,15 +71,6 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
 }
 
 #[test]
-fn columns_in_any_order_spaces_and_quotes() {
-    let readings = "shift_v_mm, shift_u_mm ,\"probe\",rotation_y_rad,rotation_x_rad
- 0 , 4 ,7,\"-0.5\",0
-4,0,3,0,+5e-1
-";
-    assert_eq!(estimate(readings, ""), estimate(EXACT, ""));
-}
-
-#[test]
 fn the_last_row_of_a_time_series_counts() {
     let series = "probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 1,0,0,0,0,0

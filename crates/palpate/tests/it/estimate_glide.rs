@@ -18,12 +18,9 @@ fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     text
 }
 
-/// The bowl z = 0.2 (x² + y²), with `scale` as the unit of length.
-fn bowl(scale: f64) -> String {
-    let height = |x: f64, y: f64| 0.2 * (x * x + y * y) * scale;
-    grid(BARE, 6, |x, y| {
-        format!("{},{},{}", x * scale, y * scale, height(x, y))
-    })
+/// The bowl z = 0.2 (x² + y²).
+fn bowl() -> String {
+    grid(BARE, 6, |x, y| format!("{x},{y},{}", 0.2 * (x * x + y * y)))
 }
 
 /// A desk with contacts in `r.csv`.
@@ -87,28 +84,8 @@ fn a_vertical_wall_needs_the_outward_direction() {
 }
 
 #[test]
-fn estimates_scale_with_the_unit_of_length() {
-    for scale in [1.0, 1e-9, 1e9] {
-        let json = estimate(&bowl(scale), "");
-        assert_close(mean(&json) * scale, -0.4, 1e-9);
-        assert_close(
-            number(&json, "/gaussian_curvature/value") * scale * scale,
-            0.16,
-            1e-9,
-        );
-        assert_eq!(
-            (
-                json["class"].as_str(),
-                json["regions"].as_array().map(Vec::len)
-            ),
-            (Some("pit"), Some(1))
-        );
-    }
-}
-
-#[test]
 fn duplicates_and_one_finger() {
-    let bowl = bowl(1.0);
+    let bowl = bowl();
     let rows = || bowl.lines().skip(1);
     let doubled: String = rows().map(|row| format!("{row}\n{row}\n")).collect();
     // One finger may move back and forth over the patch.
@@ -123,7 +100,7 @@ fn duplicates_and_one_finger() {
 #[test]
 fn stated_thresholds_and_noise_are_used() {
     let json = estimate(
-        &bowl(1.0),
+        &bowl(),
         "--gaussian-threshold 1 --mean-threshold 1 --position-std 0.02 --method quadric",
     );
     let classes = (
@@ -141,7 +118,7 @@ fn stated_thresholds_and_noise_are_used() {
 
 #[test]
 fn two_pass_of_one_finger_needs_a_unit() {
-    let bowl = bowl(1.0);
+    let bowl = bowl();
     let rows = bowl.lines().skip(1);
     let one: String = rows.map(|row| format!("0{}\n", &row[1..])).collect();
     let one = format!("{BARE}\n{one}");
@@ -167,7 +144,7 @@ fn two_pass_of_one_finger_needs_a_unit() {
 #[test]
 fn a_map_at_the_contacts_has_their_positions_in_their_order() {
     // The outward direction of the bowl is z, so lines along it meet z = 0.2 (x² + y²) at the contacts.
-    let desk = desk(&bowl(1.0));
+    let desk = desk(&bowl());
     let on_grid = desk
         .palpate("estimate glide r.csv --map grid.csv")
         .printed();
@@ -200,7 +177,7 @@ fn a_map_at_the_contacts_has_their_positions_in_their_order() {
 /// A map can only be written to an existing directory.
 #[test]
 fn a_map_needs_a_directory() {
-    let desk = desk(&bowl(1.0));
+    let desk = desk(&bowl());
     desk.write("file", "");
     for (map, directory) in [("file/m.csv", "file"), ("a/b/m.csv", "a/b")] {
         desk.palpate(&format!("estimate glide r.csv --map {map}"))

@@ -4,7 +4,6 @@
 mod allowance;
 mod arguments;
 mod camera_press;
-mod camera_rest;
 mod check;
 mod config_errors;
 mod coverage;
@@ -23,6 +22,7 @@ mod help;
 mod hostile;
 mod journal;
 mod like;
+mod mistakes_in_readings;
 mod objects;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -35,8 +35,6 @@ mod report;
 mod run;
 mod sensor;
 mod shards;
-
-mod suspicion;
 mod swept_over;
 mod tables;
 mod trace;

@@ -98,6 +98,20 @@ fn warnings_have_codes() {
     }
 }
 
+/// Without a standard deviation, a stated indentation has one of 2 %.
+#[test]
+fn an_indentation_is_never_exact() {
+    let desk = Desk::new();
+    desk.write("r.csv", PRESS);
+    let [bare, stated] = ["", "--indentation-std 0.03"].map(|std| {
+        let command =
+            format!("estimate press r.csv --sensor-radius 20 --depth 2 --indentation 1.5 {std}");
+        let json: Value = serde_json::from_str(&desk.palpate(&command).stdout).unwrap();
+        json
+    });
+    assert_eq!(bare["object_curvature"], stated["object_curvature"]);
+}
+
 /// Warnings of an estimate, or its error.
 fn warnings_or_error(estimated: Result<Value, String>) -> String {
     estimated.map_or_else(|error| error, |json| warnings(&json).join("; "))
@@ -129,8 +143,10 @@ const PRESS_MISTAKES: &str = "
 const ROLL_MISTAKES: &str = "
 1 2 | 57.296 | the rotations in degrees
 1 2 | 1e-3 | in a smaller unit
+1 2 | 0.01745 | in rad although
+1 2 | 1e3 | or mrad
 1 2 | 0 | no probe turned
-3 4 | 1e-3 | the shifts in m and
+3 4 | 1e-3 | the shifts in a larger unit
 3 4 | 1e3 | half way round
 ";
 const GLIDE_MISTAKES: &str = "
@@ -181,7 +197,7 @@ fn repeated_or_implausible_rows_cause_warnings() {
         ),
         (
             format!("{first}\n0,0,0,0,0,0,1\n1,5,0,-0.3,0.1,0,1\n2,0,5,-0.3,0,0.1,1\n"),
-            "do not tell their noise",
+            "do not determine their noise",
         ),
         (format!("finger,x_mm,y_mm,z_mm\n{line}"), "along one curve"),
         (format!("{inward}{rest}"), "does its normal point inward?"),

@@ -158,10 +158,10 @@ const NO_ROLLS: &str = r#"
 2.125 => NaN | - | :2 | column `shift_u_mm`: must be finite, is NaN
 2.125 => 1e999 | - | :2 | must be finite, is 1e999
 0,0,-0.3 => 0.5,0,-0.3 | - | :2 | column `probe`: must be a whole number from 0
-\n1, => \n\n\n0, | - | :5 | probe 0 stands twice
+\n1, => \n\n\n0, | - | :5 | probe 0 occurs twice
 ,shift_v_mm => ,v | - | :1 | no column `shift_v`; the file has `probe`
-mm\n0 => mm,shift_u\n0 | - | :1 | column `shift_u` stands twice
-shift_v => SHIFT_U | - | :1 | column `shift_u` stands twice
+mm\n0 => mm,shift_u\n0 | - | :1 | column `shift_u` occurs twice
+shift_v => SHIFT_U | - | :1 | column `shift_u` occurs twice
 v_mm => v_cm | - | :1 | lengths are in mm and in cm
 shift_u_mm => shift_u_mm [cm] | - | :1 | `cm` is none of its units
 shift_u_mm => shift_u [furlong] | - | :1 | `furlong` is none of its units (m, cm, mm, um, nm, in)
@@ -410,7 +410,7 @@ fn flags_and_studies_set_the_form_of_a_table() {
     desk.write("r.csv", foreign.replace("_mm", " (mm)"));
     assert_same("r.csv --like s.toml --columns 'shift_v_mm=V (mm)'");
     desk.palpate("estimate roll r.csv --like s.toml")
-        .fails(1, "`shift_v` is said to be `W (mm)`");
+        .fails(1, "--columns assigns `W (mm)` to `shift_v`");
     let line = "\"$palpate\" estimate roll - --probe-radius 10";
     desk.shell(&format!("{line} --columns ''"))
         .fails(2, "names no column");
@@ -494,7 +494,7 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
     ));
     assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
     for (between, words) in [
-        ("", "3 fingers are told by steps"),
+        ("", "separate 3 fingers; all other steps"),
         ("\n  \n", "blank lines separate 3 fingers"),
         (",,\n", "blank lines separate 3 fingers"),
     ] {
@@ -528,6 +528,6 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
         let found = rolls(format!("{header}{one}{second}"));
         assert_eq!(found["probes"], 2);
         assert_close(mean_curvature(&found), 0.05, 1e-12);
-        assert!(warnings(&found)[0].contains("2 are told"), "{found}");
+        assert!(warnings(&found)[0].contains("separate 2 probes"), "{found}");
     }
 }

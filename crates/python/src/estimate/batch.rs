@@ -124,7 +124,9 @@ fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny
                     unit: of_value,
                 } = value;
                 unit = Some(of_value);
-                let [low, high] = interval95.unwrap_or([f64::NAN; 2]);
+                let [low, high] = interval95
+                    .unwrap_or_default()
+                    .map(|end| end.unwrap_or(f64::NAN));
                 [value, std.unwrap_or(f64::NAN), low, high]
             }
             None => [f64::NAN; 4],

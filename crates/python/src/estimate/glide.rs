@@ -152,7 +152,7 @@ impl Made for Map {
             _ => {}
         }
         let (_, map) = patch.report(py)?;
-        let points = map.points().iter();
+        let points = map.points.iter();
         match name {
             "position" => self.stacked::<3>(py, points.map(|one| one.position.coords.into())),
             "normal" => self.stacked::<3>(py, points.map(|one| one.normal.into())),
@@ -169,7 +169,7 @@ impl Made for Map {
             }
             _ => {
                 let none = || vec![-1; patch.curvatures.len()];
-                let regions = map.regions();
+                let regions = map.regions.as_ref();
                 let regions = regions.map(|all| all.iter().map(|region| *region as i64).collect());
                 self.whole(py, regions.unwrap_or_else(none))
             }
@@ -269,7 +269,7 @@ pub(crate) fn estimate_glide<'py>(
         settings.as_ref(),
         [setting::<GlideOptions>, setting::<GlideEstimatorConfig>],
     )?;
-    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::glide)?;
+    let base = self::like(like.as_ref(), cell, unit, GlideOptions::from_study)?;
     let options = GlideOptions::with_settings(base, &given, unit, normals.is_some());
     let options = GlideOptions {
         map_at_contacts: at_contacts,

@@ -126,7 +126,7 @@ pub(crate) fn track<'py>(
         Ok((tracked, pictures, estimated))
     });
     let (tracked, [drawn, difference], estimated) = found.map_err(error::recorded)?;
-    let fields = json!({ "fates": tracked.fates(), "warnings": tracked.warnings() });
+    let fields = json!({ "fates": tracked.counts(), "warnings": tracked.warnings() });
     let arrays = PyDict::new(py);
     arrays.set_item(
         "markers",

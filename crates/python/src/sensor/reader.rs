@@ -39,7 +39,7 @@ pub(super) fn reader(
         }
         let camera = camera.map(|camera| camera.get().camera.clone());
         let unit = camera.as_ref().map(|camera| camera.length_unit);
-        let base = like(study, cell, unit, palpate::study_options::pictures)?;
+        let base = like(study, cell, unit, PictureOptions::from_study)?;
         let options = PictureOptions::with_settings(base, given);
         let mut options = options.map_err(error::setting)?;
         options.camera = camera.map(|camera| ("calibration".to_owned(), camera));

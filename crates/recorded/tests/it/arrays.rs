@@ -1,18 +1,21 @@
 //! Readings from arrays: the estimates from files with the same numbers, and errors that name array, index and value.
 
 use palpate_recorded::{
-    GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RollOptions,
-    RollRecording, estimate_glide, estimate_press, estimate_roll, read_glide, read_press,
-    read_roll,
+    GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RecordedFile,
+    RollOptions, RollRecording, estimate_glide, estimate_press, estimate_roll, parse_glide,
+    parse_press, parse_roll,
 };
 use palpate_study::config::LengthUnit;
 use serde::Serialize;
-use serde_json::json;
 
 fn example(name: &str) -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../examples")
         .join(name)
+}
+
+fn file(name: &str) -> RecordedFile {
+    RecordedFile::read(&example(name)).unwrap()
 }
 
 /// Rows of `D` numbers of an example, from the column `first`.
@@ -42,7 +45,7 @@ fn rolls_from_arrays_match_those_from_a_file() {
     let options = RollOptions::new(10.0);
     let readings = RollRecording::new(&rotations, &shifts, MM).unwrap();
     let estimate = estimate_roll(readings, &options).unwrap();
-    let of_file = estimate_roll(read_roll(&example(name)).unwrap(), &options).unwrap();
+    let of_file = estimate_roll(parse_roll(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
     // A rotation about the normal does not move the contact.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
@@ -63,7 +66,7 @@ fn glides_from_arrays_match_those_from_a_file() {
     let options = GlideOptions::default();
     let readings = GlideRecording::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
     let (estimate, map) = estimate_glide(&readings, &options).unwrap();
-    let (of_file, of_map) = estimate_glide(&read_glide(&example(name)).unwrap(), &options).unwrap();
+    let (of_file, of_map) = estimate_glide(&parse_glide(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
     assert_eq!(map.to_csv(), of_map.to_csv());
 }
@@ -79,7 +82,7 @@ fn presses_from_arrays_match_those_from_a_file() {
     };
     let readings = PressRecording::new(&places, &normal, Some(&along), MM).unwrap();
     let object = estimate_press(&readings, &options).unwrap();
-    let of_file = estimate_press(&read_press(&example(name)).unwrap(), &options).unwrap();
+    let of_file = estimate_press(&parse_press(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&object, &of_file);
 }
 
@@ -134,32 +137,4 @@ fn errors_name_invalid_arrays() {
         &[],
         None,
     );
-}
-
-#[test]
-fn errors_name_invalid_settings() {
-    for (given, key, value, reason) in [
-        (
-            json!({ "probe_radius": -1.0 }),
-            "probe_radius",
-            Some(-1.0),
-            "is -1; it must be finite and > 0",
-        ),
-        (
-            json!({ "probe_radius": 10.0, "pitch": 1.0, "shift_std": 1.0 }),
-            "shift_std",
-            None,
-            "is of use only without setting `pitch`",
-        ),
-        (
-            json!({}),
-            "probe_radius",
-            None,
-            "is needed, or setting `like`",
-        ),
-    ] {
-        let error = RollOptions::with_settings(None, given.as_object().unwrap(), None).unwrap_err();
-        assert_eq!((error.key.as_str(), error.value), (key, value));
-        assert_eq!(error.reason, reason);
-    }
 }

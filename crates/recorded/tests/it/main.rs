@@ -3,7 +3,6 @@
 
 mod arrays;
 mod camera_calibration;
-mod consistency;
 mod extreme_readings;
 mod image_estimate;
 mod reading_files;

@@ -10,7 +10,7 @@ use palpate_statistics::BadSetting;
 use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
-use palpate_estimators::{GlideFit, study_map_table};
+use palpate_estimators::{GlideFit, map_table};
 use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
@@ -213,7 +213,7 @@ impl Trials for GlideScene {
     }
 
     fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
-        Ok(study_map_table(unit))
+        Ok(map_table(unit, true))
     }
 
     fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {

@@ -1,7 +1,8 @@
 //! A camera in the sensor's centre: images of the markers, from the motions of their discs.
 
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Lens, MarkerMotion, OddTerms, Optics, Pose, SeenMarker,
+    Blemishes, Camera, Colours, Layout, Lens, MarkerMotion, OddTerms, Optics, Pose, Seams,
+    SeenMarker,
 };
 use palpate_estimators::{marker_image, optics_error};
 use palpate_press::Seen;
@@ -138,7 +139,13 @@ impl SimulatedCamera {
         let blemishes = Blemishes {
             light_at_rim,
             blur_px,
-            seams: setup.sphere.seams(seam_width),
+            seams: match setup.sphere.layout {
+                Layout::Gores { gores, .. } if seam_width > 0.0 => Some(Seams {
+                    gores,
+                    width: seam_width,
+                }),
+                _ => None,
+            },
             pixel_std: pixel.averaged(frames).std(),
         };
         let array = setup.sphere.made(setup.places, setup.seed)?;

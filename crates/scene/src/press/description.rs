@@ -1,12 +1,13 @@
 //! Lines about a press for `palpate check`: its models, its noise, and warnings.
 
-use palpate_estimators::{assumed_body, large_contact_warning};
+use palpate_estimators::large_contact_warning;
 use palpate_press::{ContactRegime, PressEstimate};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{
     Baseline, CameraConfig, Indentation, Level, LostMarkers, NoiseKnown, NormalFrom,
-    PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig, Pure, ReadingNoise,
+    PressEstimatorConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig,
+    Pure, ReadingNoise,
 };
 
 use super::reading::PressNoise;
@@ -292,4 +293,17 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
         let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: its model does not match the simulated body, contact or readings");
         Warning::new("unexplained-readings", text, [("r_squared", explained)])
     })
+}
+
+/// Name of the body that an estimator assumes, and whether it models displacements below the surface.
+const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
+    match estimator {
+        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
+        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
+        PressEstimatorConfig::Image { .. } => ("the body to the markers' images", true),
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
+        PressEstimatorConfig::Gaussian { c: None, .. } => {
+            ("a Gaussian calibrated on a plane", false)
+        }
+    }
 }

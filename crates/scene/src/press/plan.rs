@@ -226,7 +226,7 @@ impl PressSetup<'_> {
         };
         Ok(match fit {
             Ok(fit) => PressEstimator::Fit(fit, images),
-            Err(error) => PressEstimator::NoFit(error.into_inner()),
+            Err(error) => PressEstimator::NoFit(error.into()),
         })
     }
 

@@ -67,7 +67,7 @@ impl SensorVariation {
             markers: setup.markers.clone(),
             depths: [depths.magenta, depths.yellow],
             rest_frames: camera.calibration.rest_frames,
-            misalignment: setup.sphere.misalignment(),
+            misalignment: setup.sphere.discs.map_or(0.0, |discs| discs.misalignment),
         }))
     }
 

@@ -256,7 +256,7 @@ impl<'a> DiscMarkers<'a> {
         let layer = |thickness, depth| models.layer(thickness, depth);
         let body = |depth: f64| SoftBody::new(model, sphere.radius, depth, layer);
         let deepest = model.thickness().unwrap_or(sphere.radius);
-        let share = sphere.strain();
+        let share = sphere.discs.map_or(0.0, |discs| discs.strain);
         let discs = |depth| {
             let strain = (share > 0.0)
                 .then(|| DiscStrain::new(share, depth, (sphere.radius, deepest), body));

@@ -1,5 +1,7 @@
 //! Calibration of tangential displacements by the shift of the centroid.
 
+use serde::{Deserialize, Serialize};
+
 use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use super::normal::range;
@@ -30,7 +32,8 @@ pub struct LateralPoint {
 /// assert!((lateral.px_per_length - 12.0).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct LateralCalibration {
     /// p₀, px per length.
     pub px_per_length: f64,

@@ -1,12 +1,15 @@
 //! A straight line through points with known displacements.
 
+use serde::{Deserialize, Serialize};
+
 use super::CalibrationError;
 
 /// Largest number that can be squared and summed without overflow.
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal (hue in turns, shift in px, …) as a function of the given displacement.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Line {
     /// Signal per length.
     pub slope: f64,
@@ -22,6 +25,7 @@ pub struct Line {
     /// degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points.
+    #[serde(rename = "points")]
     pub count: usize,
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
 use super::CalibrationError;
@@ -10,7 +11,8 @@ use super::line::{Line, Words, finite, fit};
 use crate::Change;
 
 /// Feature of a marker's image from which its normal displacement is computed.
-#[derive(Clone, Copy, Debug, Default, Eq, IntoStaticStr, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, IntoStaticStr, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
     /// Mean hue. It depends on the overlap of the two discs, and so on the difference of the displacements at their depths.
@@ -80,7 +82,8 @@ pub struct NormalCalibration {
 }
 
 /// The slope of one marker.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct MarkerGain {
     /// Index of the marker in the sensor.
     pub marker: usize,

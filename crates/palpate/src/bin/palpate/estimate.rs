@@ -5,11 +5,9 @@ mod like;
 mod press;
 mod roll;
 mod table;
-mod warned;
 
 pub(crate) use glide::glide;
 pub(crate) use like::Like;
 pub(crate) use press::{picture_options, press, press_options};
 pub(crate) use roll::roll;
-pub(crate) use table::table;
-pub(crate) use warned::warn;
+pub(crate) use table::{table, warn};

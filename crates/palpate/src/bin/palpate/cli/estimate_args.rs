@@ -14,10 +14,10 @@ use super::settings::Settings;
 macro_rules! tables {
     () => {
         "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8, or
-JSON with one object per line, whose keys are the columns (those within others joined by points). Columns stand in
-any order, in any case of letters; units stand behind names, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad,
-deg. Inches are read as mm and nm as um, unless --length-unit says otherwise. Columns that are called otherwise
-are named by --columns, or by a table [columns] in the study of --like.
+JSON with one object per line, whose keys are the columns (nested keys are joined by points). Columns may have any
+order and any case of letters. A unit follows the name, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad, deg.
+Inches are converted to mm and nm to um, unless --length-unit states another unit. If the file has other column
+names, assign them by --columns, or by a table [columns] in the study of --like.
 "
     };
 }
@@ -34,26 +34,26 @@ or a time series per probe, whose last row counts,
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
 rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact. Without a column
-probe each row is one; of time series, each that a blank line or a time that does not rise ends.
+probe, each row is a probe; a new time series starts after a blank line or where the time does not increase.
 
-", tables!(), "Other columns are ignored, but those of rolls whose contact did not move stand in
-`unresolved_probes`, as `columns`.
+", tables!(), "Other columns are ignored, but `unresolved_probes`, the rolls whose contact did not move, contain
+theirs as `columns`.
 
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null if no noise is
-stated. The errors of pads are not independent: their p-value is rather too large. `warnings`, which standard error
-repeats, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Readings contradict the model by
+stated. The errors of pads are not independent, so their p-value tends to be too large. `warnings`, also printed on
+standard error, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Readings contradict the model by
 poor-fit (the p-value is below 0.02 and the residuals are at least 1.65 times the stated noise, or it is below 1e-6: the
 stated noise is too small, the rolls are too long, frames are turned or probes slip) and outlier (one roll contradicts the others). Stated values contradict the readings by stated-noise (a noise of
 shifts that is at least four times too large) and stated-pitch. `units` warns of rotations in degrees, and of shifts in
-another unit than the probe's radius. Sound readings get a warning in fewer than 5 of 100 estimates. Readings do not show a
-gain of all shifts or rotations, nor a wrong radius in the right unit: it errs the curvature by the error of 1/R.
+another unit than the probe's radius. Fewer than 5 of 100 estimates from sound readings have a warning. Readings cannot
+show a gain of all shifts or rotations, nor a wrong radius in the right unit, which changes the curvature by the error of 1/R.
 
-`interval95` is 1.96 standard deviations to either side where noise is stated. Where none is, they follow from the residuals,
-of 2n - 3 degrees of freedom with n probes, and it is as many as Student's t says: 2.57 with 4 probes, 2.16 with 8.
+If noise is stated, `interval95` is 1.96 standard deviations to either side. Otherwise standard deviations follow from the
+residuals, and the half-width is Student's t of 2n - 3 degrees of freedom with n probes: 2.57 with 4 probes, 2.16 with 8.
 
-The JSON has `format_version` 2, which rises when a key goes or changes its meaning.
+The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
+With --like STUDY.toml, probe, noise and estimator are those of a study of kind roll, in the readings'
 unit; flags override them.
 
 Examples:
@@ -63,35 +63,34 @@ Examples:
     Roll(EstimateRollArgs),
     /// Curvature over a patch from sliding fingers (EP2).
     #[command(
-        after_help = concat!("The readings have one row per contact, the contacts of a finger in the order in which it made them,
+        after_help = concat!("The readings have one row per contact; the contacts of a finger are in the order of its path,
   finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
 or without normals,
   finger,x_mm,y_mm,z_mm
-Without a column finger, blank lines part the fingers; where there are none, the steps that are more than three
-times as long as most, and longer by half than all others. A warning tells which.
+Without a column finger, blank lines separate the fingers. Without blank lines, steps separate them that are more than
+three times the median and 1.5 times all other steps. A warning states how the fingers were separated.
 
-", tables!(), "Other columns are ignored, but a map at the contacts has them behind its own columns.
+", tables!(), "Other columns are ignored, but a map at the contacts has them after its own columns.
 
-The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
-writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
+The JSON has the curvature in the middle of the patch and the regions of one shape class. --map writes the curvature
+all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
-`p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
-if the noise is estimated, and for two-pass. `warnings`, which standard error repeats, have a `code`, a `text` and
-`numbers`; `palpate explain CODE` explains one. Contacts contradict the model by poor-fit (the p-value is below 0.005:
+`p_value` is the probability that noise of the stated size leaves residuals at least as large; null if the noise is
+estimated, and for two-pass. `warnings`, also printed on standard error, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Contacts contradict the model by poor-fit (the p-value is below 0.005:
 the stated noise is too small, a finger is displaced, or a quadric does not fit the surface) and outlier (one contact
 contradicts the others). Stated values contradict the readings by stated-noise (of positions or normals, compared with the
 noise that the same method estimates) and stated-scale (the distance between fingers). `units` and `signs` warn of normals
-that are not of length 1, point to -z, or fit the positions better with a sign reversed or components swapped. Contacts do
-not show a wrong tip radius, whether all normals point inward, or the unit of all lengths.
+that are not of length 1, point to -z, or fit the positions better with a sign reversed or components swapped. Contacts
+cannot show a wrong tip radius, whether all normals point inward, or the unit of all lengths.
 
-The JSON has `format_version` 2, which rises when a key goes or changes its meaning.
+The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-Fingertips are points unless --tip-radius says otherwise. Where positions are of a round tip's lowest point or of its
-centre, contacts are found from the normals; without, from those of a first fit to the centres, whose error the
-stated deviations leave out.
+Fingertips are points unless --tip-radius states a radius. If positions are those of a round tip's lowest point or
+centre, contacts follow from the normals. Without normals they follow from a first fit to the centres; the stated
+standard deviations do not contain the error of that fit.
 
-With --like STUDY.toml the estimator, the distance between fingers, the thresholds and, where the sensor reports lowest
-points, the tip are those of a study of kind glide, in the readings' unit; flags override them.
+With --like STUDY.toml, the estimator, the distance between fingers and the thresholds are those of a study of kind glide,
+in the readings' unit, and also its tip if its sensor reports lowest points; flags override them.
 
 Examples:
   palpate estimate glide examples/glide-readings.csv --map map.csv
@@ -113,37 +112,37 @@ Examples:
 
 const PRESS_HELP: &str = concat!("The readings have one row per marker,
   x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm
-or without the last two; or one row per marker of a row of them through the apex, along x,
+or without the last two; or, for markers in a row through the apex along x,
   radial_position_mm,normal_displacement_mm
-A place (x, y) lies sqrt(x^2 + y^2) along the skin from its apex, in the direction (x, y); normal
-displacements are positive inward, tangential ones count along the axes of the apex, carried along
-the meridian. Of a row of markers the contact is sought along the row.
+A place (x, y) lies sqrt(x^2 + y^2) along the skin from its apex, in the direction (x, y). Normal
+displacements are positive inward. Tangential displacements are along the axes at the apex, transported along
+the meridian. For markers in a row, the contact is assumed to lie on the row.
 
-", tables!(), "Other columns are ignored, but those of markers that are left out stand in `wrong_markers`, as
+", tables!(), "Other columns are ignored, but `wrong_markers`, the markers that are left out, contain theirs as
 `columns`.
 
-The JSON tells curvatures, radii and the indentation, each with its 95 % interval (an end that is
-null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
-radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
-is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
-`wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
-only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
-leave; where one marker alone shows it, a warning names that marker. `warnings` have a `code`,
-a `text` and `numbers`. Those with a `p_value` are ways in which the readings contradict the model: poor-fit,
-stated-noise, stated-indentation, outlier (the interval then also contains the estimate without this marker), other-body
-and not-round. If the model holds, 1 press in 200 has each of them by chance, and 1 in 80 stated-indentation.
+The JSON has curvatures, radii and the indentation, each with its 95 % interval; an end that is null is
+unbounded. object_radius is negative for a dish and null for a plane. It has one interval of radii if the object is
+convex and one if it is concave, in which null is flat. `verdict` is the shape by the interval: convex, concave,
+flat-within-noise or not-resolved. `wrong_markers` are the rows that contradict the others and were left out.
+`contact_seen` is false if only the stated indentation implies a contact: the interval then contains all objects that
+the readings do not exclude. If only one marker shows the contact, a warning names it. `warnings`, also printed on
+standard error, have a `code`, a `text` and `numbers`. Those with a `p_value` are contradictions between the readings and
+the model: poor-fit, stated-noise, stated-indentation, outlier (the interval then also contains the estimate without this
+marker), other-body and not-round. If the model holds, 1 press in 200 has each of them by chance, and 1 in 80
+stated-indentation.
 
-The JSON has `format_version` 2, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell where the readings contradict what is stated: the indentation, by
-the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the shape of
-what presses, by how residuals depend on distance and direction; units and signs, where displacements and places would
-be absurd. The readings do not tell how exact a stated indentation is, nor Poisson's ratio, nor Young's modulus, nor an
-error of scale common to all lengths, and of the sensor's radius R they tell little: a wrong one errs the object's
-curvature by the error of 1/R.
+The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-With --like STUDY.toml the sensor, the noise of its readings and the estimator are those of a study of
+The stated indentation is compared with the indentation from the readings alone, the noise with the residuals. The
+body, the depth of its markers and the shape of the object are checked by the dependence of residuals on distance and
+direction; units and signs by implausible displacements and places. The readings cannot show the accuracy of a
+stated indentation, Poisson's ratio, Young's modulus, or an error of scale common to all lengths. They hardly show the
+sensor's radius R: a wrong one changes the object's curvature by the error of 1/R.
+
+With --like STUDY.toml, the sensor, the noise of its readings and the estimator are those of a study of
 kind press, in the readings' unit; flags override them. The indentation of the study's presses is not
-taken over: it is fitted unless --indentation tells it.
+used: it is fitted unless --indentation states it.
 
 Examples:
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 \\
@@ -155,13 +154,13 @@ Examples:
   palpate estimate press examples/press-readings.csv \\
     --like examples/press-a-ball.toml --indentation 1.5");
 
-/// Study whose settings stand for those that are not given.
+/// Study whose settings replace those that are not given.
 #[derive(Debug, Args)]
 pub(crate) struct LikeArgs {
     /// Take the settings below from this study; a flag overrides them.
     #[arg(long, value_name = "STUDY.toml")]
     pub(crate) like: Option<PathBuf>,
-    /// Number of the study's cell whose settings are taken, counted from 0.
+    /// Number of the study's cell whose settings are used, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0, requires = "like")]
     pub(crate) cell: usize,
 }
@@ -190,11 +189,11 @@ pub(crate) struct EstimateGlideArgs {
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) estimator: Settings<GlideEstimatorConfig>,
-    /// Write the curvature all over the patch to this CSV file; to - is to standard output, and the JSON to
+    /// Write the curvature all over the patch to this CSV file; - is standard output, and the JSON then goes to
     /// standard error.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
-    /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
+    /// Write the map with one row per reading, in their order, instead of a grid; it then has no regions.
     #[arg(long, requires = "map")]
     pub(crate) at_contacts: bool,
     #[command(flatten)]
@@ -224,7 +223,7 @@ pub(crate) struct SensorArgs {
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) presses: Settings<PressOptions>,
-    /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.
+    /// For a Gaussian, thickness and Poisson's ratio are those of the body that calibrates it.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
 }

@@ -32,28 +32,28 @@ Example:
     Track(TrackArgs),
 }
 
-const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement, of a marker that is displaced inward,
+const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement. For a marker that is displaced inward,
   normal_displacement_mm,hue_turns,growth
-with the changes of its hue and of the logarithm of its diameter, of which one may be missing; or of one that
+with the changes of its hue and of the logarithm of its diameter, one of which may be missing. For a marker that
 is displaced along the skin,
   tangential_displacement_mm,centroid_shift_px
-or all of these. Columns `series` and `marker` may tell which series of presses and which marker it was;
-several tables are fitted together. With a normal_displacement beside the tangential one, px per length
-follow the normal displacement.
+or all of these. The optional columns `series` and `marker` number the series of presses and the marker;
+several tables are fitted together. If a row also has a normal displacement, px per length is fitted as a
+function of it.
 
 ", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
 
-Frames are PNG images, the first at rest; --normal and --tangential tell the displacement of the marker that
-changes the most in each of the others.
+Frames are PNG images, the first at rest; --normal and --tangential state the displacement of the marker that
+changes most in each of the others.
 
-Prints slope, its standard error, R^2 and residual, of all and of each series: of the line with an intercept,
-as the 2020 paper draws it, and of the line through rest, from which `track` reads displacements. Warns of large
-residuals, slopes that may be 0 and series that disagree; that all displacements err by one factor nothing tells.
+Prints slope, its standard error, R^2 and residual, of all points and of each series: of the line with an intercept,
+as the 2020 paper draws it, and of the line through rest, from which `track` computes displacements. Warns of large
+residuals, slopes that may be 0 and series that disagree. A common factor on all displacements cannot be detected.
 
-With --rest and --layout the camera is found from one frame at rest, which shows the markers of a study's sensor: place,
+With --rest and --layout, the camera is calibrated by one frame at rest with the markers of a study's sensor: place,
 turn, px per rad and odd terms of the lens with standard deviations and covariance (of the image's centre, px; px per
-rad, a share; place, length; turn, rad; odd terms), and how far each marker lies from where it should be seen. Odd terms
-that the frame does not tell to half of what fisheyes differ by stay those of the study.
+rad, a share; place, length; turn, rad; odd terms), and the distance of each marker from its expected position. An odd
+term keeps the study's value unless the frame determines it to half of its prior standard deviation.
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv \\
@@ -73,20 +73,18 @@ and with a calibration
   readings.csv    what `palpate estimate press` accepts, of the markers that were tracked
   field.csv       the same on a regular grid, by natural-neighbour interpolation
 and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
-displacement outward from the contact. A soft layer on a rigid core is no half-space: give it as --method
-bonded-layer --thickness H. With --like STUDY.toml sensor and estimator are those of a study of kind press;
-flags override them. Warns as `estimate press` does, and of a --px-per-rad that is not the calibration's.
-Where there is no estimate, the tables are written all the same, and the status
-is 1.
+displacement outward from the contact. A soft layer on a rigid core is no half-space: use --method
+bonded-layer --thickness H. With --like STUDY.toml, sensor and estimator are those of a study of kind press;
+flags override them. Warns as `estimate press` does, and of a --px-per-rad that differs from the calibration.
+If there is no estimate, the tables are still written, and the status is 1.
 
---method image --like STUDY.toml fits what the camera sees: centroid, hue and size of each marker, by the errors that
-the frames show. Layout, discs, body, camera and noise are those of the study, which is of a press by a camera; with
---calibration the camera is the one that `sensor calibrate --rest` wrote. The outputs are the same; readings.csv has
-the displacement of each marker as its own picture tells it beside the estimated press, and there is none where there is
-no estimate.
+--method image --like STUDY.toml fits a press to centroid, hue and size of each marker, with the errors estimated from
+the frames. Layout, discs, body, camera and noise are those of the study, a press with a camera; with --calibration the
+camera is the one that `sensor calibrate --rest` wrote. The outputs are the same. readings.csv has the displacement of
+each marker by the estimated press, corrected by its own picture; it is not written if there is no estimate.
 
-For the other methods the camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
-along x, rows against y.
+The other methods assume that the camera looks at the apex from the sensor's centre, through a fisheye with
+r = f angle, columns along x, rows against y.
 
 Examples:
   palpate sensor track rest.png pressed.png --out out/track
@@ -130,10 +128,10 @@ pub(crate) struct CalibrateArgs {
     /// Displacements of the same marker along the skin, one per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
-    /// Property of a marker from which its normal displacement is read.
+    /// Property of a marker from which its normal displacement is computed.
     #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
     pub(crate) from: NormalFrom,
-    /// Read each marker that was seen at 3 or more displacements with a slope of its own.
+    /// Use a slope of its own for each marker that has 3 or more displacements.
     #[arg(long)]
     pub(crate) per_marker: bool,
     /// Focal length of the fisheye that took the frames, px per rad [default: the scale in the middle of
@@ -185,6 +183,6 @@ fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
     });
     PossibleValuesParser::new(described).try_map(|name| {
         let mut all = NormalFrom::ALL.into_iter();
-        all.find(|from| from.name() == name).ok_or("is no sight")
+        all.find(|from| from.name() == name).ok_or("is no property")
     })
 }

@@ -6,14 +6,13 @@ use anyhow::anyhow;
 use palpate_recorded::{GlideOptions, GlideRecording, estimate_glide, parse_glide};
 
 use super::like::Like;
-use super::table::{form, table};
-use super::warned::warn;
+use super::table::{form, table, warn};
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
 use crate::output::{self, Guard, OutputFile};
 
 pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
-    let map_file = place_of_map(args)?;
+    let map_file = map_file(args)?;
     let like = Like::of(&args.like)?;
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
     let readings = parse_glide(file).map_err(Failure::work)?;
@@ -33,8 +32,8 @@ fn options(
     like: Option<Like>,
     readings: &GlideRecording,
 ) -> Result<GlideOptions, Failure> {
-    let unit = readings.unit().or(args.form.length_unit);
-    let base = like.map(|like| like.options(unit, palpate::study_options::glide));
+    let unit = readings.unit.or(args.form.length_unit);
+    let base = like.map(|like| like.options(unit, GlideOptions::from_study));
     let options = GlideOptions::with_settings(
         base.transpose()?,
         &args.glides.and(&args.estimator),
@@ -47,18 +46,18 @@ fn options(
     })
 }
 
-/// Place of the map, whose directory must be there.
-fn place_of_map(args: &EstimateGlideArgs) -> Result<Option<OutputFile>, Failure> {
-    let Some(file) = &args.map else {
+/// File of the map, whose directory must exist.
+fn map_file(args: &EstimateGlideArgs) -> Result<Option<OutputFile>, Failure> {
+    let Some(path) = &args.map else {
         return Ok(None);
     };
     let inputs = [&args.readings].into_iter().chain(&args.like.like);
-    let place = OutputFile::new("--map", file, Guard::new(inputs, args.force))?;
-    match file.parent() {
+    let file = OutputFile::new("--map", path, Guard::new(inputs, args.force))?;
+    match path.parent() {
         Some(dir) if dir != Path::new("") && !dir.is_dir() => {
-            let (file, dir) = (file.display(), dir.display());
-            Err(Failure::Work(anyhow!("--map {file}: no directory {dir}")))
+            let (path, dir) = (path.display(), dir.display());
+            Err(Failure::Work(anyhow!("--map {path}: no directory {dir}")))
         }
-        _ => Ok(Some(place)),
+        _ => Ok(Some(file)),
     }
 }

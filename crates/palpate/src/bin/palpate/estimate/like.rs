@@ -6,7 +6,7 @@ use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
 use crate::cli::LikeArgs;
 use crate::failure::Failure;
 
-/// Study whose settings stand for those that are not given.
+/// Study whose settings replace those that are not given.
 pub(crate) struct Like {
     study: Study,
     cell: usize,
@@ -31,7 +31,7 @@ impl Like {
         }))
     }
 
-    /// Options like those of the study, with lengths in the readings' unit; where that is not stated, in the study's.
+    /// Options of the study, with lengths in the readings' unit, or in the study's if that is not stated.
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,

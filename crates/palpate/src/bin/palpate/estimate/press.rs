@@ -5,8 +5,7 @@ use palpate_study::config::LengthUnit;
 use serde_json::{Map, Value as Json};
 
 use super::like::Like;
-use super::table::{form, table};
-use super::warned::warn;
+use super::table::{form, table, warn};
 use crate::cli::EstimatePressArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -15,7 +14,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     let like = Like::of(&args.sensor.like)?;
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
     let readings = parse_press(file).map_err(Failure::work)?;
-    let unit = readings.unit().or(args.form.length_unit);
+    let unit = readings.unit.or(args.form.length_unit);
     let mut given = args.sensor.presses.and(&args.sensor.estimator);
     given.insert("radial_scale".to_owned(), args.radial_scale.into());
     let mut options = press_options(&given, like.as_ref(), unit, readings.has_tangential())?;
@@ -25,7 +24,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     output::print(&output::json(&estimate)?)
 }
 
-/// Options of the estimator in the readings' unit, after a check that the given settings fit together.
+/// Options of the estimator in the readings' unit.
 pub(crate) fn press_options(
     given: &Map<String, Json>,
     like: Option<&Like>,
@@ -37,12 +36,12 @@ pub(crate) fn press_options(
     options.map_err(Failure::usage)
 }
 
-/// Options of a fit of pictures in this unit, likewise.
+/// Options of a fit of pictures in this unit.
 pub(crate) fn picture_options(
     given: &Map<String, Json>,
     like: Option<&Like>,
     unit: Option<LengthUnit>,
 ) -> Result<PictureOptions, Failure> {
-    let base = like.map(|like| like.options(unit, palpate::study_options::pictures));
+    let base = like.map(|like| like.options(unit, PictureOptions::from_study));
     PictureOptions::with_settings(base.transpose()?, given).map_err(Failure::usage)
 }

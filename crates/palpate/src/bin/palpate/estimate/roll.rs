@@ -3,8 +3,7 @@
 use palpate_recorded::{RollOptions, estimate_roll, parse_roll};
 
 use super::like::Like;
-use super::table::{form, table};
-use super::warned::warn;
+use super::table::{form, table, warn};
 use crate::cli::EstimateRollArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -13,7 +12,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let like = Like::of(&args.like)?;
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
     let readings = parse_roll(file).map_err(Failure::work)?;
-    let unit = readings.unit().or(args.form.length_unit);
+    let unit = readings.unit.or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, palpate::study_options::roll));
     let given = args.rolls.and(&args.estimator);
     let options = RollOptions::with_settings(base.transpose()?, &given, args.form.length_unit);

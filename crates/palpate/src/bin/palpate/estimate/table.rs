@@ -1,13 +1,15 @@
-//! Tables of readings: files, or standard input.
+//! Input and output of all estimates: tables from files or standard input, and warnings.
 
 use std::path::Path;
 
 use palpate_recorded::{Form, RecordedFile};
 use palpate_study::readings::{columns_of, of_key};
 
+use serde::Serialize;
+
 use super::like::Like;
 use crate::cli::FormArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, with_flags};
 
 /// Table in a form; `-` is standard input.
 pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
@@ -18,7 +20,7 @@ pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     file.map(|file| file.written(form)).map_err(Failure::work)
 }
 
-/// Form that the arguments tell, with the names of columns of a study for those that they do not.
+/// Form by the arguments; the study of `--like` names the columns that the arguments do not name.
 pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
     let mut form = args.form();
     let Some(like) = like else {
@@ -27,10 +29,20 @@ pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
     let columns = columns_of(like.config.scene.kind());
     for (key, name) in &like.config.columns {
         let column = of_key(key, &columns);
-        let mut told = form.columns.keys();
-        if !told.any(|told| of_key(told, &columns) == column) {
+        let mut keys = form.columns.keys();
+        if !keys.any(|key| of_key(key, &columns) == column) {
             form.columns.insert(key.clone(), name.clone());
         }
     }
     form
+}
+
+/// Prints the warnings of an estimate to standard error.
+pub(crate) fn warn(estimate: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_value(estimate).map_err(Failure::work)?;
+    let warnings = json["warnings"].as_array().into_iter().flatten();
+    for warning in warnings.filter_map(|warning| warning["text"].as_str()) {
+        eprintln!("warning: {}", with_flags(warning));
+    }
+    Ok(())
 }

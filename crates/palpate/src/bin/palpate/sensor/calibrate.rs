@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    CalibrateOptions, CalibrationPoints, Frame, KnownDisplacements, calibrate as calibrate_to,
-    calibrate_camera, frame_calibration_points, parse_calibration_points, read_frame,
+    CalibrateOptions, CalibrationPoints, Frame, KnownDisplacements, RecordedFile,
+    calibrate as calibrate_to, calibrate_camera, calibration_toml, frame_calibration_points,
+    parse_calibration_points, parse_frame,
 };
 
 use palpate_study::config;
@@ -42,7 +43,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         length_unit: args.form.length_unit,
     };
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
-    out.write(report.to_toml().as_bytes())?;
+    out.write(calibration_toml(&report.calibration, report.length_unit).as_bytes())?;
     for warning in report.warnings() {
         eprintln!("{warning}");
     }
@@ -58,7 +59,7 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     let Ok(cell) = study.cell(args.cell) else {
         return Err(Failure::no_cell(args.cell, &study));
     };
-    let frame = read_frame(rest).map_err(Failure::work)?;
+    let frame = read_frame(rest)?;
     let camera = calibrate_camera(&frame, &cell.config).map_err(Failure::work)?;
     out.write(camera.to_toml().as_bytes())?;
     for warning in &camera.warnings {
@@ -68,12 +69,18 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     out.print(&lines.join("\n"))
 }
 
+/// The frame of a PNG file.
+pub(super) fn read_frame(path: &Path) -> Result<Frame, Failure> {
+    let frame = RecordedFile::read(path).and_then(|file| parse_frame(&file));
+    frame.map_err(Failure::work)
+}
+
 fn is_frame(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
-/// Whether the inputs are frames; refuses options that do not go with what they are.
+/// Whether the inputs are frames. Rejects options that have no effect on them.
 fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
     let frames = args.inputs.iter().filter(|path| is_frame(path)).count();
@@ -103,7 +110,7 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     ] {
         if let Some(known) = known.as_ref().filter(|known| known.len() != pressed) {
             return refuse(format!(
-                "{option} tells {} displacements; there are {pressed} pressed frames after the one at rest",
+                "{option} has {} displacements; there are {pressed} pressed frames after the one at rest",
                 known.len()
             ));
         }
@@ -120,8 +127,8 @@ fn points_of_frames(
         from: args.from,
         px_per_rad: args.px_per_rad,
     };
-    let frames: Result<Vec<Frame>, _> = args.inputs.iter().map(|path| read_frame(path)).collect();
-    let frames = frames.map_err(Failure::work)?;
+    let frames = args.inputs.iter().map(|path| read_frame(path));
+    let frames: Vec<Frame> = frames.collect::<Result<_, _>>()?;
     let Some((rest, pressed)) = frames.split_first() else {
         return Err(Failure::Usage(anyhow!("there are no frames")));
     };

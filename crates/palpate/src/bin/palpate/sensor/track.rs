@@ -4,23 +4,23 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    FrameReader, PictureOptions, TrackCounts, difference_image, overlay, read_calibration,
-    read_camera, read_frame, track_frames,
+    FrameReader, PictureOptions, RecordedError, RecordedFile, TrackCounts, difference_image,
+    overlay, parse_calibration, parse_camera, track_frames,
 };
 
+use super::calibrate::read_frame;
 use crate::cli::TrackArgs;
 use crate::estimate::{Like, picture_options, press_options, warn};
 use crate::failure::Failure;
 use crate::output::{self, Guard, LockedDir};
 
-/// Points along each side of the field's grid, unless others are asked for.
+/// Default number of points along each side of the field's grid.
 const GRID: u32 = 30;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     let reader = reader(args)?;
     output::make_directory(&args.out)?;
-    let read = |path: &Path| read_frame(path).map_err(Failure::work);
-    let [rest, pressed] = [read(&args.rest)?, read(&args.pressed)?];
+    let [rest, pressed] = [read_frame(&args.rest)?, read_frame(&args.pressed)?];
     let frames = track_frames(&rest, &pressed).map_err(Failure::work)?;
     let difference = difference_image(&rest, &pressed).map_err(Failure::work)?;
     let mut files = vec![
@@ -31,7 +31,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // The tables are written even where the frames turn out not to fit together below.
+    // The tables are written even if the frames are of different sensors.
     let grid = args.grid.unwrap_or(GRID) as usize;
     let filter = args.filter.unwrap_or(0.0);
     let file = args.out.join("readings.csv").display().to_string();
@@ -60,11 +60,11 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     frames.of_one_sensor().map_err(Failure::work)?;
     match estimate {
         Some(estimate) => output::print(&output::json(&estimate.map_err(Failure::work)?)?),
-        None => output::print(&summary(&frames.fates(), &args.out)),
+        None => output::print(&summary(&frames.counts(), &args.out)),
     }
 }
 
-fn summary(fates: &TrackCounts, out: &Path) -> String {
+fn summary(counts: &TrackCounts, out: &Path) -> String {
     let TrackCounts {
         at_rest,
         tracked,
@@ -73,7 +73,7 @@ fn summary(fates: &TrackCounts, out: &Path) -> String {
         split,
         new,
         cut_at_rest,
-    } = fates;
+    } = counts;
     format!(
         "{at_rest} markers at rest ({cut_at_rest} more cut by the rim): {tracked} tracked, {lost} lost, {merged} merged, {split} split; {new} new -> {}",
         out.display()
@@ -95,7 +95,7 @@ fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     }
 }
 
-/// Flag that only a calibration has use for, if one was given.
+/// Flag that has an effect only with a calibration, if one was given.
 fn of_calibration(args: &TrackArgs) -> Option<String> {
     let given = [
         ("--like", args.sensor.like.like.is_some()),
@@ -117,14 +117,16 @@ fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Fai
             "--px-per-rad is of no use to --method image: the study of --like states the camera, or --calibration does"
         )));
     }
-    // Bad arguments are refused before the calibration is read.
+    // Bad arguments are rejected before the calibration is read.
     let given = args.sensor.presses.and(&args.sensor.estimator);
     picture_options(&given, like, None)?;
     let camera = args.calibration.as_deref().map(|file| {
-        let camera = read_camera(file).map_err(Failure::work)?;
-        Ok::<_, Failure>((file.display().to_string(), camera))
+        let camera = RecordedFile::read(file).and_then(|file| parse_camera(&file))?;
+        Ok((file.display().to_string(), camera))
     });
-    let camera = camera.transpose()?;
+    let camera = camera
+        .transpose()
+        .map_err(|error: RecordedError| Failure::work(error))?;
     let unit = camera.as_ref().map(|(_, camera)| camera.length_unit);
     let mut options = picture_options(&given, like, unit)?;
     options.camera = camera;
@@ -139,10 +141,11 @@ fn calibrated(args: &TrackArgs, file: &Path, like: Option<&Like>) -> Result<Fram
                 return Err(Failure::Usage(anyhow!("--calibration needs {flag}")));
             }
         }
-        // Bad arguments are refused before any file is read.
+        // Bad arguments are rejected before any file is read.
         press_options(&given, None, None, true)?;
     }
-    let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
+    let calibration = RecordedFile::read(file).and_then(|file| parse_calibration(&file));
+    let (calibration, unit) = calibration.map_err(Failure::work)?;
     Ok(FrameReader::Displacements {
         calibration: Box::new(calibration),
         unit,

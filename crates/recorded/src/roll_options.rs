@@ -1,12 +1,13 @@
 //! Settings of an estimate from rolls.
 
-use palpate_ep1::ReadingNoise;
-use palpate_study::config::{LengthUnit, SettingError, split_settings, with_settings};
+use palpate_ep1::{PadStart, ReadingNoise};
+use palpate_statistics::Number;
+use palpate_study::config::{
+    LengthUnit, RollEstimatorConfig, SettingError, split_settings, with_settings,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
-
-use super::roll_recording::RollOptions;
 
 /// Settings of rolls that a user states; `None` if not given. Lengths are in the readings' unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,7 +31,49 @@ pub struct RollSettings {
     pub relative_rotation_std: Option<f64>,
 }
 
+/// Settings of an estimate that the readings do not state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RollOptions {
+    /// The probe's radius, in the readings' length unit.
+    pub probe_radius: f64,
+    /// The estimator.
+    pub estimator: RollEstimatorConfig,
+    /// Unit of lengths if the header does not state it.
+    pub length_unit: Option<LengthUnit>,
+    /// Noise and resolution of the readings, lengths in the same unit. If no noise is stated, standard deviations
+    /// follow from the residuals.
+    pub noise: ReadingNoise,
+}
+
 impl RollOptions {
+    /// Options with only the probe's radius stated.
+    pub fn new(probe_radius: f64) -> Self {
+        Self {
+            probe_radius,
+            estimator: RollEstimatorConfig::default(),
+            length_unit: None,
+            noise: ReadingNoise::default(),
+        }
+    }
+
+    /// Noise of pads on a probe of this radius. Each roll starts at a random place on a pad.
+    ///
+    /// # Errors
+    /// [`SettingError`] for a pitch larger than the radius or below 1e-15 of it, as in a study.
+    pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, SettingError> {
+        let refuse = |expected: String| Err(SettingError::of_number("pitch", pitch, expected));
+        let radius = Number(probe_radius);
+        match pitch {
+            _ if !(pitch > 0.0 && pitch <= probe_radius) => {
+                refuse(format!("> 0 and at most the probe's radius, {radius}"))
+            }
+            _ if pitch < 1e-15 * probe_radius => {
+                refuse("at least 1e-15 of the probe's radius".to_owned())
+            }
+            _ => Ok(ReadingNoise::of_pads(pitch, PadStart::PerRoll)),
+        }
+    }
+
     /// Options from the given settings, by their keys: those of [`RollSettings`] and those of the estimator. `base`
     /// states all others.
     ///
@@ -64,7 +107,15 @@ impl RollOptions {
                 return Err(SettingError::new("shift_std", reason));
             }
             (Some(pitch), None) => Self::noise_of_pads(probe_radius, pitch)?,
-            (None, Some(std)) => Self::noise_of_shifts(probe_radius, std)?,
+            (None, Some(std)) if std > probe_radius => {
+                let radius = Number(probe_radius);
+                let expected = format!("at least 0 and at most the probe's radius, {radius}");
+                return Err(SettingError::of_number("shift_std", std, expected));
+            }
+            (None, Some(shift_std)) => ReadingNoise {
+                shift_std,
+                ..ReadingNoise::default()
+            },
             (None, None) => base.noise,
         };
         let rotations = base.noise;

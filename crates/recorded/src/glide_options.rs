@@ -1,6 +1,7 @@
 //! Settings of an estimate from glides.
 
 use palpate_ep2::{RoundTip, TipPoint};
+use palpate_estimators::GlideFit;
 use palpate_geometry::ShapeThresholds;
 use palpate_study::config::{
     GlideEstimatorConfig, LengthUnit, SettingError, split_settings, with_settings,
@@ -8,8 +9,6 @@ use palpate_study::config::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
-
-use super::glide_estimate::GlideOptions;
 
 /// Point of a round fingertip that readings state instead of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -20,6 +19,61 @@ pub enum TipReports {
     LowestPoint,
     /// The tip's centre.
     Centre,
+}
+
+/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GlideOptions {
+    /// The estimator.
+    #[serde(skip)]
+    pub estimator: GlideEstimatorConfig,
+    /// Unit of lengths if the header does not state it.
+    #[serde(skip)]
+    pub length_unit: Option<LengthUnit>,
+    /// Points along each side of the grid for the regions and the map.
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+    pub grid: usize,
+    /// Whether the map has one point per contact, in their order, instead of the grid.
+    #[serde(skip)]
+    pub map_at_contacts: bool,
+    /// Radius of round fingertips, in the readings' length unit. Give it if positions are not those of the contacts but of
+    /// the point that setting `reports` names. Contacts then follow from the normals, or from a first fit.
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub tip_radius: Option<f64>,
+    /// Point of round fingertips whose positions the readings state; by default lowest-point.
+    pub reports: Option<TipReports>,
+    /// Direction out of the object. It is used for readings without normals, where only its side of the patch matters, and
+    /// for lowest points.
+    pub outward: [f64; 3],
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
+    /// threshold. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub gaussian_threshold: Option<f64>,
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default computed from the patch's size.
+    #[schemars(extend("minimum" = 0))]
+    pub mean_threshold: Option<f64>,
+    /// Distance between fingers, in the readings' length unit. Settings of two-pass, and position noise that is stated as a
+    /// fraction, are relative to it. By default the mean distance between neighbouring fingers.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub inter_finger_distance: Option<f64>,
+}
+
+impl Default for GlideOptions {
+    fn default() -> Self {
+        Self {
+            estimator: GlideEstimatorConfig::default(),
+            length_unit: None,
+            grid: 30,
+            map_at_contacts: false,
+            tip_radius: None,
+            reports: None,
+            outward: [0.0, 0.0, 1.0],
+            gaussian_threshold: None,
+            mean_threshold: None,
+            inter_finger_distance: None,
+        }
+    }
 }
 
 impl GlideOptions {
@@ -62,8 +116,7 @@ impl GlideOptions {
             let error = SettingError::new(key, format!("is of use only to {to}"));
             is_given.then_some(error).map_or(Ok(()), Err)
         };
-        let is_two_pass = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
-        if !is_two_pass && options.estimator.position_fraction_of_ifd().is_none() {
+        if !GlideFit::uses_finger_distance(&options.estimator) {
             useless(
                 "inter_finger_distance",
                 "setting `kind` two-pass or setting `position_fraction_of_ifd`",
@@ -71,16 +124,12 @@ impl GlideOptions {
         }
         let tip = options.tip();
         if has_normals && tip.is_none_or(|tip| tip.point != TipPoint::Lowest) {
-            useless(
-                "outward",
-                "readings without normals and to lowest points of round tips",
-            )?;
+            let to = "readings without normals and to lowest points of round tips";
+            useless("outward", to)?;
         }
         if tip.is_none() {
-            useless(
-                "reports",
-                "readings of round tips; give setting `tip_radius` too",
-            )?;
+            let to = "readings of round tips; give setting `tip_radius` too";
+            useless("reports", to)?;
         }
         if !has_normals {
             useless("normal_std_deg", "readings with normals")?;

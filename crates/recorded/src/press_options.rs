@@ -1,16 +1,95 @@
-//! Settings of an estimate from presses.
+//! Settings of an estimate from presses: from displacements of markers, or from camera frames.
 
 use palpate_statistics::Number;
 use palpate_study::config::{
-    LengthUnit, NoiseKnown, PressEstimatorConfig, PressModelConfig, SettingError, split_settings,
-    with_settings,
+    LengthUnit, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, SettingError,
+    StudyConfig, in_unit, split_settings, with_settings,
 };
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use super::image_estimate::PictureOptions;
-use super::press_estimate::PressOptions;
+use super::camera_file::CameraEstimate;
+use super::nominal_sensor::NominalSensor;
+use super::study_options::{StudyMismatch, factor, press_of};
+
+/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PressOptions {
+    /// Radius of the sensor's skin, in the readings' length unit; needed without setting `like`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub sensor_radius: Option<f64>,
+    /// Depth of the markers under the skin. Readings of a calibrated camera need it without setting `like`; for other
+    /// readings it is 0 by default, the surface, with a warning.
+    #[serde(rename = "depth")]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub marker_depth: Option<f64>,
+    /// Model of the sensor's soft body. It completes the estimator's settings, and a Gaussian is calibrated on it.
+    #[serde(skip)]
+    pub model: PressModelConfig,
+    /// The estimator. [`Self::indentation`] replaces its setting `indentation`, which is about the study's presses.
+    #[serde(skip)]
+    pub estimator: PressEstimatorConfig,
+    /// Indentation, if it is measured otherwise, for example by a robot's pose; by default fitted. Its standard deviation is
+    /// setting `indentation_std`; if that is 0 or not given, it is 2 % of the indentation, with a warning. (In a study, 0 is
+    /// exact.) A warning reports a large difference from the estimate by the readings alone.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub indentation: Option<f64>,
+    /// Standard deviation of each normal displacement; by default estimated from the residuals.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub normal_std: Option<f64>,
+    /// Standard deviation of each component of the tangential displacements; by default estimated from the residuals.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub tangential_std: Option<f64>,
+    /// Factor on the positions of the markers.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radial_scale: f64,
+    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force and the highest
+    /// pressure, which are proportional to it.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub young: Option<f64>,
+    /// Unit of lengths if the header does not state it.
+    #[serde(skip)]
+    pub length_unit: Option<LengthUnit>,
+}
+
+impl Default for PressOptions {
+    fn default() -> Self {
+        Self {
+            sensor_radius: None,
+            marker_depth: None,
+            model: PressModelConfig::default(),
+            estimator: PressEstimatorConfig::default(),
+            indentation: None,
+            normal_std: None,
+            tangential_std: None,
+            radial_scale: 1.0,
+            young: None,
+            length_unit: None,
+        }
+    }
+}
 
 impl PressOptions {
+    /// Options with only the sensor's radius stated: a half-space with its markers at the surface.
+    pub fn new(sensor_radius: f64) -> Self {
+        Self {
+            sensor_radius: Some(sensor_radius),
+            ..Self::default()
+        }
+    }
+
+    /// Radius of the skin, length; 0, which no estimate accepts, if it is not stated.
+    pub(super) fn radius(&self) -> f64 {
+        self.sensor_radius.unwrap_or_default()
+    }
+
+    /// Depth of the markers under the skin, length; 0 if it is not stated.
+    pub(super) fn depth(&self) -> f64 {
+        self.marker_depth.unwrap_or_default()
+    }
+
     /// Options from the given settings, by their keys: fields of this struct and settings of the estimator. `base` states
     /// all others. For a Gaussian, `thickness` and `poisson` are those of the elastic model on which it is calibrated.
     /// Readings may have tangential displacements or not.
@@ -43,8 +122,8 @@ impl PressOptions {
             return Err(SettingError::new("sensor_radius", reason));
         }
         let (estimator, model) = estimator(&of_estimator, &base)?;
-        let is_stated = estimator.priors().noise == NoiseKnown::Stated;
-        let std = |key: &str, std: Option<f64>| std.filter(|_| is_stated || own.contains_key(key));
+        let is_used = estimator.priors().noise == NoiseKnown::Stated;
+        let std = |key: &str, std: Option<f64>| std.filter(|_| is_used || own.contains_key(key));
         let options = Self {
             normal_std: std("normal_std", options.normal_std),
             tangential_std: std("tangential_std", options.tangential_std),
@@ -63,7 +142,77 @@ impl PressOptions {
     }
 }
 
+/// The camera sensor that took the frames, and the stated data of the press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// The press of the study, with its lengths converted to `unit`.
+    pub(super) press: PressConfig,
+    /// Unit of all lengths.
+    pub unit: LengthUnit,
+    /// The indentation, if it is measured otherwise, length: see [`PressOptions::indentation`].
+    pub indentation: Option<f64>,
+    /// Young's modulus of the soft body, force per length². Forces require it.
+    pub young: Option<f64>,
+    /// The camera calibrated from a frame at rest, with its file's name for messages; `None` uses the study's camera.
+    /// With a calibration, discs have the uncertainty that [`calibrate_camera`](super::calibrate_camera) assumes, and the
+    /// frame at rest does not refine the camera, because it may be the frame of the calibration.
+    pub camera: Option<(String, CameraEstimate)>,
+}
+
 impl PictureOptions {
+    /// Options with layout, discs, body, camera and noise of a study, lengths converted to `unit`. The study's
+    /// indentation is not used.
+    ///
+    /// # Errors
+    /// [`StudyMismatch`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are not
+    /// discs.
+    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
+        let press = in_unit(press_of(study)?, factor(study, unit)?);
+        NominalSensor::of(&press)?;
+        Ok(Self {
+            press,
+            unit,
+            indentation: None,
+            young: None,
+            camera: None,
+        })
+    }
+
+    /// Thickness of the layer, if the body has one.
+    pub(super) fn thickness(&self) -> Option<f64> {
+        self.press.estimator.layer(self.press.model.thickness())
+    }
+
+    /// Warning if a half-space is fitted although the study's model is a layer.
+    pub(super) fn other_body(&self) -> Option<String> {
+        let layer = self.press.model.thickness()?;
+        self.thickness().is_none().then(|| {
+            format!(
+                "a half-space is fitted, because Poisson's ratio is given without a thickness, but the study's model is a layer of {} {}",
+                Number(layer),
+                self.unit.as_str()
+            )
+        })
+    }
+
+    /// Poisson's ratio of a body without a layer.
+    pub(super) fn poisson(&self) -> f64 {
+        match self.press.estimator {
+            PressEstimatorConfig::Image {
+                poisson: Some(poisson),
+                ..
+            } => poisson,
+            _ => self.press.model.poisson(),
+        }
+    }
+
+    /// Whether the method is `image`, by the given settings or else by the study's estimator.
+    pub fn are_asked_for(given: &Map<String, Json>, study: Option<&StudyConfig>) -> bool {
+        let of_study = || Some(press_of(study?).ok()?.estimator.name());
+        let kind = given.get("kind").and_then(Json::as_str).or_else(of_study);
+        kind == Some("image")
+    }
+
     /// Options of a fit of frames from the given settings, by their keys. The study's `base` states all others.
     ///
     /// # Errors
@@ -74,13 +223,13 @@ impl PictureOptions {
         given: &Map<String, Json>,
     ) -> Result<Self, SettingError> {
         let Some(base) = base else {
-            let reason = "is needed by setting `kind` image: a study of a press before a camera, which states layout, discs, body, camera and noise";
+            let reason = "is needed by setting `kind` image: a study of a press with a camera, which states layout, discs, body, camera and noise";
             return Err(SettingError::new("like", reason));
         };
         let [own, mut of_estimator] = split_settings::<PressOptions>(given);
         let is_used = |key: &&String| ["indentation", "young"].contains(&key.as_str());
         if let Some(key) = own.keys().find(|key| !is_used(key)) {
-            let reason = "is of no use to setting `kind` image: the study of setting `like` states the sensor, the tracker the noise";
+            let reason = "is of no use to setting `kind` image: the study of setting `like` states the sensor, and the tracker estimates the noise";
             return Err(SettingError::new(key, reason));
         }
         of_estimator.insert("kind".to_owned(), Json::from("image"));
@@ -102,8 +251,8 @@ impl PictureOptions {
     }
 }
 
-/// The estimator and its elastic model. A Gaussian has neither thickness nor Poisson's ratio, but it is calibrated on
-/// a model that has one of them.
+/// The estimator and its elastic model. A Gaussian has neither thickness nor Poisson's ratio, but the model that calibrates
+/// it has one of them.
 fn estimator(
     given: &Map<String, Json>,
     base: &PressOptions,
@@ -125,29 +274,24 @@ fn estimator(
         Err(SettingError::new(key, reason))
     };
     let model = match (thickness, poisson) {
-        (None, None) => return Ok((estimator, base.model.clone())),
+        (None, None) => base.model.clone(),
         (Some(_), _) if has_c => {
-            return useless(
-                "thickness",
-                "to setting `kind` bonded-layer and to calibrate a Gaussian, but setting `c` is given",
-            );
+            let to = "to setting `kind` bonded-layer and to calibrate a Gaussian, but setting `c` is given";
+            return useless("thickness", to);
         }
         (None, Some(_)) if has_c => {
-            return useless(
-                "poisson",
-                "to setting `kind` half-space and to calibrate a Gaussian, but setting `c` is given",
-            );
+            let to = "to setting `kind` half-space and to calibrate a Gaussian, but setting `c` is given";
+            return useless("poisson", to);
         }
         (Some(_), Some(_)) => {
             return useless("poisson", "without setting `thickness`: a layer has 0.5");
         }
-        (Some(of_layer), None) => {
-            with_settings(&PressModelConfig::BondedLayer { thickness: 1.0 }, &of_layer)?
+        (Some(given), None) => {
+            with_settings(&PressModelConfig::BondedLayer { thickness: 1.0 }, &given)?
         }
-        (None, Some(of_half_space)) => with_settings(
-            &PressModelConfig::HalfSpace { poisson: 0.5 },
-            &of_half_space,
-        )?,
+        (None, Some(given)) => {
+            with_settings(&PressModelConfig::HalfSpace { poisson: 0.5 }, &given)?
+        }
     };
     Ok((estimator, model))
 }
@@ -169,11 +313,11 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",
-            "is needed by setting `kind` gaussian, or setting `indentation` to calibrate c at",
+            "is needed by setting `kind` gaussian, or setting `indentation` for its calibration",
         ),
         PressEstimatorConfig::Image { .. } => (
             "kind",
-            "image needs the frames and a model of the sensor, as `sensor track` reads them; for displacements use half-space or bonded-layer",
+            "image requires frames and a model of the sensor (`sensor track`); for displacements use half-space or bonded-layer",
         ),
         PressEstimatorConfig::BondedLayer {
             thickness: None, ..

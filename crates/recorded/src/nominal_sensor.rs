@@ -8,33 +8,32 @@ use palpate_statistics::Number;
 use palpate_study::config::{CameraConfig, PressConfig, ReadingNoise, SensorNoise};
 use palpate_tracking::{Finder, Found};
 
-use super::nearest::nearest;
-use palpate_estimators::{ImageModel, departure_stds, marker_image};
-use palpate_estimators::{MarkerSphere, optics_error};
+use super::layout_matching::nearest;
+use palpate_estimators::{ImageModel, MarkerSphere, departure_stds, marker_image, optics_error};
 use palpate_study::FieldError;
 
 /// Prior standard deviations of a camera: image centre, px; pixels per radian, relative; place, a share of the
 /// sensor's radius; turn, degrees.
-const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
+const CAMERA_STDS: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
 /// Prior standard deviations of a lens's odd terms, k3 and k5. All usual fisheye projections, from orthographic to
 /// stereographic, lie within two of them.
-pub(super) const TERMS_BEFORE: [f64; 2] = [0.1, 0.05];
+pub(super) const TERM_STDS: [f64; 2] = [0.1, 0.05];
 /// Indices of the odd terms in a [`Departure`].
 pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Prior standard deviations of discs if the study states none: depth, a share of the sensor's radius; diameter and
 /// colours, relative.
-const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
+const DISC_STDS: [f64; 3] = [0.002, 0.02, 0.03];
 /// Number of frames over which the effect of blemishes on pictures is averaged, because pixel noise changes it too.
-const BLEMISHED: u64 = 4;
+const BLEMISHED_FRAMES: u64 = 4;
 
 /// The nominal sensor, as the study states it.
 #[derive(Clone)]
-pub(crate) struct NominalSensor<'a> {
-    pub(crate) sphere: MarkerSphere<'a>,
-    camera: &'a CameraConfig,
-    pub(crate) places: Vec<[f64; 2]>,
-    pub(crate) markers: Markers,
-    pub(crate) stds: [f64; Departure::NUMBERS],
+pub(super) struct NominalSensor<'a> {
+    pub(super) sphere: MarkerSphere<'a>,
+    pub(super) camera: &'a CameraConfig,
+    pub(super) places: Vec<[f64; 2]>,
+    pub(super) markers: Markers,
+    pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
     /// Standard deviation of a pixel's noise, levels of 255.
     pixel_std: f64,
@@ -44,47 +43,50 @@ pub(crate) struct NominalSensor<'a> {
 
 /// Pose of a camera, with centre and scale of its image and odd terms of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CameraGeometry {
+pub(super) struct CameraGeometry {
     /// Middle of the image, px.
-    pub(crate) centre_px: [f64; 2],
+    pub(super) centre_px: [f64; 2],
     /// Focal length, px per radian.
-    pub(crate) px_per_rad: f64,
+    pub(super) px_per_rad: f64,
     /// Position relative to the sensor's centre, length.
-    pub(crate) place: [f64; 3],
+    pub(super) place: [f64; 3],
     /// Turn, degrees.
-    pub(crate) turn_deg: [f64; 3],
+    pub(super) turn_deg: [f64; 3],
     /// Odd terms of the lens.
-    pub(crate) odd_terms: OddTerms,
+    pub(super) odd_terms: OddTerms,
 }
 
 impl<'a> NominalSensor<'a> {
-    pub(crate) fn of(press: &'a PressConfig, camera: &'a CameraConfig) -> Result<Self, FieldError> {
+    /// The sensor of a press, without the effect of uneven light and blur.
+    ///
+    /// # Errors
+    /// [`FieldError`] for a sensor without a camera or discs.
+    pub(super) fn of(press: &'a PressConfig) -> Result<Self, FieldError> {
+        let none = || FieldError::at("scene.sensor", "must have a camera");
+        let (camera, _) = press.sensor.camera().ok_or_else(none)?;
         let sphere = MarkerSphere::of(&press.probe);
         let places = sphere.places()?;
         let skin = Skin::new(sphere.radius);
         let markers = skin.and_then(|skin| Markers::new(skin, &places));
         let markers = markers.map_err(|error| FieldError::at("scene.probe", error))?;
-        let [centre_px, scale, place, turn_deg] = BEFORE;
-        let [disc_depth, disc_diameter, colour] = OF_DISCS;
-        let stated = press.noise.sensor.clone();
-        let known = SensorNoise {
+        let [centre_px, scale, place, turn_deg] = CAMERA_STDS;
+        let [disc_depth, disc_diameter, colour] = DISC_STDS;
+        let mut prior = press.noise.sensor.clone().unwrap_or(SensorNoise {
+            disc_depth: disc_depth * sphere.radius,
+            disc_diameter,
+            colour,
+            ..SensorNoise::default()
+        });
+        prior = SensorNoise {
             centre_px,
             scale,
             place: place * sphere.radius,
             turn_deg,
-            disc_depth: disc_depth * sphere.radius,
-            disc_diameter,
-            colour,
+            ..prior
         };
-        let known = stated.map_or(known.clone(), |stated| SensorNoise {
-            disc_depth: stated.disc_depth,
-            disc_diameter: stated.disc_diameter,
-            colour: stated.colour,
-            ..known
-        });
         let misalignment_std = sphere.misalignment_std()?;
         Ok(Self {
-            stds: departure_stds(&known),
+            stds: departure_stds(&prior),
             sphere,
             camera,
             places,
@@ -101,8 +103,8 @@ impl<'a> NominalSensor<'a> {
     /// This sensor with the effect of uneven light and blur on its pictures at rest.
     ///
     /// # Errors
-    /// [`FieldError`] where the camera shows no markers through them.
-    pub(crate) fn through_blemishes(self) -> Result<Self, FieldError> {
+    /// [`FieldError`] if light or blur hide the markers.
+    pub(super) fn through_blemishes(self) -> Result<Self, FieldError> {
         let CameraConfig {
             light_at_rim,
             blur_px,
@@ -134,7 +136,7 @@ impl<'a> NominalSensor<'a> {
                 // Hues are turns.
                 off[2] -= (off[2] + 0.5).floor();
                 for (change, off) in change.iter_mut().zip(off) {
-                    *change += off / BLEMISHED as f64;
+                    *change += off / BLEMISHED_FRAMES as f64;
                 }
             }
         }
@@ -144,17 +146,17 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// MarkerImages of the markers at rest, found in several frames with these blemishes. Each frame's pixel noise is the
+    /// Pictures of the markers at rest in several simulated frames with these blemishes. Each frame's pixel noise is the
     /// same for all blemishes.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
-        let optics = self.shown(&self.stand()?, blemishes)?;
+        let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
         let projected = optics
             .project(&still)
             .map_err(|error| optics_error(&error))?;
         let expected: Vec<Option<[f64; 2]>> = projected
             .iter()
-            .map(|seen| Some(seen.as_ref()?.centroid_px))
+            .map(|marker| Some(marker.as_ref()?.centroid_px))
             .collect();
         let mut finder = Finder::default();
         let mut pictures = |number: u64| {
@@ -167,46 +169,46 @@ impl<'a> NominalSensor<'a> {
                 );
                 FieldError::at("scene.sensor", message)
             })?;
-            let seen = |marker: usize| marker_image(&found.markers[marker], &found.errors[marker]);
+            let image = |marker: usize| marker_image(&found.markers[marker], &found.errors[marker]);
             let nearest = nearest(&expected, &found).into_iter();
-            Ok(nearest.map(|marker| Some(seen(marker?).picture)).collect())
+            Ok(nearest.map(|marker| Some(image(marker?).picture)).collect())
         };
-        (0..BLEMISHED).map(&mut pictures).collect()
+        (0..BLEMISHED_FRAMES).map(&mut pictures).collect()
     }
 
     /// Whether light or blur changes pictures.
-    pub(crate) fn is_blemished(&self) -> bool {
+    pub(super) fn is_blemished(&self) -> bool {
         !self.blemished.is_empty()
     }
 
     /// A marker's picture, corrected for the effect of light and blur at rest.
-    pub(crate) fn clear(&self, marker: usize, seen: Seen) -> Seen {
+    pub(super) fn clear(&self, marker: usize, image: Seen) -> Seen {
         let change = self.blemished.get(marker).copied().unwrap_or_default();
         Seen {
-            picture: std::array::from_fn(|number| seen.picture[number] - change[number]),
-            ..seen
+            picture: std::array::from_fn(|number| image.picture[number] - change[number]),
+            ..image
         }
     }
 
-    /// This sensor with the first `unknown` odd terms of its lens unknown.
-    pub(crate) fn with_terms(&self, unknown: usize) -> Self {
+    /// This sensor with the first `free` odd terms of its lens to be estimated.
+    pub(super) fn with_terms(&self, free: usize) -> Self {
         let mut other = self.clone();
-        for (number, std) in TERMS.into_iter().zip(TERMS_BEFORE).take(unknown) {
+        for (number, std) in TERMS.into_iter().zip(TERM_STDS).take(free) {
             other.stds[number] = std;
         }
         other
     }
 
-    /// Whether the odd terms of the lens are known.
-    pub(super) fn knows_lens(&self) -> bool {
+    /// Whether no odd term of the lens is to be estimated.
+    pub(super) fn has_exact_lens(&self) -> bool {
         TERMS.iter().all(|&number| self.stds[number] == 0.0)
     }
 
     /// Nominal optics, but with the image centre of the frame.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, FieldError> {
-        self.seen_from(&CameraGeometry {
+        self.optics_of(&CameraGeometry {
             centre_px: found.mask.centre_px,
-            ..self.stand()?
+            ..self.geometry()?
         })
     }
 
@@ -220,7 +222,7 @@ impl<'a> NominalSensor<'a> {
     }
 
     /// Nominal pose and scale of the camera.
-    pub(crate) fn stand(&self) -> Result<CameraGeometry, FieldError> {
+    pub(super) fn geometry(&self) -> Result<CameraGeometry, FieldError> {
         let CameraConfig { k3, k5, .. } = *self.camera;
         let odd_terms = OddTerms { k3, k5 };
         let lens = self.lens(odd_terms)?;
@@ -234,17 +236,21 @@ impl<'a> NominalSensor<'a> {
     }
 
     /// Optics of a camera with this pose and scale.
-    pub(crate) fn seen_from(&self, stand: &CameraGeometry) -> Result<Optics, FieldError> {
-        self.shown(stand, Blemishes::default())
+    pub(super) fn optics_of(&self, geometry: &CameraGeometry) -> Result<Optics, FieldError> {
+        self.optics_with(geometry, Blemishes::default())
     }
 
-    fn shown(&self, stand: &CameraGeometry, blemishes: Blemishes) -> Result<Optics, FieldError> {
-        let lens = self.lens(stand.odd_terms)?;
+    fn optics_with(
+        &self,
+        geometry: &CameraGeometry,
+        blemishes: Blemishes,
+    ) -> Result<Optics, FieldError> {
+        let lens = self.lens(geometry.odd_terms)?;
         let middle = lens.centre_px();
-        let offset = [0, 1].map(|axis| stand.centre_px[axis] - middle[axis]);
+        let offset = [0, 1].map(|axis| geometry.centre_px[axis] - middle[axis]);
         let array = self.sphere.array(&self.places)?;
-        let pose = Pose::new(stand.place, stand.turn_deg.map(f64::to_radians));
-        lens.adjusted(offset, stand.px_per_rad)
+        let pose = Pose::new(geometry.place, geometry.turn_deg.map(f64::to_radians));
+        lens.adjusted(offset, geometry.px_per_rad)
             .and_then(|lens| Optics::new(array, lens, Colours::default(), blemishes))
             .and_then(|optics| optics.seen_from(pose))
             .map_err(|error| optics_error(&error))

@@ -6,15 +6,14 @@ use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View}
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
-use palpate_tracking::Found;
+use palpate_tracking::{Found, Marker};
 
-use super::camera_report::{CameraEstimate, Residual};
-use super::nearest::{closest, nearest};
+use super::camera_file::{CameraEstimate, Residual};
 use super::nominal_sensor::{NominalSensor, TERMS};
 use palpate_estimators::{ImageModel, marker_image};
 
 /// Largest departure of the discs from their nominal values, in prior standard deviations.
-const MOST_DEPARTED: f64 = 6.0;
+const MAX_DEPARTURE: f64 = 6.0;
 /// Indices of the discs' numbers in a [`Departure`], and their names for messages.
 const DISCS: [(usize, &str); 10] = [
     (0, "depth of the magenta discs"),
@@ -29,29 +28,29 @@ const DISCS: [(usize, &str); 10] = [
     (18, "blue light through yellow discs"),
 ];
 /// Indices of the camera's numbers in a [`Departure`].
-pub(crate) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
+pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Number of rough matching rounds before the final one.
 const ROUNDS: usize = 4;
 /// Standard deviations that allow for misaligned discs in the rough rounds: both centroid coordinates, px; hue,
 /// turns; logarithm of the size.
-const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
+const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Smallest share of the layout's markers that must be found: in the final round, and in the rough rounds.
-const LEAST_SEEN: f64 = 0.8;
-const LEAST_AT_FIRST: f64 = 0.5;
-/// Largest median difference between seen and nominal hues, turns.
-const MOST_TURNED: f64 = 0.06;
+const MIN_FOUND: f64 = 0.8;
+const MIN_FOUND_ROUGHLY: f64 = 0.5;
+/// Largest median difference between measured and nominal hues, turns.
+const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Reduced χ² above which the frame contradicts the layout, and above which uncertainties are widened.
-pub(crate) const CONTRADICTED: f64 = 25.0;
-pub(crate) const SIGNIFICANCE_LEVEL: f64 = 1.5;
+pub(super) const CONTRADICTION: f64 = 25.0;
+const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
 /// Further start heights of the camera for the fit, relative to the nominal one, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Hint in messages about a frame in which the layout is not found.
-const ELSEWHERE: &str = "is it from another layout or camera, is the camera not where `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` put it, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
+/// Possible causes if the layout is not found in a frame.
+const CAUSES: &str = "is it from another layout or camera, does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
 /// Largest number of repeated fits, each around the optics of the last, and the decrease of χ² below which they stop.
-const MOST_FITS: usize = 12;
-const SETTLED: f64 = 1e-3;
+const MAX_FITS: usize = 12;
+const MIN_DECREASE: f64 = 1e-3;
 
 /// For each marker of the layout: its index in the list of found markers, and its picture.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
@@ -60,7 +59,7 @@ type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 pub(super) struct Matched {
     /// Index of each marker of the layout in the list of found markers.
     pub(super) found: Vec<Option<usize>>,
-    pub(super) seen: Vec<Option<Seen>>,
+    pub(super) images: Vec<Option<Seen>>,
     rest: Rest,
     law: Vec<Option<[f64; 4]>>,
     missing: usize,
@@ -70,15 +69,15 @@ impl Matched {
     /// Matches the markers, starting from the nominal optics and from higher and lower cameras, and returns the best
     /// match with its optics. From a wrong height, a fit may end in a local minimum: scale and lens compensate it.
     pub(super) fn of(
-        meant: &NominalSensor<'_>,
+        nominal: &NominalSensor<'_>,
         optics: &Optics,
         found: &Found,
     ) -> Result<(Self, Optics), String> {
         let from = |height: f64| {
             let mut raised = [0.0; Departure::NUMBERS];
-            raised[HEIGHT] = height * meant.stds[HEIGHT];
+            raised[HEIGHT] = height * nominal.stds[HEIGHT];
             let raised = optics.departed(&Departure::of(raised));
-            Self::about(meant, raised.map_err(other_layout)?, found)
+            Self::about(nominal, raised.map_err(other_layout)?, found)
         };
         HEIGHTS
             .into_iter()
@@ -95,25 +94,26 @@ impl Matched {
 
     /// Matches the markers, starting from `optics`: first roughly, then finally.
     fn about(
-        meant: &NominalSensor<'_>,
+        nominal: &NominalSensor<'_>,
         optics: Optics,
         found: &Found,
     ) -> Result<(Self, Optics), String> {
         let mut optics = optics;
         for _ in 0..ROUNDS {
-            let fit = meant.fit(&optics)?;
-            let (_, seen) = Self::seen(meant, &fit, found, LEAST_AT_FIRST)?;
-            let rough: Vec<Option<Seen>> = seen.into_iter().map(|seen| seen.map(roughly)).collect();
+            let fit = nominal.fit(&optics)?;
+            let (_, images) = Self::images(nominal, &fit, found, MIN_FOUND_ROUGHLY)?;
+            let rough: Vec<Option<Seen>> =
+                images.into_iter().map(|image| image.map(roughly)).collect();
             let rest = fit.at_rest(&rough).map_err(other_layout)?;
             optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
         }
-        let fit = meant.fit(&optics)?;
-        let (markers, seen) = Self::seen(meant, &fit, found, LEAST_SEEN)?;
-        let missing = told(&law(&fit, None)?, &seen, found, LEAST_SEEN)?;
-        let rest = fit.at_rest(&seen).map_err(other_layout)?;
-        let (fit, rest, optics) = match meant.knows_lens() {
+        let fit = nominal.fit(&optics)?;
+        let (markers, images) = Self::images(nominal, &fit, found, MIN_FOUND)?;
+        let missing = missing_markers(&law(&fit, None)?, &images, found, MIN_FOUND)?;
+        let rest = fit.at_rest(&images).map_err(other_layout)?;
+        let (fit, rest, optics) = match nominal.has_exact_lens() {
             true => (fit, rest, optics),
-            false => settled(meant, (rest, optics), &seen)?,
+            false => settled(nominal, (rest, optics), &images)?,
         };
         let law = law(&fit, Some(&rest))?;
         let matched = Self {
@@ -121,37 +121,37 @@ impl Matched {
             law,
             rest,
             found: markers,
-            seen,
+            images,
         };
         Ok((matched, optics))
     }
 
-    fn seen(
-        meant: &NominalSensor<'_>,
+    fn images(
+        nominal: &NominalSensor<'_>,
         fit: &ImageFit<ImageModel>,
         found: &Found,
         least: f64,
     ) -> Result<Matches, String> {
         let expected = law(fit, None)?;
         let markers = nearest(&centroids(&expected), found);
-        let seen = |(at, marker): (usize, &Option<usize>)| {
+        let picture = |(at, marker): (usize, &Option<usize>)| {
             let marker = (*marker)?;
-            let seen = marker_image(&found.markers[marker], &found.errors[marker]);
-            Some(meant.clear(at, seen))
+            let picture = marker_image(&found.markers[marker], &found.errors[marker]);
+            Some(nominal.clear(at, picture))
         };
-        let seen: Vec<Option<Seen>> = markers.iter().enumerate().map(seen).collect();
-        told(&expected, &seen, found, least).map(|_| (markers, seen))
+        let images: Vec<Option<Seen>> = markers.iter().enumerate().map(picture).collect();
+        missing_markers(&expected, &images, found, least).map(|_| (markers, images))
     }
 
     /// Quantity (places, hues or sizes) in which the markers differ most from the fitted model.
     fn most_off(&self) -> &'static str {
         let mut squares = [0.0; 3];
-        for (seen, law) in self.seen.iter().zip(&self.law) {
-            if let (Some(seen), Some(law)) = (seen, law) {
+        for (image, law) in self.images.iter().zip(&self.law) {
+            if let (Some(image), Some(law)) = (image, law) {
                 for (number, law) in law.iter().enumerate() {
-                    let off = seen.picture[number] - law;
+                    let off = image.picture[number] - law;
                     squares[number.saturating_sub(1)] +=
-                        off * off / seen.covariance[(number, number)];
+                        off * off / image.covariance[(number, number)];
                 }
             }
         }
@@ -160,16 +160,17 @@ impl Matched {
         ["places", "hues", "sizes"][most.unwrap_or(0)]
     }
 
+    /// The camera that was fitted.
     pub(super) fn camera(
         &self,
-        meant: &NominalSensor<'_>,
+        nominal: &NominalSensor<'_>,
         optics: &Optics,
         length_unit: LengthUnit,
     ) -> Result<CameraEstimate, String> {
         let mut residuals_px = Vec::new();
-        for (marker, pair) in self.seen.iter().zip(&self.law).enumerate() {
-            if let (Some(seen), Some(law)) = pair {
-                let [x, y] = [0, 1].map(|axis| seen.picture[axis] - law[axis]);
+        for (marker, pair) in self.images.iter().zip(&self.law).enumerate() {
+            if let (Some(image), Some(law)) = pair {
+                let [x, y] = [0, 1].map(|axis| image.picture[axis] - law[axis]);
                 let px = libm::hypot(x, y);
                 residuals_px.push(Residual { marker, px });
             }
@@ -177,39 +178,34 @@ impl Matched {
         let squares = residuals_px.iter().map(|one| one.px * one.px);
         let residual_px = (squares.sum::<f64>() / residuals_px.len() as f64).sqrt();
         let reduced = self.reduced();
-        if reduced > CONTRADICTED {
-            let worst = residuals_px
-                .iter()
-                .max_by(|one, other| one.px.total_cmp(&other.px));
+        if reduced > CONTRADICTION {
+            let all = residuals_px.iter();
+            let worst = all.max_by(|one, other| one.px.total_cmp(&other.px));
             let worst = worst.map_or(0, |one| one.marker);
             return Err(format!(
-                "contradicts the layout, by the {} of the markers most of all: chi-squared is {} per degree of freedom (at most {CONTRADICTED}), the markers lie {} px from where they should be seen, number {worst} the farthest: {ELSEWHERE}",
+                "contradicts the layout, most of all by the {} of the markers: chi-squared is {} per degree of freedom (at most {CONTRADICTION}), and the markers lie {} px from their expected positions, number {worst} the farthest: {CAUSES}",
                 self.most_off(),
                 Number::rounded(reduced),
                 Number::rounded(residual_px)
             ));
         }
         for (number, what) in DISCS {
-            let (departure, std) = (self.rest.common[number], meant.stds[number]);
-            if departure.abs() > MOST_DEPARTED * std {
+            let (departure, std) = (self.rest.common[number], nominal.stds[number]);
+            if departure.abs() > MAX_DEPARTURE * std {
                 return Err(format!(
-                    "contradicts the layout: the {what} would be off by {}, where it is known to {}",
+                    "contradicts the layout: the {what} would have an error of {}, but its standard deviation is {}",
                     Number::rounded(departure),
                     Number::rounded(std)
                 ));
             }
         }
-        let widened = if reduced > SIGNIFICANCE_LEVEL {
-            reduced.sqrt()
-        } else {
-            1.0
-        };
-        let covariance = self.covariance(meant, widened)?;
+        let widened = scatter(reduced);
+        let covariance = self.covariance(nominal, widened)?;
         let std = |number: usize| covariance[(number, number)].sqrt();
         let mut warnings = Vec::new();
         if widened > 1.0 {
             let text = format!(
-                "the markers scatter {} times as much as the frame's noise explains; uncertainties are as much wider",
+                "the markers scatter {0} times as much as the frame's noise explains; uncertainties are multiplied by {0}",
                 Number::rounded(widened)
             );
             warnings.push(Warning::new("scatter-at-rest", text, [("ratio", widened)]));
@@ -231,7 +227,7 @@ impl Matched {
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
         // Rows of odd terms follow the rows of the other camera parameters.
-        let std_of_term = |at: usize| (meant.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
+        let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(CameraEstimate {
             length_unit,
             place: [0, 1, 2].map(|axis| pose.place[axis] + place[axis]),
@@ -263,7 +259,7 @@ impl Matched {
 
     /// The warning if markers are missing.
     pub(super) fn warning(&self) -> Option<Warning> {
-        let (all, missing) = (self.seen.len(), self.missing);
+        let (all, missing) = (self.images.len(), self.missing);
         (missing > 0).then(|| {
             let text = format!("{missing} of the layout's {all} markers are missing at rest");
             let numbers = [("missing", missing as f64), ("markers", all as f64)];
@@ -272,44 +268,58 @@ impl Matched {
     }
 
     /// Covariance of the camera's numbers; standard deviations are multiplied by `widened`.
-    fn covariance(&self, meant: &NominalSensor<'_>, widened: f64) -> Result<DMatrix<f64>, String> {
+    fn covariance(
+        &self,
+        nominal: &NominalSensor<'_>,
+        widened: f64,
+    ) -> Result<DMatrix<f64>, String> {
         let singular = || "leaves the camera undetermined".to_owned();
         let shares = self.rest.covariance().ok_or_else(singular)?;
-        let free: Vec<usize> = (0..meant.stds.len())
-            .filter(|&number| meant.stds[number] > 0.0)
+        let free: Vec<usize> = (0..nominal.stds.len())
+            .filter(|&number| nominal.stds[number] > 0.0)
             .collect();
         let of_camera = (0..free.len()).filter(|&at| CAMERA.contains(&free[at]));
         let places: Vec<usize> = of_camera.collect();
-        let std = |at: usize| widened * meant.stds[free[places[at]]];
-        Ok(DMatrix::from_fn(
-            places.len(),
-            places.len(),
-            |row, column| shares[(places[row], places[column])] * std(row) * std(column),
-        ))
+        let std = |at: usize| widened * nominal.stds[free[places[at]]];
+        let size = places.len();
+        Ok(DMatrix::from_fn(size, size, |row, column| {
+            shares[(places[row], places[column])] * std(row) * std(column)
+        }))
+    }
+}
+
+/// Scatter relative to the noise: the root of a reduced χ² above `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
+pub(super) fn scatter(reduced: f64) -> f64 {
+    match reduced > MAX_REDUCED_CHI_SQUARED {
+        true => reduced.sqrt(),
+        false => 1.0,
     }
 }
 
 /// Repeats the fit around the optics that it found. Odd terms, scale and camera height almost compensate each other,
 /// so a single fit that starts far away stops before the smallest χ².
 fn settled(
-    meant: &NominalSensor<'_>,
+    nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
-    seen: &[Option<Seen>],
+    images: &[Option<Seen>],
 ) -> Result<(ImageFit<ImageModel>, Rest, Optics), String> {
-    for _ in 0..MOST_FITS {
+    for _ in 0..MAX_FITS {
         optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
-        let again = meant.fit(&optics)?.at_rest(seen).map_err(other_layout)?;
+        let again = nominal
+            .fit(&optics)?
+            .at_rest(images)
+            .map_err(other_layout)?;
         let gain = rest.chi_squared - again.chi_squared;
         rest = again;
-        if gain < SETTLED {
+        if gain < MIN_DECREASE {
             break;
         }
     }
-    Ok((meant.fit(&optics)?, rest, optics))
+    Ok((nominal.fit(&optics)?, rest, optics))
 }
 
 fn other_layout(error: impl std::fmt::Display) -> String {
-    format!("does not show the layout: {error}; {ELSEWHERE}")
+    format!("does not show the layout: {error}; {CAUSES}")
 }
 
 /// Modelled pictures of the markers at rest: for the nominal sensor, or for the sensor that `rest` estimates.
@@ -317,18 +327,18 @@ fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
     let aligned = vec![[0.0; 2]; markers];
-    let sensor = rest.map_or(
-        SensorState {
-            common: &[0.0; Departure::NUMBERS],
-            misalignments: &aligned,
-        },
-        |rest| SensorState {
+    let sensor = match rest {
+        Some(rest) => SensorState {
             common: &rest.common,
             misalignments: &rest.misalignments,
         },
-    );
+        None => SensorState {
+            common: &[0.0; Departure::NUMBERS],
+            misalignments: &aligned,
+        },
+    };
     let pictures = fit.view.pictures(&sensor, &still);
-    pictures.ok_or_else(|| other_layout("no such camera sees them"))
+    pictures.ok_or_else(|| other_layout("no camera of these parameters has the markers in view"))
 }
 
 /// The camera's part of the departure estimated from a frame.
@@ -341,12 +351,15 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
 }
 
 /// A marker's picture with larger errors, which allow for misaligned discs.
-fn roughly(seen: Seen) -> Seen {
-    let mut covariance = seen.covariance;
-    for (number, std) in ROUGHLY.into_iter().enumerate() {
+fn roughly(image: Seen) -> Seen {
+    let mut covariance = image.covariance;
+    for (number, std) in ROUGH_STDS.into_iter().enumerate() {
         covariance[(number, number)] += std * std;
     }
-    Seen { covariance, ..seen }
+    Seen {
+        covariance,
+        ..image
+    }
 }
 
 fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
@@ -355,37 +368,62 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
 }
 
 /// Number of missing markers. Rejects frames with too many missing or additional markers, or with other colours.
-fn told(
+fn missing_markers(
     expected: &[Option<[f64; 4]>],
-    seen: &[Option<Seen>],
+    images: &[Option<Seen>],
     found: &Found,
     least: f64,
 ) -> Result<usize, String> {
     let wanted = expected.iter().flatten().count();
-    let there = seen.iter().flatten().count();
+    let there = images.iter().flatten().count();
     let beside = found.markers.len().saturating_sub(there);
     let few = (there as f64) < least * wanted as f64;
     if few || beside as f64 > (1.0 - least) * wanted as f64 {
         return Err(format!(
-            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} others: {ELSEWHERE}"
+            "shows {there} of the {wanted} markers of the layout that are in view of the camera, and {beside} others: {CAUSES}"
         ));
     }
-    let turns = expected.iter().zip(seen).filter_map(|(expected, seen)| {
-        let turn = seen.as_ref()?.picture[2] - expected.as_ref()?[2];
+    let turns = expected.iter().zip(images).filter_map(|(expected, image)| {
+        let turn = image.as_ref()?.picture[2] - expected.as_ref()?[2];
         Some((turn - (turn + 0.5).floor()).abs())
     });
     let mut turns: Vec<f64> = turns.collect();
     turns.sort_by(f64::total_cmp);
     let median = turns.get(turns.len() / 2).copied().unwrap_or(0.0);
-    if median > MOST_TURNED {
+    if median > MAX_HUE_DIFFERENCE {
         return Err(format!(
-            "has markers whose hues differ by {} turns in the median from those of magenta and yellow discs (at most {MOST_TURNED}): are colours swapped?",
+            "has markers whose hues differ by {} turns in the median from those of magenta and yellow discs (at most {MAX_HUE_DIFFERENCE}): are colours swapped?",
             Number::rounded(median)
         ));
     }
     // Markers that the rim cuts do not count as missing.
     let centroids = centroids(expected);
     let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
-    let cut = cut.filter(|(at, _)| seen[*at].is_none()).count();
+    let cut = cut.filter(|(at, _)| images[*at].is_none()).count();
     Ok((wanted - there).saturating_sub(cut))
+}
+
+/// For each expected position: index of the nearest marker, among the markers that have no nearer expected position.
+pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
+    let mut nearest = vec![None; expected.len()];
+    let mut distances = vec![f64::INFINITY; expected.len()];
+    for (number, marker) in found.markers.iter().enumerate() {
+        if let Some((at, distance)) = closest(expected, marker)
+            && distance < distances[at]
+        {
+            distances[at] = distance;
+            nearest[at] = Some(number);
+        }
+    }
+    nearest
+}
+
+/// Index of the expected position that is nearest to a marker of a frame, and its distance, px.
+pub(super) fn closest(expected: &[Option<[f64; 2]>], marker: &Marker) -> Option<(usize, f64)> {
+    let [x, y] = marker.centroid_px;
+    let all = expected.iter().enumerate().filter_map(|(at, centroid)| {
+        let [column, row] = (*centroid)?;
+        Some((at, libm::hypot(column - x, row - y)))
+    });
+    all.min_by(|one, other| one.1.total_cmp(&other.1))
 }

@@ -1,4 +1,4 @@
-//! Mistakes of signs, columns and units in rolls and glides: told where the readings show them, and only there.
+//! Warnings of mistakes of signs, columns and units in rolls and glides: present for wrong readings, absent for sound ones.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use palpate_recorded::{
 };
 use palpate_scene::{Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
-use palpate_study::config::{LengthUnit, SceneConfig, Study, StudyConfig, load, parse};
+use palpate_study::config::{LengthUnit, SceneConfig, StudyConfig, load};
 
 /// Words of the warnings that these tests are about.
 const WORDS: [&str; 6] = [
-    "contradict the places of the contacts",
+    "contradict the positions of the contacts",
     "but the readings show",
-    "less than from one pad to the next",
+    "less than the distance between two pads",
     "as far as on a plane",
     "whole turn",
     "point inward",
@@ -42,7 +42,7 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
         SceneConfig::Glide(_) => {
             let options = GlideOptions {
                 grid: 3,
-                ..palpate::study_options::glide(config, unit).unwrap()
+                ..GlideOptions::from_study(config, unit).unwrap()
             };
             let (estimate, _) = estimate_glide(&parse_glide(file).ok()?, &options).ok()?;
             Some(warnings(&estimate))
@@ -51,34 +51,11 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
     }
 }
 
-/// Trials of a study that are estimated, and those that are doubted, over at most `most` of its cells.
-fn doubted(study: &Study, most: usize, trials: u64) -> (u64, Vec<String>) {
-    let step = study.cell_count().div_ceil(most);
-    let (mut estimated, mut told) = (0, Vec::new());
-    for number in (0..study.cell_count()).step_by(step) {
-        let config = study.cell(number).unwrap().config;
-        let Ok(scene) = study.estimable_scene(number) else {
-            continue;
-        };
-        for trial in 0..trials.min(scene.trials(trials)) {
-            if let Some(warnings) = of_trial(&scene, &config, trial) {
-                estimated += 1;
-                told.extend(
-                    warnings
-                        .into_iter()
-                        .map(|warning| format!("cell {number}: {warning}")),
-                );
-            }
-        }
-    }
-    (estimated, told)
-}
-
-/// No trial of a committed study of rolls or glides is doubted, nor of an example.
+/// No trial of a committed study of rolls or glides, nor of an example, has such a warning.
 #[test]
-fn studies_are_not_doubted() {
+fn readings_of_studies_cause_no_warnings() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let mut all = 0;
+    let mut estimated = 0;
     for folder in ["sim-configs", "examples"] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
@@ -86,95 +63,25 @@ fn studies_are_not_doubted() {
                 continue;
             }
             let study = load(&path).unwrap();
-            if !matches!(
-                study.config.scene,
-                SceneConfig::Roll(_) | SceneConfig::Glide(_)
-            ) {
-                continue;
+            let step = study.cell_count().div_ceil(6);
+            for number in (0..study.cell_count()).step_by(step) {
+                let config = study.cell(number).unwrap().config;
+                let is_press =
+                    !matches!(config.scene, SceneConfig::Roll(_) | SceneConfig::Glide(_));
+                let Some(scene) = study.estimable_scene(number).ok().filter(|_| !is_press) else {
+                    continue;
+                };
+                for trial in 0..scene.trials(3) {
+                    if let Some(warnings) = of_trial(&scene, &config, trial) {
+                        let place = format!("{} cell {number}", path.display());
+                        assert!(warnings.is_empty(), "{place}: {warnings:#?}");
+                        estimated += 1;
+                    }
+                }
             }
-            let (estimated, told) = doubted(&study, 6, 3);
-            assert!(
-                told.is_empty(),
-                "{}: {} of {estimated}: {:#?}",
-                path.display(),
-                told.len(),
-                told
-            );
-            all += estimated;
         }
     }
-    println!("{all} trials of studies and examples, none doubted");
-    assert!(all > 150, "{all}");
-}
-
-fn study(scene: &str) -> Study {
-    parse(
-        "study.toml",
-        &format!("name = \"s\"\nlength_unit = \"mm\"\n{scene}"),
-    )
-    .unwrap()
-}
-
-/// Sensors, shapes and noise that no study has.
-#[test]
-fn other_scenes_are_not_doubted() {
-    let roll = |object: &str, motion: &str, sensor: &str| {
-        format!(
-            "scene.kind = \"roll\"\nscene.probe = {{ kind = \"sphere\", radius = 8.0 }}\nscene.object = {object}\n\
-             scene.motion = {{ {motion} }}\nscene.sensor = {sensor}\n"
-        )
-    };
-    let glide = |object: &str, noise: &str| {
-        format!(
-            "scene.kind = \"glide\"\nscene.probe = {{ kind = \"point\" }}\nscene.object = {object}\n\
-             scene.motion = {{ finger_positions = [-6.0, 0.0, 6.0], inter_finger_distance = 6.0, patch_length = 12.0, \
-             contacts_per_finger = 5 }}\nscene.noise = {noise}\n\
-             scene.evaluate = {{ half_width = 5.0, gaussian_threshold = 0.001, mean_threshold = 0.01 }}\n"
-        )
-    };
-    let ball = "{ kind = \"sphere\", radius = 30.0 }";
-    let dish = "{ kind = \"dish\", radius = 9.0 }";
-    let saddle = "{ kind = \"saddle\", a = 0.02 }";
-    let plane = "{ kind = \"plane\" }";
-    let few = "angle_deg = 20, directions_deg = [0, 90]";
-    let noisy = "{ position = { kind = \"gaussian\", std = 0.3 }, normal = { kind = \"gaussian\", std_deg = 10 } }";
-    let uniform = "{ position = { kind = \"uniform\", bound = 0.02 }, normal = { kind = \"gaussian\", std_deg = 1 } }";
-    let mut all = 0;
-    for scene in [
-        roll(ball, "angle_deg = 30", "{ kind = \"wrist\", std = 0.05 }"),
-        roll(plane, few, "{ kind = \"wrist\", std = 0.05 }"),
-        roll(dish, "angle_deg = 10", "{ kind = \"wrist\", std = 0.01 }"),
-        roll(
-            ball,
-            "angle_deg = 30",
-            "{ kind = \"pads\", pitch = 0.7, offset = \"random\" }",
-        ),
-        roll(
-            ball,
-            "angle_deg = 17",
-            "{ kind = \"pads\", pitch = 0.7, layout = \"uniform\", offset = \"random\" }",
-        ),
-        roll(
-            ball,
-            "angle_deg = 17",
-            "{ kind = \"pads\", pitch = 0.7, layout = \"uniform\" }",
-        ),
-        glide(ball, noisy),
-        glide(saddle, noisy),
-        glide(plane, noisy),
-        glide(saddle, uniform),
-    ] {
-        let (estimated, told) = doubted(&study(&scene), 1, 60);
-        assert!(
-            told.is_empty(),
-            "{scene}: {} of {estimated}: {told:#?}",
-            told.len()
-        );
-        assert!(estimated > 0, "{scene}");
-        all += estimated;
-    }
-    println!("{all} trials of other scenes, none doubted");
-    assert!(all > 400, "{all}");
+    assert!(estimated > 150, "{estimated}");
 }
 
 /// Rolls of a probe of 8 mm on a ball of 30 mm, eight of 0.5 rad, with Gaussian noise of the shifts.
@@ -211,85 +118,43 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
 /// Correctly stated noise gives no warning in 2,000 sets. Noise that is stated eight times too large gives one in all
 /// of 250 sets, and so do shifts in cm.
 #[test]
-fn a_noise_that_is_stated_far_too_large_is_told() {
-    let (mut honest, mut large, mut in_cm) = (0, 0, 0);
+fn a_far_too_large_stated_noise_causes_a_warning() {
+    let (mut sound, mut large, mut in_cm) = (0, 0, 0);
     for set in 0..2000 {
         let (rotations, shifts) = rolls(0.1, set);
-        honest += of_rolls(&rotations, &shifts, shift_noise(0.1)).len();
+        sound += of_rolls(&rotations, &shifts, shift_noise(0.1)).len();
         if set < 250 {
-            let told = of_rolls(&rotations, &shifts, shift_noise(0.8));
+            let found = of_rolls(&rotations, &shifts, shift_noise(0.8));
             large += usize::from(
-                told.iter()
+                found
+                    .iter()
                     .any(|one| one.contains("noise of shifts is stated as 0.8 mm")),
             );
             let shifts: Vec<[f64; 2]> = shifts
                 .iter()
                 .map(|shift| shift.map(|part| 0.1 * part))
                 .collect();
-            let told = of_rolls(&rotations, &shifts, shift_noise(0.1));
+            let found = of_rolls(&rotations, &shifts, shift_noise(0.1));
             in_cm += usize::from(
-                told.iter()
+                found
+                    .iter()
                     .any(|one| one.contains("noise of shifts is stated as 0.1 mm")),
             );
         }
     }
-    println!(
-        "{honest} of 2,000 honest sets doubted; {large} and {in_cm} of 250 mistaken ones told"
-    );
-    assert_eq!((honest, large, in_cm), (0, 250, 250));
+    assert_eq!((sound, large, in_cm), (0, 250, 250));
 }
 
 #[test]
-fn rotations_and_shifts_in_another_unit_are_told() {
+fn a_pitch_longer_than_the_shifts_causes_a_warning() {
     let (rotations, shifts) = rolls(0.0, 0);
-    let scaled = |numbers: &[[f64; 2]], factor: f64| -> Vec<[f64; 2]> {
-        numbers
-            .iter()
-            .map(|pair| pair.map(|one| factor * one))
-            .collect()
-    };
-    let degrees = 1f64.to_degrees();
-    for (turned, moved, words) in [
-        (1.0, 1.0, None),
-        (degrees, 1.0, Some("are the rotations in degrees")),
-        (
-            1.0 / degrees,
-            1.0,
-            Some("are the rotations in rad, whatever the header says"),
-        ),
-        (1000.0, 1.0, Some("or the rotations in mrad?")),
-        (1.0, 1e-3, Some("are the shifts in m and the radius in mm")),
-        (
-            1e-3,
-            1.0,
-            Some("are the shifts in a smaller unit than the radius?"),
-        ),
-    ] {
-        let told = of_rolls(
-            &scaled(&rotations, turned),
-            &scaled(&shifts, moved),
-            ReadingNoise::default(),
-        );
-        match words {
-            None => assert!(told.is_empty(), "{told:?}"),
-            Some(words) => assert!(
-                told.len() == 1 && told[0].contains(words),
-                "{words}: {told:?}"
-            ),
-        }
-    }
-}
-
-#[test]
-fn a_pitch_that_is_longer_than_shifts_are_is_told() {
-    let (rotations, shifts) = rolls(0.0, 0);
-    for (pitch, is_told) in [(0.5, false), (3.0, false), (7.0, true), (8.0, true)] {
+    for (pitch, is_long) in [(0.5, false), (3.0, false), (7.0, true), (8.0, true)] {
         let noise = RollOptions::noise_of_pads(8.0, pitch).unwrap();
-        let told = of_rolls(&rotations, &shifts, noise);
+        let found = of_rolls(&rotations, &shifts, noise);
         assert_eq!(
-            told.iter().any(|one| one.contains("is the pitch right")),
-            is_told,
-            "{pitch}: {told:?}"
+            found.iter().any(|one| one.contains("is the pitch right")),
+            is_long,
+            "{pitch}: {found:?}"
         );
     }
     // A contact that does not move has no such shift.
@@ -338,7 +203,7 @@ fn of_contacts(points: &[[f64; 3]], normals: &[[f64; 3]], fingers: &[u64]) -> St
 type Change = fn([f64; 3]) -> [f64; 3];
 
 #[test]
-fn normals_that_are_mirrored_or_swapped_are_told() {
+fn mirrored_or_swapped_normals_cause_a_warning() {
     let changes: [(Change, &str); 6] = [
         (|[x, y, z]| [-x, y, z], "the sign of normal_x reversed"),
         (|[x, y, z]| [x, -y, z], "the sign of normal_y reversed"),
@@ -352,34 +217,34 @@ fn normals_that_are_mirrored_or_swapped_are_told() {
         assert_eq!(of_contacts(&points, &normals, &fingers), "", "set {set}");
         for (change, words) in changes {
             let changed: Vec<[f64; 3]> = normals.iter().map(|normal| change(*normal)).collect();
-            let told = of_contacts(&points, &changed, &fingers);
-            assert!(told.contains(words), "set {set}, {words}: {told}");
+            let found = of_contacts(&points, &changed, &fingers);
+            assert!(found.contains(words), "set {set}, {words}: {found}");
         }
         let inward: Vec<[f64; 3]> = normals
             .iter()
             .map(|normal| normal.map(|part| -part))
             .collect();
-        let told = of_contacts(&points, &inward, &fingers);
+        let found = of_contacts(&points, &inward, &fingers);
         assert!(
-            told.contains("point inward") && !told.contains("contradict the places"),
-            "{told}"
+            found.contains("point inward") && !found.contains("contradict the positions"),
+            "{found}"
         );
     }
 }
 
 /// A plane and a ridge look the same with some components turned, and seven contacts are too few to say.
 #[test]
-fn what_normals_cannot_show_is_not_told() {
+fn few_contacts_or_a_plane_cause_no_warning_of_normals() {
     let (points, normals, fingers) = contacts(1, 0.02);
     let turned: Vec<[f64; 3]> = normals.iter().map(|[x, y, z]| [-x, *y, *z]).collect();
     let few = [0, 1, 2, 6, 7, 12, 13];
     let pick = |all: &[[f64; 3]]| few.map(|place| all[place]);
-    let told = of_contacts(
+    let found = of_contacts(
         &pick(&points),
         &pick(&turned),
         &few.map(|place| fingers[place]),
     );
-    assert!(!told.contains("contradict the places"), "{told}");
+    assert!(!found.contains("contradict the positions"), "{found}");
     let flat: Vec<[f64; 3]> = points.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
     let up = vec![[0.0, 0.0, 1.0]; flat.len()];
     assert_eq!(of_contacts(&flat, &up, &fingers), "");

@@ -1,0 +1,216 @@
+//! A camera that was estimated from a frame at rest, and its TOML file.
+
+use nalgebra::DMatrix;
+use palpate_statistics::Number;
+use palpate_study::Warning;
+use palpate_study::config::LengthUnit;
+use serde::{Deserialize, Serialize};
+
+use super::error::RecordedError;
+use super::file::RecordedFile;
+use super::layout_matching::CAMERA;
+
+/// A camera, estimated from its markers at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraEstimate {
+    /// Unit of lengths.
+    pub length_unit: LengthUnit,
+    /// Position relative to the sensor's centre: along the axes at the apex, and toward the apex.
+    pub place: [f64; 3],
+    /// Its standard deviations.
+    pub place_std: [f64; 3],
+    /// Turn about these axes, degrees.
+    pub turn_deg: [f64; 3],
+    /// Its standard deviations.
+    pub turn_std_deg: [f64; 3],
+    /// Focal length f of the fisheye, px per radian: a ray at the angle θ to its axis meets the image
+    /// f (θ + k3 θ³ + k5 θ⁵) px from the centre.
+    pub px_per_rad: f64,
+    /// Its standard deviation.
+    pub px_per_rad_std: f64,
+    /// Odd term of the third power; the study's value if the frame does not determine it.
+    #[serde(default)]
+    pub k3: f64,
+    /// Its standard deviation; absent if the frame does not determine it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k3_std: Option<f64>,
+    /// Odd term of the fifth power, likewise.
+    #[serde(default)]
+    pub k5: f64,
+    /// Its standard deviation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k5_std: Option<f64>,
+    /// Middle of the image, px.
+    pub centre_px: [f64; 2],
+    /// Covariance of, in this order: both coordinates of the image centre, px; px per radian, relative; place,
+    /// length; turn, rad; odd terms that the frame determines.
+    pub covariance: Vec<Vec<f64>>,
+    /// Root mean square distance of the markers' centroids from their expected positions, px.
+    pub residual_px: f64,
+    /// Distance for each marker of the layout in the frame.
+    pub residuals_px: Vec<Residual>,
+    /// Chi-squared of the frame per degree of freedom: about 1 if the model is right.
+    pub reduced_chi_squared: f64,
+    /// Warnings about the camera.
+    pub warnings: Vec<Warning>,
+}
+
+impl CameraEstimate {
+    /// Covariance of the camera's numbers.
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
+        let size = self.covariance.len();
+        DMatrix::from_fn(size, size, |row, column| self.covariance[row][column])
+    }
+
+    /// The camera as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("numbers, words and tables of them have a TOML form")
+    }
+
+    /// The camera in words.
+    pub fn summary(&self) -> String {
+        let number = |value: f64| Number::rounded(value).to_string();
+        let term = |name: &str, value: f64, std: Option<f64>| match std {
+            Some(std) => format!("{name} {} +- {}", number(value), number(std)),
+            None => format!(
+                "{name} {} as stated (the frame does not determine it)",
+                number(value)
+            ),
+        };
+        let three = |values: [f64; 3]| values.map(number).join(", ");
+        format!(
+            "camera at ({}) +- ({}) {} from the centre, turned by ({}) +- ({}) deg, {} +- {} px per rad, {}, {}; {} markers, {} px from their expected positions",
+            three(self.place),
+            three(self.place_std),
+            self.length_unit.as_str(),
+            three(self.turn_deg),
+            three(self.turn_std_deg),
+            number(self.px_per_rad),
+            number(self.px_per_rad_std),
+            term("k3", self.k3, self.k3_std),
+            term("k5", self.k5, self.k5_std),
+            self.residuals_px.len(),
+            number(self.residual_px)
+        )
+    }
+}
+
+/// Distance of a marker's centroid from its expected position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Residual {
+    /// The marker, by its number in the layout, from 0.
+    pub marker: usize,
+    /// The distance, px.
+    pub px: f64,
+}
+
+/// A camera as [`CameraEstimate::to_toml`] writes it.
+///
+/// # Errors
+/// [`RecordedError::File`] for a calibration of displacements, a field that is missing or unknown, a number that is
+/// not finite, a scale or a standard deviation that is not positive, and a matrix that is no covariance or
+/// contradicts the standard deviations.
+pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError> {
+    let text =
+        file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
+    let table: toml::Table = text.parse().unwrap_or_default();
+    let parts = ["normal", "lateral"];
+    if let Some(part) = parts.iter().find(|part| table.contains_key(**part)) {
+        return Err(file.error(format!(
+            "is a calibration of displacements (`{part}`); the method image takes the camera that `sensor calibrate` writes from a frame at rest"
+        )));
+    }
+    let camera: CameraEstimate = toml::from_str(text).map_err(|error| {
+        let message = error.to_string();
+        file.error(format!("is no camera: {}", message.trim_end()))
+    })?;
+    check(&camera).map_err(|message| file.error(message))?;
+    Ok(camera)
+}
+
+/// Whether a text describes a camera.
+pub(super) fn is_camera(text: &str) -> bool {
+    let table: toml::Table = text.parse().unwrap_or_default();
+    let mut keys = ["place", "turn_deg", "px_per_rad", "centre_px"].iter();
+    keys.all(|key| table.contains_key(*key))
+}
+
+/// Largest relative difference between a standard deviation and the covariance. It is not zero, because the
+/// covariance divides px per rad by a slightly different scale.
+const ROUNDING: f64 = 0.1;
+
+fn check(camera: &CameraEstimate) -> Result<(), String> {
+    let odd_terms = [camera.k3_std, camera.k5_std];
+    let [k3_std, k5_std] = odd_terms.map(|std| std.into_iter().collect());
+    let numbers: [(&str, Vec<f64>); 8] = [
+        ("place", camera.place.to_vec()),
+        ("turn_deg", camera.turn_deg.to_vec()),
+        ("centre_px", camera.centre_px.to_vec()),
+        ("k3", vec![camera.k3]),
+        ("k5", vec![camera.k5]),
+        ("residual_px", vec![camera.residual_px]),
+        ("reduced_chi_squared", vec![camera.reduced_chi_squared]),
+        (
+            "residuals_px",
+            camera.residuals_px.iter().map(|one| one.px).collect(),
+        ),
+    ];
+    let positive: [(&str, Vec<f64>); 6] = [
+        ("place_std", camera.place_std.to_vec()),
+        ("turn_std_deg", camera.turn_std_deg.to_vec()),
+        ("px_per_rad_std", vec![camera.px_per_rad_std]),
+        ("px_per_rad", vec![camera.px_per_rad]),
+        ("k3_std", k3_std),
+        ("k5_std", k5_std),
+    ];
+    let others = numbers.map(|named| (named, "finite", -1e50));
+    let positive = positive.map(|named| (named, "finite and > 0", f64::MIN_POSITIVE));
+    for ((name, numbers), expected, least) in others.into_iter().chain(positive) {
+        let is_bad = |number: &f64| !(least..=1e50).contains(number);
+        if let Some(at) = numbers.iter().position(is_bad) {
+            let index = if numbers.len() > 1 {
+                format!("[{at}]")
+            } else {
+                String::new()
+            };
+            let number = Number(numbers[at]);
+            return Err(format!(
+                "`{name}{index}` is {number}; it must be {expected}"
+            ));
+        }
+    }
+    if odd_terms[0].is_none() && odd_terms[1].is_some() {
+        return Err("`k5_std` is stated without `k3_std`".to_owned());
+    }
+    let size = CAMERA.len() - odd_terms.iter().filter(|std| std.is_none()).count();
+    let rows = &camera.covariance;
+    if rows.len() != size || rows.iter().any(|row| row.len() != size) {
+        return Err(format!(
+            "`covariance` must have {size} rows of {size} numbers"
+        ));
+    }
+    let covariance = camera.covariance();
+    let is_symmetric = (&covariance - covariance.transpose()).amax() <= 1e-9 * covariance.amax();
+    let stds = covariance.map_diagonal(f64::sqrt);
+    let correlation = |row, column| covariance[(row, column)] / (stds[row] * stds[column]);
+    let correlations = DMatrix::from_fn(size, size, correlation);
+    if !is_symmetric || correlations.cholesky().is_none() {
+        return Err("`covariance` must be symmetric and positive definite".to_owned());
+    }
+    let stated = [camera.px_per_rad_std / camera.px_per_rad]
+        .into_iter()
+        .chain(camera.place_std)
+        .chain(camera.turn_std_deg.map(f64::to_radians))
+        .chain(odd_terms.into_iter().flatten());
+    for (entry, stated) in (2..size).zip(stated) {
+        if (stds[entry] - stated).abs() > ROUNDING * stated {
+            let [std, stated] = [stds[entry], stated].map(Number::rounded);
+            return Err(format!(
+                "`covariance[{entry}][{entry}]` is that of a standard deviation of {std}, but {stated} is stated"
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,229 @@
+//! Camera parameters and their uncertainty before a fit of frames.
+
+use nalgebra::{DMatrix, DVector};
+use palpate_chromatouch::{Departure, OddTerms};
+use palpate_press::DeparturePrior;
+use palpate_statistics::Number;
+
+use super::camera_file::CameraEstimate;
+use super::error::RecordedError;
+use super::frame_pair::Frame;
+use super::layout_matching::CAMERA;
+use super::nominal_sensor::{CameraGeometry, NominalSensor};
+use super::press_options::PictureOptions;
+use palpate_estimators::departure_stds;
+
+/// Largest difference of a camera parameter from its estimate by the frame at rest, in standard deviations.
+const MAX_PULL: f64 = 6.0;
+/// χ² of all parameters together above which the camera contradicts the frame.
+const MAX_CHI_SQUARED: f64 = 200.0;
+/// χ² of 9, 10 and 11 parameters together above which a warning is given: by chance, 1 in 10,000 exceeds it.
+const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
+/// Number of camera parameters without the odd terms of the lens, which a frame may not determine.
+const WITHOUT_TERMS: usize = 9;
+/// Largest standard deviation of a calibrated parameter, relative to the one before calibration.
+const MAX_STD_RATIO: f64 = 10.0;
+/// Names of the camera parameters and their units; `None` is the length unit.
+const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
+    ("centre_px[0]", Some("px")),
+    ("centre_px[1]", Some("px")),
+    ("px_per_rad", Some("px")),
+    ("place[0]", None),
+    ("place[1]", None),
+    ("place[2]", None),
+    ("turn_deg[0]", Some("deg")),
+    ("turn_deg[1]", Some("deg")),
+    ("turn_deg[2]", Some("deg")),
+    ("k3", Some("")),
+    ("k5", Some("")),
+];
+
+/// A camera with the uncertainty of its parameters.
+pub(super) struct CameraPrior<'a> {
+    pub(super) geometry: CameraGeometry,
+    /// Standard deviation of each `Departure` of the sensor.
+    pub(super) stds: [f64; Departure::NUMBERS],
+    /// Departures of the camera, with their joint covariance from a calibration.
+    pub(super) departure_prior: Option<DeparturePrior>,
+    /// File of the calibration; `None` for the study's camera.
+    file: Option<&'a str>,
+    unit: &'static str,
+}
+
+impl<'a> CameraPrior<'a> {
+    /// The camera of the calibration if there is one, otherwise the study's camera.
+    pub(super) fn of(
+        nominal: &NominalSensor<'_>,
+        options: &'a PictureOptions,
+        rest: &Frame,
+    ) -> Result<Self, RecordedError> {
+        let unit = options.unit.as_str();
+        let Some((file, camera)) = &options.camera else {
+            let geometry = nominal.geometry().map_err(|error| {
+                let message = format!("{}: {}", error.path, error.message);
+                RecordedError::readings(&rest.file, message)
+            })?;
+            let of_study = options.press.noise.sensor.as_ref();
+            return Ok(Self {
+                geometry,
+                stds: of_study.map_or([0.0; Departure::NUMBERS], departure_stds),
+                departure_prior: None,
+                file: None,
+                unit,
+            });
+        };
+        let fail = |message: String| Err(RecordedError::readings(file, message));
+        if camera.length_unit != options.unit {
+            let own = camera.length_unit.as_str();
+            return fail(format!(
+                "`length_unit` is {own}; it must be that of the other lengths, {unit}"
+            ));
+        }
+        let covariance = camera.covariance();
+        let mut stds = nominal.stds;
+        let before = nominal.with_terms(covariance.nrows() - WITHOUT_TERMS).stds;
+        let scales = scales(camera);
+        let determined = &CAMERA[..covariance.nrows()];
+        for (entry, &number) in determined.iter().enumerate() {
+            let (std, most) = (
+                covariance[(entry, entry)].sqrt(),
+                MAX_STD_RATIO * before[number],
+            );
+            if std > most {
+                let [std, most] = [std, most].map(|std| Number::rounded(std * scales[entry]));
+                let (name, of_number) = NAMES[entry];
+                let of_number = of_number.unwrap_or(unit);
+                return fail(format!(
+                    "`{name}` has a standard deviation of {std} {of_number}; it must be at most {most}"
+                ));
+            }
+            stds[number] = std;
+        }
+        Ok(Self {
+            geometry: geometry_of(camera),
+            stds,
+            departure_prior: Some(DeparturePrior {
+                numbers: determined.to_vec(),
+                covariance,
+            }),
+            file: Some(file),
+            unit,
+        })
+    }
+
+    /// Warning if the frame at rest shows a different camera.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if it contradicts the frame, with the worst parameter and its two values.
+    pub(super) fn other_camera(
+        &self,
+        at_rest: &CameraEstimate,
+        rest: &Frame,
+    ) -> Result<Option<String>, RecordedError> {
+        let (own, found) = (numbers(&self.geometry), numbers(&geometry_of(at_rest)));
+        let scales = scales(at_rest);
+        let found_covariance = at_rest.covariance();
+        // Odd terms that the frame does not determine are not compared.
+        let count = found_covariance.nrows();
+        let own_covariance = self.covariance().resize(count, count, 0.0);
+        let std = |covariance: &DMatrix<f64>, entry: usize| {
+            covariance[(entry, entry)].sqrt() * scales[entry]
+        };
+        let both = &own_covariance + &found_covariance;
+        let pull = |entry: usize| ((own[entry] - found[entry]) / std(&both, entry)).abs();
+        let worst = (0..count).max_by(|one, other| pull(*one).total_cmp(&pull(*other)));
+        let worst = worst.unwrap_or(0);
+        let is_alone = pull(worst) > MAX_PULL;
+        let (name, unit) = NAMES[worst];
+        let unit = unit.unwrap_or(self.unit);
+        // Print enough digits to show the difference.
+        let digit = 0.1 * (own[worst] - found[worst]);
+        let with_std = |value: f64, std: f64| {
+            let value = Number::known_to(value, digit);
+            let std = match std > 0.0 {
+                true => format!(" +- {}", Number::rounded(std)),
+                false => String::new(),
+            };
+            format!("{value}{std} {unit}").trim_end().to_owned()
+        };
+        let name = match self.file {
+            Some(_) => format!("`{name}`"),
+            None => format!("{name} of the camera in `scene.sensor`"),
+        };
+        let mut difference = format!(
+            "{name} is {}, but {} shows {}",
+            with_std(own[worst], std(&own_covariance, worst)),
+            rest.file,
+            with_std(found[worst], std(&found_covariance, worst))
+        );
+        let apart = DVector::from_fn(count, |entry, _| {
+            (own[entry] - found[entry]) / scales[entry]
+        });
+        // Strongly correlated parameters may contradict the frame only together.
+        let square = both
+            .cholesky()
+            .map(|factor| apart.dot(&factor.solve(&apart)));
+        let square = square.unwrap_or_default();
+        if !is_alone {
+            difference = format!(
+                "its {count} numbers together differ from those of the frame (chi-squared {}), most of all: {difference}",
+                Number::rounded(square)
+            );
+        }
+        let remedy = "calibrate the camera with this frame by `sensor calibrate`";
+        if is_alone || square > MAX_CHI_SQUARED {
+            let message = format!("contradicts the frame at rest: {difference}; {remedy}");
+            return Err(RecordedError::readings(
+                self.file.unwrap_or(&rest.file),
+                message,
+            ));
+        }
+        Ok(
+            (square > WARNING_CHI_SQUARED[count - WITHOUT_TERMS]).then(|| {
+                format!(
+                    "the camera is not that of {}: {difference}; {remedy}",
+                    rest.file
+                )
+            }),
+        )
+    }
+
+    /// Covariance of departures of the camera.
+    fn covariance(&self) -> DMatrix<f64> {
+        match &self.departure_prior {
+            Some(prior) => prior.covariance.clone(),
+            None => {
+                let variance = |row: usize, _| self.stds[CAMERA[row]] * self.stds[CAMERA[row]];
+                DMatrix::from_diagonal(&DVector::from_fn(WITHOUT_TERMS, variance))
+            }
+        }
+    }
+}
+
+fn geometry_of(camera: &CameraEstimate) -> CameraGeometry {
+    CameraGeometry {
+        centre_px: camera.centre_px,
+        px_per_rad: camera.px_per_rad,
+        place: camera.place,
+        turn_deg: camera.turn_deg,
+        odd_terms: OddTerms {
+            k3: camera.k3,
+            k5: camera.k5,
+        },
+    }
+}
+
+/// Parameters of a camera in the order of [`NAMES`].
+fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
+    let OddTerms { k3, k5 } = geometry.odd_terms;
+    let ([x, y], [a, b, c], [d, e, f]) = (geometry.centre_px, geometry.place, geometry.turn_deg);
+    [x, y, geometry.px_per_rad, a, b, c, d, e, f, k3, k5]
+}
+
+/// Factor from each departure to its parameter: departures are a share of px per rad, and angles in rad.
+fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
+    let mut scales = [1.0; CAMERA.len()];
+    scales[2] = camera.px_per_rad;
+    scales[6..9].fill(1.0_f64.to_degrees());
+    scales
+}

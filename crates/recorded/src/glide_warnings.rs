@@ -1,0 +1,272 @@
+//! Warnings about the contacts of a patch: values that contradict the settings, and likely mistakes.
+
+use nalgebra::{Matrix3, Vector3};
+use palpate_ep2::{Contact, Method, Patch, Quadric};
+use palpate_estimators::GlideFit;
+use palpate_statistics::{Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
+use palpate_study::Warning;
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
+
+use super::glide_options::GlideOptions;
+use super::misfit_warning::ReadingWords;
+use super::source::ReadingSource;
+
+/// Factor between the stated and the measured finger distance above which one of them is wrong.
+const MAX_SPACING_RATIO: f64 = 3.0;
+
+/// A contact may be an outlier if its distance to its nearest neighbour exceeds that of every other contact by this
+/// factor.
+const MAX_DISTANCE_RATIO: f64 = 3.0;
+/// Largest number of contacts for which distances are compared.
+const MAX_COMPARED: usize = 3000;
+
+/// The warning if the distance between fingers in the readings is not the stated one.
+pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
+    let stated = options.inter_finger_distance?;
+    let found = patch.finger_distance? * patch.frame.scale();
+    let near = found / MAX_SPACING_RATIO..=found * MAX_SPACING_RATIO;
+    (GlideFit::uses_finger_distance(&options.estimator) && !near.contains(&stated)).then(|| {
+        let [stated, found] = [stated, found].map(Number::rounded);
+        let unit = unit.as_str();
+        format!(
+            "the distance between fingers is stated as {stated} {unit}, but the fingers of the readings are {found} {unit} apart: is the unit right?"
+        )
+    })
+}
+
+/// The warning about a contact far from all others: the fitted surface passes through it even if it is wrong.
+pub(super) fn distant(
+    contacts: &[Contact],
+    unit: LengthUnit,
+    source: &ReadingSource,
+) -> Option<String> {
+    if contacts.len() > MAX_COMPARED {
+        return None;
+    }
+    let nearest = |place: usize| {
+        let others = (0..contacts.len()).filter(|other| *other != place);
+        let distance = |other: usize| (contacts[other].position - contacts[place].position).norm();
+        (others.map(distance).fold(f64::INFINITY, f64::min), place)
+    };
+    let mut distances: Vec<(f64, usize)> = (0..contacts.len()).map(nearest).collect();
+    distances.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+    let [(far, contact), (next, _), ..] = distances[..] else {
+        return None;
+    };
+    (far > MAX_DISTANCE_RATIO * next && next > 0.0).then(|| {
+        let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
+        format!(
+            "the contact of {} lies {far} {unit} from the nearest other contact, but all others lie within {next} {unit} of theirs: is it a contact?",
+            source.row(contact)
+        )
+    })
+}
+
+/// Ratio of the estimated noise to the stated one, or its inverse, above which the intervals are wrong.
+const MAX_NOISE_RATIO: f64 = 1.5;
+
+/// Warnings if the stated noise of contacts differs from the noise that the same method estimates.
+pub(super) fn stated_noise(
+    patch: &Patch,
+    estimator: &GlideEstimatorConfig,
+    unit: LengthUnit,
+) -> Vec<Warning> {
+    let (estimator, stated) = estimator.clone().without_noise();
+    if stated == [None; 2] {
+        return Vec::new();
+    }
+    let fit = GlideFit::of(&estimator, None).fit(patch).ok();
+    let Some((found, unknowns)) = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns)))
+    else {
+        return Vec::new();
+    };
+    let found = [
+        Some(found.position_std),
+        found.normal_std_rad.map(f64::to_degrees),
+    ];
+    // Share of the readings that remain as degrees of freedom.
+    let left = 1.0 - unknowns / patch.equations() as f64;
+    let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
+    let all = stated.into_iter().zip(found).zip(kinds);
+    all.filter_map(|((stated, found), (noise_of, unit, components))| {
+        let (stated, estimated) = stated.zip(found)?;
+        let ratio = estimated / stated;
+        let freedom = (left * (components * patch.samples.len()) as f64).max(1.0);
+        let larger = chi_squared_tail(freedom * ratio * ratio, freedom.round() as usize);
+        let p_value = 2.0 * larger.min(1.0 - larger);
+        let is_far = ratio.max(ratio.recip()) > MAX_NOISE_RATIO && p_value < SIGNIFICANCE_LEVEL;
+        let words = ReadingWords {
+            reading: &|_| String::new(),
+            noise_of,
+            unit,
+        };
+        is_far.then(|| {
+            words.warning(&Misfit::Stated {
+                quantity: StatedQuantity::Noise,
+                stated,
+                estimated,
+                p_value,
+            })
+        })
+    })
+    .collect()
+}
+
+/// Warnings of misfits, without outliers if the normals are wrong, because these cause outliers.
+pub(super) fn misfit_warnings(
+    misfits: &[Misfit],
+    are_normals_wrong: bool,
+    source: &ReadingSource,
+) -> impl Iterator<Item = Warning> {
+    misfits.iter().filter_map(move |misfit| {
+        let words = ReadingWords {
+            reading: &|contact| format!("the contact of {}", source.row(contact)),
+            noise_of: "contacts",
+            unit: "",
+        };
+        let is_caused = are_normals_wrong && matches!(misfit, Misfit::Outlier { .. });
+        (!is_caused).then(|| words.warning(misfit))
+    })
+}
+
+/// Largest deviation of a normal's length from 1 by rounding or by noise in its components.
+const MAX_LENGTH_ERROR: f64 = 0.1;
+
+/// Likely mistakes in the normals of contacts.
+pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
+    let all = || contacts.iter().filter_map(|contact| contact.normal);
+    let mut lengths: Vec<f64> = all().map(|normal| normal.norm()).collect();
+    lengths.sort_by(f64::total_cmp);
+    let middle = lengths.get(lengths.len() / 2).copied();
+    let length = middle.filter(|length| (length - 1.0).abs() > MAX_LENGTH_ERROR);
+    let length = length.map(|length| {
+        format!(
+            "the normals have lengths of about {}, not 1: are they angles instead of unit vectors?",
+            Number::rounded(length)
+        )
+    });
+    let mean: Vector3<f64> = all().filter_map(|normal| normal.try_normalize(0.0)).sum();
+    let is_down = mean.z < -0.5 * contacts.len() as f64;
+    let inward = is_down.then(|| {
+        "the normals point to -z: unless the object is touched from below, they point inward, and convex and concave are swapped".to_owned()
+    });
+    let length = Warning::of("units", length);
+    length.into_iter().chain(Warning::of("signs", inward))
+}
+
+/// Fewest contacts for which signs and columns of the normals are checked.
+const MIN_CONTACTS: usize = 8;
+
+/// Least ratio by which changed components must reduce the errors of contacts and normals.
+const MIN_RATIO: f64 = 2.0;
+
+/// Largest error of a fit that explains the contacts and their normals.
+const MAX_ERROR: f64 = 0.1;
+
+/// Likely mistake of signs or columns in the normals: a quadric through the contacts fits them much better with other
+/// components.
+pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
+    let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
+    if !has_normals || contacts.len() < MIN_CONTACTS {
+        return None;
+    }
+    let own = fit_error(contacts, &Matrix3::identity());
+    let changed = changes().map(|(change, name)| (fit_error(contacts, &change), name));
+    let (least, name) = changed
+        .into_iter()
+        .min_by(|(one, _), (other, _)| one.total_cmp(other))?;
+    (own > MIN_RATIO * least && least < MAX_ERROR).then(|| {
+        let times = match (own / least).is_finite() {
+            true => format!("{} times ", Number::rounded(own / least)),
+            false => String::new(),
+        };
+        format!(
+            "the normals contradict the positions of the contacts and would fit them {times}better with {name}: are columns swapped, or is a sign wrong?"
+        )
+    })
+}
+
+/// Geometric mean of the errors of a contact's height and both slopes about a quadric, with changed normals; infinite without a
+/// quadric.
+fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
+    let changed = contacts.iter().map(|contact| Contact {
+        normal: contact.normal.map(|normal| change * normal),
+        ..*contact
+    });
+    let patch = Patch::new(&changed.collect::<Vec<_>>(), &Vector3::z());
+    let fit = patch.and_then(|patch| Quadric::default().fit(&patch));
+    let noise = fit
+        .ok()
+        .and_then(|fit| Some((fit.frame.scale(), fit.noise?)));
+    let error = noise.and_then(|(scale, noise)| {
+        let slope = noise.normal_std_rad?;
+        Some(libm::cbrt(noise.position_std / scale * slope * slope))
+    });
+    error.unwrap_or(f64::INFINITY)
+}
+
+/// Mistakes that swap two components or reverse the sign of one, up to a common sign.
+fn changes() -> [(Matrix3<f64>, &'static str); 6] {
+    let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
+    let swap = |one: usize, other: usize| {
+        let mut change = Matrix3::identity();
+        change.swap_columns(one, other);
+        change
+    };
+    [
+        (signs(-1.0, 1.0, 1.0), "the sign of normal_x reversed"),
+        (signs(1.0, -1.0, 1.0), "the sign of normal_y reversed"),
+        (signs(1.0, 1.0, -1.0), "the sign of normal_z reversed"),
+        (swap(0, 1), "normal_x and normal_y swapped"),
+        (swap(0, 2), "normal_x and normal_z swapped"),
+        (swap(1, 2), "normal_y and normal_z swapped"),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+    use palpate_sensing::{Channel, Stream};
+
+    use super::*;
+
+    /// Contacts with normals on a ball of radius 30 mm, on lines `apart` mm apart; noise 0.02 mm and 1 degree.
+    fn on_a_ball(apart: f64) -> Vec<Contact> {
+        let mut stream = Stream::new(1996, 0, Channel::Position);
+        let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
+        let contacts = (0..63).map(|number| {
+            let (x, y) = (
+                f64::from(number % 21) - 10.0,
+                apart * f64::from(number / 21),
+            );
+            let normal = Vector3::new(x, y, (900.0 - x * x - y * y).sqrt()) / 30.0;
+            let place = Point3::from(normal * 30.0 + noise(0.02));
+            let normal = (normal + noise(0.017)).normalize();
+            Contact::new(number as usize / 21, place, Some(normal))
+        });
+        contacts.collect()
+    }
+
+    #[test]
+    fn swapped_normals_on_several_lines_cause_a_warning() {
+        for apart in [1.0, 4.0] {
+            let mut contacts = on_a_ball(apart);
+            assert_eq!(directions(&contacts), None);
+            for contact in &mut contacts {
+                contact.normal.as_mut().unwrap().swap_rows(1, 2);
+            }
+            let warning = directions(&contacts).unwrap();
+            assert!(
+                warning.contains("normal_y and normal_z swapped"),
+                "{warning}"
+            );
+        }
+        // A single arc, or two lines, do not determine the surface across them.
+        assert_eq!(directions(&on_a_ball(0.0)), None);
+        for line in 0..3 {
+            let mut two = on_a_ball(4.0);
+            two.retain(|contact| contact.finger != line);
+            assert_eq!(directions(&two), None);
+        }
+    }
+}

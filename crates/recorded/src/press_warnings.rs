@@ -1,0 +1,254 @@
+//! Warnings about recorded presses: values that contradict the settings, and likely mistakes.
+
+use palpate_estimators::large_contact_warning;
+use palpate_press::{ForwardFit, Measured, Misfit, PressError, PressEstimate, Reading};
+use palpate_statistics::Number;
+use palpate_study::Warning;
+use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig};
+
+use super::misfit_warning::ReadingWords;
+use super::press_options::PressOptions;
+use super::press_recording::PressRecording;
+use super::press_report::Row;
+use super::source::ReadingSource;
+
+/// Standard deviation that is assumed for a stated indentation, as a share of it.
+const INDENTATION_SHARE: f64 = 0.02;
+
+/// The stated indentation with its standard deviation, and a warning if the latter is assumed.
+pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
+    if std > 0.0 {
+        return (Measured { value, std }, None);
+    }
+    let std = INDENTATION_SHARE * value;
+    let percent = 100.0 * INDENTATION_SHARE;
+    let text = format!(
+        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (setting `indentation_std`)",
+        Number::rounded(std)
+    );
+    let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);
+    (Measured { value, std }, Some(warning))
+}
+
+/// Splits the result of the check of a stated indentation into a misfit and a warning that the check is impossible.
+pub(super) fn indentation_check(
+    checked: Result<Option<Misfit>, PressError>,
+) -> (Option<Misfit>, Option<Warning>) {
+    checked.map_or_else(
+        |reason| {
+            let text = format!(
+                "the stated indentation cannot be checked, because the readings alone give none: {reason}"
+            );
+            (None, Some(Warning::new("unchecked-indentation", text, [])))
+        },
+        |misfit| (misfit, None),
+    )
+}
+
+/// Warning of a misfit of a press; lengths are in `unit`.
+pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: LengthUnit) -> Warning {
+    let words = ReadingWords {
+        reading: &|marker| format!("the marker of {}", source.row(marker)),
+        noise_of: "displacements",
+        unit: unit.as_str(),
+    };
+    words.warning(misfit)
+}
+
+/// Warning of markers that were left out as outliers. `distances` are from the contact to all markers;
+/// `has_indentation` is whether an indentation is stated.
+pub(super) fn left_out(
+    wrong: &[Row],
+    distances: &[f64],
+    contact_radius: f64,
+    has_indentation: bool,
+) -> Option<Warning> {
+    let (count, all) = (wrong.len(), distances.len());
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_of_contact = |row: &&Row| {
+        let distance = distances.get(row.row - 1).copied();
+        distance.is_some_and(|distance| distance <= nearest || distance < contact_radius)
+    };
+    let mut text = format!("{count} of {all} markers contradict the others and are left out");
+    if let Some(row) = wrong.iter().find(is_of_contact) {
+        let stated = match has_indentation {
+            true => "the indentation or a value of the sensor",
+            false => "a value of the sensor",
+        };
+        let line = row
+            .line
+            .map_or(String::new(), |line| format!(", line {line}"));
+        text += &format!(
+            ", among them one of the contact itself (row {}{line}): {stated} may be stated wrongly instead",
+            row.row
+        );
+    }
+    let numbers = [("left_out", count as f64), ("markers", all as f64)];
+    (count > 0).then(|| Warning::new("wrong-markers", text, numbers))
+}
+
+/// Warnings about the estimate of a press from displacements, without its misfits.
+pub(super) fn of_estimate(
+    recorded: &PressRecording,
+    options: &PressOptions,
+    estimate: &PressEstimate,
+    has_misfit: bool,
+) -> impl Iterator<Item = Warning> {
+    let depth = options.marker_depth.is_none().then_some(
+        "the depth of the markers is not stated and is taken as 0, at the skin's surface: the readings may not show that the markers lie deeper, which makes the curvature wrong (setting `depth`)",
+    );
+    let contact = (!estimate.is_detected).then_some(
+        "the displacements alone show no contact: the interval contains all objects that the displacements do not exclude, for the stated indentation at an unknown place on the markers",
+    );
+    let alone = estimate.only_marker.map(|marker| {
+        format!(
+            "only the marker of {} moved: it is wrong, or the object presses between the other markers",
+            recorded.source.row(marker)
+        )
+    });
+    let is_noise = options.normal_std.is_some() && !has_misfit;
+    let unexplained = (estimate.r_squared < MIN_R_SQUARED && !is_noise).then(|| {
+        let percent = 100.0 * estimate.r_squared.max(0.0);
+        let text = format!("the fit explains {percent:.0} % of the normal displacements' variance: they are noise, or not a press of this body");
+        Warning::new("unexplained-readings", text, [("r_squared", estimate.r_squared)])
+    });
+    let gaussian = matches!(options.estimator, PressEstimatorConfig::Gaussian { .. }).then_some(
+        "a Gaussian is no elastic body: its intervals contain the noise alone, not the difference between a Gaussian and a skin",
+    );
+    let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
+    Warning::of("units", units(recorded, options))
+        .into_iter()
+        .chain(Warning::of("unstated-depth", depth))
+        .chain(Warning::of("unseen-contact", contact))
+        .chain(Warning::of("repeated-rows", copies(recorded)))
+        .chain(Warning::of("lone-marker", alone))
+        .chain(large_contact(estimate, options.radius(), is_layer))
+        .chain(unexplained)
+        .chain(Warning::of("gaussian-body", gaussian))
+}
+
+/// Warning if the contact is too wide for small strains.
+pub(super) fn large_contact(
+    estimate: &PressEstimate,
+    sensor_radius: f64,
+    is_layer: bool,
+) -> Option<Warning> {
+    large_contact_warning(
+        estimate.most_likely_curvature,
+        estimate.contact_radius.value,
+        sensor_radius,
+        is_layer,
+    )
+}
+
+/// A fit that explains less than this share of the variance gives a warning.
+const MIN_R_SQUARED: f64 = 0.5;
+
+fn copies(recorded: &PressRecording) -> Option<String> {
+    let along = recorded.tangential.as_deref();
+    let rows = (0..recorded.places.len()).map(|marker| {
+        let ([x, y], normal) = (recorded.places[marker], recorded.normal[marker]);
+        let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
+        [x, y, normal, along_x, along_y]
+    });
+    recorded.source.repeated("marker", rows, 0.0)
+}
+
+/// Share of the largest displacement above which a displacement's sign counts, and share of these that must be
+/// outward for a warning.
+const MIN_SIGNED: f64 = 0.2;
+const MIN_OUTWARD: f64 = 0.9;
+
+/// Shares of the sensor's radius below which the extent of all markers, and the largest displacement, are likely in
+/// another unit.
+const MIN_EXTENT: f64 = 5e-3;
+const MIN_DISPLACEMENT: f64 = 1e-4;
+
+/// Likely mistake of sign or unit in the readings.
+pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
+    let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
+    let (radius, unit) = (options.radius(), unit.as_str());
+    let distances = recorded.places.iter().map(|[x, y]| libm::hypot(*x, *y));
+    let extent = distances.fold(0.0, f64::max) * options.radial_scale;
+    let sizes = recorded.normal.iter().map(|one| one.abs());
+    let largest = sizes.fold(0.0, f64::max);
+    let [far, moved, sensor] = [extent, largest, radius].map(Number::rounded);
+    let sensor = format!("the sensor's radius, {sensor} {unit}");
+    let signed = recorded.normal.iter();
+    let signed = signed.filter(|one| one.abs() > MIN_SIGNED * largest);
+    let outward = signed.clone().filter(|one| **one < 0.0).count() as f64;
+    let signed = signed.count() as f64;
+    let has_baseline = options.estimator.priors().baseline == Baseline::Known;
+    let text = match () {
+        () if extent > std::f64::consts::PI * radius => format!(
+            "a marker lies {far} {unit} from the apex, which is more than half the circumference by {sensor}: are both in one unit?"
+        ),
+        () if largest > radius => format!(
+            "a marker is displaced by {moved} {unit}, more than {sensor}: are both in one unit?"
+        ),
+        () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
+            "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
+        ),
+        () if 0.0 < largest && largest < MIN_DISPLACEMENT * radius => format!(
+            "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
+        ),
+        () if has_baseline && signed > 1.0 && outward >= MIN_OUTWARD * signed => {
+            "the displacements point outward, but inward is positive: is the sign wrong?".to_owned()
+        }
+        () => return None,
+    };
+    Some(text)
+}
+
+/// Least factor by which changed columns must reduce the sum of squares, and largest estimated noise along the skin
+/// that needs no check, as a share of the largest displacement.
+const MIN_IMPROVEMENT: f64 = 4.0;
+const MAX_NOISE: f64 = 0.2;
+
+/// Swap or change of sign of a displacement's components along the skin.
+type Change = fn([f64; 2]) -> [f64; 2];
+
+/// Likely mistake of signs or columns in the displacements along the skin. They are checked if the fit has misfits or
+/// leaves large residuals.
+pub(super) fn swapped_columns(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    estimate: &PressEstimate,
+    misfits: &[Misfit],
+) -> Option<String> {
+    let along = reading.tangential?;
+    let most = along.iter().flatten().map(|one| one.abs());
+    if misfits.is_empty() && estimate.tangential_std? <= MAX_NOISE * most.fold(0.0, f64::max) {
+        return None;
+    }
+    let is_found = fit.tangential_std.is_none_or(|std| std <= 0.0);
+    let misfit = |estimate: &PressEstimate| match estimate.tangential_std {
+        Some(std) if is_found => std * std,
+        _ => estimate.reduced_chi_squared,
+    };
+    let changed = |(name, change): (&'static str, Change)| {
+        let along: Vec<[f64; 2]> = along.iter().map(|along| change(*along)).collect();
+        let tangential = Some(along.as_slice());
+        let changed = Reading {
+            tangential,
+            ..*reading
+        };
+        let estimate = fit.estimate(&changed).ok()?;
+        Some((misfit(&estimate), name))
+    };
+    let changes: [(&str, Change); 4] = [
+        ("tangential_x and tangential_y swapped", |[x, y]| [y, x]),
+        ("the sign of tangential_x reversed", |[x, y]| [-x, y]),
+        ("the sign of tangential_y reversed", |[x, y]| [x, -y]),
+        ("both signs reversed", |[x, y]| [-x, -y]),
+    ];
+    let all = changes.into_iter().filter_map(changed);
+    let (least, name) = all.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
+    let ratio = misfit(estimate) / least;
+    (ratio > MIN_IMPROVEMENT && ratio.is_finite()).then(|| {
+        let times = Number::rounded(ratio.sqrt());
+        format!(
+            "the displacements along the skin contradict those into it; they would fit {times} times better with {name}: are columns swapped, or is a sign wrong?"
+        )
+    })
+}

@@ -1,0 +1,154 @@
+//! Warnings about recorded rolls and their estimate.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use nalgebra::Vector2;
+use palpate_ep1::{PadStart, ProbeReading, rounding_std};
+use palpate_statistics::{Number, StatedQuantity};
+use palpate_study::Warning;
+use palpate_study::config::LengthUnit;
+
+use super::misfit_warning::ReadingWords;
+use super::roll_estimate::RollEstimate;
+use super::roll_recording::RollRecording;
+
+/// Largest and smallest rotation of a probe relative to that on a plane, 1 + R_probe/R_object. Above the first, the
+/// rotations are likely in degrees; below the second, in rad although the header states degrees. Only a dish hardly wider
+/// than the probe gives so small a ratio.
+const MAX_TURN_RATIO: f64 = 25.0;
+const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
+
+/// Shares of the pitch. Pads report no shift below the first, since pads are hardly closer than 0.8 pitches; a shift
+/// below the second is a rounded zero.
+const MIN_SHIFT: f64 = 0.5;
+const ROUNDING: f64 = 1e-9;
+
+impl RollEstimate {
+    /// Contradictions between the readings and the model, and likely mistakes in the readings.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let RollRecording { readings, note, .. } = &self.recorded;
+        let words = ReadingWords {
+            reading: &|probe| format!("probe {}", self.recorded.probe(probe)),
+            noise_of: "shifts",
+            unit: self.unit.as_str(),
+        };
+        let units = units(readings, self.options.probe_radius, self.unit);
+        let misfits = self.estimate.misfits(self.options.noise, readings);
+        Warning::of("units", units)
+            .into_iter()
+            .chain(misfits.iter().map(|misfit| words.warning(misfit)))
+            .chain(Warning::of("flat-object", self.flatness()))
+            .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
+            .chain(Warning::of("units", self.rotation_noise()))
+            .chain(Warning::of("repeated-rows", self.copies()))
+            .chain(Warning::of("unnamed-probes", note.clone()))
+            .collect()
+    }
+
+    /// Warns of an object so flat that rounding of the readings affects its estimated curvature.
+    fn flatness(&self) -> Option<String> {
+        let principal = self.estimate.curvature.principal();
+        let sharper = principal.k_min.abs().max(principal.k_max.abs());
+        let std = rounding_std(self.options.probe_radius, sharper);
+        // Warn if rounding exceeds a thousandth of the curvature.
+        (sharper < 1e3 * std).then(|| {
+            format!(
+                "the object is too flat for readings of double precision: the rounding error of a curvature is {} 1/{}, and the estimated normal curvatures are at most {}",
+                Number::rounded(std), self.unit.as_str(), Number::rounded(sharper)
+            )
+        })
+    }
+
+    /// Warns of shifts that are shorter than pads of this resolution can report.
+    fn pitch(&self) -> Option<String> {
+        let resolution = self.options.noise.shift_resolution;
+        let shifts = self.recorded.readings.iter();
+        let shifts = shifts.map(|reading| reading.shift.norm());
+        let moved = shifts.filter(|shift| *shift > ROUNDING * resolution);
+        let shortest = moved.fold(f64::INFINITY, f64::min);
+        (shortest < MIN_SHIFT * resolution && resolution.is_finite()).then(|| {
+            let [shortest, resolution] = [shortest, resolution].map(Number::rounded);
+            let unit = self.unit.as_str();
+            format!(
+                "a contact moved by {shortest} {unit}, less than the distance between two pads at a pitch of {resolution} {unit}: is the pitch right, and are the shifts in {unit}?"
+            )
+        })
+    }
+
+    /// Warns if the stated noise of rotations exceeds every rotation.
+    fn rotation_noise(&self) -> Option<String> {
+        let noise = self.options.noise.rotation_std_rad;
+        let most = largest_rotation(&self.recorded.readings);
+        (noise > most).then(|| {
+            let [noise, most] = [noise, most].map(Number::rounded);
+            format!(
+                "the noise of rotations is stated as {noise} rad, but no probe turned by more than {most} rad: is it in degrees?"
+            )
+        })
+    }
+
+    /// Warns if at least half of the rolls repeat earlier rolls. There is no warning if rolls by equal rotations have
+    /// different shifts: then coarse sensors may cause the repetitions.
+    fn copies(&self) -> Option<String> {
+        let RollRecording {
+            readings, source, ..
+        } = &self.recorded;
+        let mut shifts = HashMap::new();
+        let repeats = |reading: &ProbeReading| {
+            let bits = |numbers: Vector2<f64>| numbers.map(|number| (number + 0.0).to_bits());
+            let first = shifts.entry(bits(reading.rotation));
+            *first.or_insert(reading.shift) == reading.shift
+        };
+        if self.options.noise.pad_start != PadStart::PerRoll || !readings.iter().all(repeats) {
+            return None;
+        }
+        let rolls = readings.iter().map(|reading| {
+            let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
+            [x, y, u, v]
+        });
+        source.repeated("roll", rolls, 0.5)
+    }
+}
+
+fn largest_rotation(readings: &[ProbeReading]) -> f64 {
+    let rotations = readings.iter().map(|reading| reading.rotation.norm());
+    rotations.fold(0.0, f64::max)
+}
+
+/// Likely mistake in the units of the readings.
+pub(super) fn units(
+    readings: &[ProbeReading],
+    probe_radius: f64,
+    unit: LengthUnit,
+) -> Option<String> {
+    let most = largest_rotation(readings);
+    if most == 0.0 {
+        return Some("no probe turned: all rotations are 0".to_owned());
+    }
+    let norms = readings
+        .iter()
+        .map(|reading| (reading.rotation.norm(), reading.shift.norm()));
+    let mut ratios: Vec<f64> = norms
+        .filter(|(rotation, shift)| *rotation > 0.0 && *shift > 0.0)
+        .map(|(rotation, shift)| rotation * probe_radius / shift)
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let unit = unit.as_str();
+    match ratios.get(ratios.len() / 2).copied() {
+        Some(ratio) if ratio > MAX_TURN_RATIO => Some(format!(
+            "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {unit}",
+            Number::rounded(ratio)
+        )),
+        Some(ratio) if ratio < MIN_TURN_RATIO => Some(format!(
+            "the contact moved {} times as far as on a plane: are the rotations in rad although the header states degrees, or the shifts in a smaller unit than the radius?",
+            Number::rounded(ratio.recip())
+        )),
+        _ => (most > TAU).then(|| {
+            format!(
+                "a probe turned by {} rad, more than a whole turn: are the rotations in degrees? the columns are in rad",
+                Number::rounded(most)
+            )
+        }),
+    }
+}

@@ -1,0 +1,75 @@
+//! Values with their uncertainty, as the JSON of an estimate has them.
+
+use std::borrow::Cow;
+
+use palpate_press::Estimated;
+use palpate_statistics::NORMAL_95;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
+use serde::Serialize;
+
+/// Version of the JSON format of estimates from recorded readings. It increases when a key is removed or changes its
+/// meaning, not when a key is added.
+pub(super) const FORMAT_VERSION: u32 = 2;
+
+/// A value with its standard deviation, interval and unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation; `None` if the noise is unknown.
+    pub std: Option<f64>,
+    /// 95 % interval, `None` without a standard deviation; an end is `None` if the readings set no bound.
+    pub interval95: Option<[Option<f64>; 2]>,
+    /// Unit of all of them.
+    pub unit: Cow<'static, str>,
+}
+
+impl Value {
+    pub(super) fn new(value: f64, std: Option<f64>, power: Unit, length: LengthUnit) -> Self {
+        Self::within(value, std, NORMAL_95, power, length)
+    }
+
+    /// A value without an uncertainty, in any unit.
+    pub(super) fn bare(value: f64, unit: impl Into<Cow<'static, str>>) -> Self {
+        Self {
+            value: value + 0.0,
+            std: None,
+            interval95: None,
+            unit: unit.into(),
+        }
+    }
+
+    /// A value whose 95 % interval reaches `half_width` standard deviations to either side.
+    pub(super) fn within(
+        value: f64,
+        std: Option<f64>,
+        half_width: f64,
+        power: Unit,
+        length: LengthUnit,
+    ) -> Self {
+        let bare = Self::bare(value, power.of(length));
+        let end = |std: f64, sign: f64| Some(bare.value + sign * half_width * std);
+        Self {
+            std,
+            interval95: std.map(|std| [end(std, -1.0), end(std, 1.0)]),
+            ..bare
+        }
+    }
+
+    /// A value with its own interval.
+    pub(super) fn of(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
+        let ends = [estimated.interval.low, estimated.interval.high];
+        Self {
+            std: finite(estimated.std),
+            interval95: Some(ends.map(|end| end.and_then(finite))),
+            ..Self::bare(estimated.value, power.of(length))
+        }
+    }
+}
+
+/// A finite number without the sign of zero.
+pub(super) fn finite(number: f64) -> Option<f64> {
+    // Adding 0 turns −0 into 0.
+    Some(number + 0.0).filter(|number| number.is_finite())
+}
