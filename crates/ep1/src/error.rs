@@ -4,14 +4,14 @@ use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons for which a set of probes gives no curvature.
+/// Reasons why a set of probes does not determine a curvature.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep1Error {
-    /// Fewer than two probes: a curvature form has three components, a probe gives two.
+    /// Fewer than two probes: a curvature form has three components, a probe measures two.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
     TooFewProbes {
-        /// Number of probes given.
+        /// Number of probes.
         probes: usize,
     },
     /// The rotations do not span the tangent plane.
@@ -22,7 +22,7 @@ pub enum Ep1Error {
         Number::rounded(*spread)
     )]
     Unresolvable {
-        /// Number of probes given.
+        /// Number of probes.
         probes: usize,
         /// Root-mean-square rotation across the main axis over that along it.
         spread: f64,

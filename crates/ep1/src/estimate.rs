@@ -3,7 +3,7 @@
 use nalgebra::Matrix2;
 use palpate_geometry::CurvatureForm;
 
-/// A value with the standard deviation that the stated noise gives it, to first order.
+/// A value with its standard deviation due to the stated noise, to first order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// The value.

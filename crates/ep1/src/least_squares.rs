@@ -35,7 +35,7 @@ const MAX_NOISE_SHARE: f64 = 0.5;
 /// Standard deviation of the rounding errors in the entries of `K₁ B`, from the last digits of readings and sums.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// The least squares for a set of rotations: all of it that does not depend on the shifts.
+/// The part of the least squares that depends only on the rotations, not on the shifts.
 ///
 /// Many sets of shifts can be fitted for one set of rotations; see [`Moments`].
 ///
@@ -81,7 +81,7 @@ pub(crate) struct Law {
 /// rounding of the readings alone.
 ///
 /// ```
-/// // Nothing is left of the curvature of an object 10¹⁷ times as flat as the probe.
+/// // Rounding errors exceed the curvature of an object 10¹⁷ times as flat as the probe.
 /// let curvature = 1e-17 / 10.0;
 /// assert!(palpate_ep1::rounding_std(10.0, curvature) > 10.0 * curvature);
 /// ```
@@ -91,13 +91,12 @@ pub fn rounding_std(radius: f64, curvature: f64) -> f64 {
 }
 
 impl LeastSquares {
-    /// The fit for probes of `radius` that turned by `rotations`, with readings as noisy as `noise`
-    /// says.
+    /// The fit for probes of `radius` that turned by `rotations`, with readings of this noise.
     ///
     /// # Errors
-    /// [`Ep1Error`] where there are too few probes, where they do not span the tangent plane, where a
-    /// rotation is not finite, and ([`Ep1Error::OutOfRange`]) where the radius is not finite and positive
-    /// or a size of the noise not finite and at least 0, or the rotations are below 1e-50 or above 1e50 rad.
+    /// [`Ep1Error`] if there are too few probes, if they do not span the tangent plane, or if a rotation is not finite;
+    /// [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a size of the noise is not finite and at least 0,
+    /// or if the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,
@@ -212,12 +211,10 @@ impl LeastSquares {
         Ok((fit, estimate))
     }
 
-    /// The object's curvature from the shifts of the probes, with the uncertainty that the stated
-    /// noise gives it.
+    /// The object's curvature from the shifts of the probes, with the uncertainty due to the stated noise.
     ///
     /// # Errors
-    /// [`Ep1Error`] where the contact did not move or moved backwards in some direction, and where
-    /// the numbers are out of range.
+    /// [`Ep1Error`] if the contact did not move or moved backwards in some direction, or if the numbers are out of range.
     #[inline]
     pub fn estimate(&self, moments: &Moments) -> Result<Estimate, Ep1Error> {
         let is_stated = self.noise.is_stated();
@@ -318,7 +315,7 @@ impl LeastSquares {
         estimates.determined(count)
     }
 
-    /// The error where the contact did not move, or moved backwards, in some direction.
+    /// The error if the contact did not move, or moved backwards, in some direction.
     #[cold]
     fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
         let matrix = travel.matrix();
@@ -434,7 +431,7 @@ impl Law {
         }
     }
 
-    /// Covariance of the entries of `K₁ B`, of which `travel` is the value.
+    /// Covariance of the entries of `K₁ B`; `travel` is `K₁ B`.
     #[inline(always)]
     fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
@@ -496,7 +493,7 @@ fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
     ]
 }
 
-/// Square root of what rounding may have made negative.
+/// Square root of a variance that rounding may have made negative.
 #[inline(always)]
 fn root(variance: f64) -> f64 {
     let variance = if variance < 0.0 { 0.0 } else { variance };

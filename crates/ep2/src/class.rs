@@ -6,7 +6,7 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// The mean curvature is summed over so many standard deviations to each side.
+/// Number of standard deviations to each side over which the mean curvature is integrated.
 const REACH: f64 = 8.0;
 /// Intervals of Simpson's rule in each range of the mean curvature, even.
 const INTERVALS: usize = 64;
@@ -102,7 +102,7 @@ impl Curvature {
     }
 }
 
-/// The distribution of K where H is given.
+/// The conditional distribution of K for a value of H.
 struct GivenMean<'a> {
     curvature: &'a Curvature,
     /// Change of K's centre per change of H.

@@ -7,7 +7,7 @@ use thiserror::Error;
 /// Largest number whose square does not overflow; the square of its inverse does not vanish.
 pub(crate) const LARGEST: f64 = 1e150;
 
-/// Reasons for which a set of contacts gives no surface.
+/// Reasons why a set of contacts does not determine a surface.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep2Error {
@@ -16,7 +16,7 @@ pub enum Ep2Error {
         "{contacts} contact(s) give {equations} equation(s); the method needs at least 3 contacts and {needed} equations"
     )]
     TooFewContacts {
-        /// Number of contacts given.
+        /// Number of contacts.
         contacts: usize,
         /// Number of equations: one for each contact, three where it has a normal.
         equations: usize,
@@ -60,18 +60,18 @@ pub enum Ep2Error {
     /// All contacts lie on one point.
     #[error("all {contacts} contacts lie on one point, within {}", Number::rounded(*extent))]
     Coincident {
-        /// Number of contacts given.
+        /// Number of contacts.
         contacts: usize,
         /// Largest distance of a coordinate from the mean contact, length.
         extent: f64,
     },
-    /// All contacts lie on one line: nothing tells the shape across it.
+    /// All contacts lie on one line, so they do not determine the shape across it.
     #[error(
         "all {contacts} contacts lie on a line: across it they spread {} times as far as along it",
         Number::rounded(*spread)
     )]
     Collinear {
-        /// Number of contacts given.
+        /// Number of contacts.
         contacts: usize,
         /// Root-mean-square spread across the line over that along it.
         spread: f64,
@@ -106,7 +106,7 @@ pub enum Ep2Error {
         /// Angle between the direction and the plane, degrees.
         angle_deg: f64,
     },
-    /// The tip is too large for the path that its centre takes: no object makes it turn so sharply.
+    /// The tip is too large for the path of its centre: no object makes it turn so sharply.
     #[error(
         "the tip's centre turns as on a ball of radius {turns:.6}, which a tip of radius \
          {tip_radius} on an object cannot; is the radius too large, or is it the contact that is told?",
@@ -124,7 +124,7 @@ pub enum Ep2Error {
          are fixed"
     )]
     Undetermined {
-        /// Number of contacts given.
+        /// Number of contacts.
         contacts: usize,
         /// Number of independent combinations of unknowns that are determined.
         rank: usize,

@@ -17,9 +17,9 @@ const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// An outward direction nearer than this to the patch's plane fixes no side of it, rad: noise of the contacts turns the
 /// plane by as much.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// A patch that spreads so many times as far along as across shows its sides by its spread.
+/// Ratio of the spreads along and across a patch from which on the spread determines the directions of its sides.
 const LONG: f64 = 1.15;
-/// The contacts of fingers that travel vary so many times as much along as across.
+/// Ratio of the variations along and across the travel from which on the contacts belong to travelling fingers.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch: w along its mean normal (or, without normals, across its principal
@@ -259,7 +259,7 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     Some(axis * sense.signum())
 }
 
-/// The unit tangent along `direction`, unless that stands on the plane of `normal`.
+/// The unit tangent along `direction`, unless `direction` is parallel to `normal`.
 fn tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     let projected = direction - normal * normal.dot(direction);
     (projected.norm() > 1e-6 * direction.norm()).then(|| projected.normalize())

@@ -10,7 +10,7 @@
 //! | [`TwoPass`] | the 1996 paper's: a smoothing spline, then another through the first and its tangents | no |
 //! | [`Penalised`] | one spline through heights and slopes, smoothed as much as the data ask for | yes, with the bias of smoothing |
 //!
-//! [`RoundTip`] makes contacts of round fingertips that tell their centre or their lowest point.
+//! [`RoundTip`] computes the contacts of round fingertips from their centres or their lowest points.
 //!
 //! A [`Fit`] gives Gaussian and mean curvature anywhere ([`Fit::curvature_at`]), principal
 //! curvatures and directions on a map ([`Fit::map`]), the probability of each of the eight shape

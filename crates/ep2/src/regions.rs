@@ -5,7 +5,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Directions that agree less than this tell no orientation.
+/// Directions that agree less than this have no common orientation.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map cut into regions.
@@ -24,7 +24,7 @@ pub struct Region {
     pub class: ShapeClass,
     /// Number of points of the map that it holds.
     pub points: usize,
-    /// Area of the surface that they stand for, length².
+    /// Area of the surface that they represent, length².
     pub area: f64,
     /// Mean Gaussian curvature over the area, 1/length².
     pub gaussian_curvature: f64,
@@ -128,7 +128,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
         .map(|[along, across]| (along / longest).cross(&(across / longest)).norm())
         .collect();
     let area: f64 = areas.iter().sum();
-    // Points that stand for no area count alike.
+    // Points that represent no area count equally.
     let share = |index: usize| {
         if area > 0.0 {
             areas[index] / area
@@ -174,7 +174,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
     }
 }
 
-/// The sides of the parallelogram that a point of the map stands for: half-way to its neighbours.
+/// The sides of the parallelogram that a point of the map represents: it extends half-way to the neighbours.
 fn spans_of(point: usize, side: usize, points: &[MapPoint]) -> [Vector3<f64>; 2] {
     let half_span = |place: usize, step: usize| {
         let start = point - step * usize::from(place > 0);

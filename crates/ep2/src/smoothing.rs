@@ -166,7 +166,7 @@ impl SmoothingSpline {
         }
     }
 
-    /// Adds knots until the least-squares spline meets the sum, then gives the rest of it back.
+    /// Adds knots until the least-squares spline meets the required residual sum, then returns the unused part of the sum.
     fn approach(
         &self,
         mesh: &mut Mesh,

@@ -42,7 +42,7 @@ pub enum Passes {
 ///
 /// The sum of 1000 allows 30 contacts of weight 100 a root-mean-square residual of 0.058 such
 /// units. Where it needs more knots than the points bear the fit is returned as it is, and its
-/// curvature is then of no use: [`Fit::status`] tells.
+/// curvature is then of no use; [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
     /// Degree of the first spline in both directions, 1 to [`MAX_DEGREE`].
@@ -276,7 +276,7 @@ impl Pass {
     }
 }
 
-/// A polynomial must be fixed by the points. Knots are another matter: the data asked for them.
+/// The points must determine the polynomial. Further knots are added only if the data require them.
 fn determined(smoothed: &Smoothed, patch: &Patch) -> Result<(), Ep2Error> {
     let spline = &smoothed.spline;
     let is_polynomial = spline.u.interior().is_empty() && spline.v.interior().is_empty();

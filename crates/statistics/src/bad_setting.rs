@@ -17,7 +17,7 @@ pub struct BadSetting<Words = &'static str> {
 }
 
 impl<Words> BadSetting<Words> {
-    /// The value of a setting, where it is within its range.
+    /// The value of a setting, if it is within its range.
     ///
     /// # Errors
     /// [`BadSetting`] unless `holds`.

@@ -6,7 +6,7 @@
 /// use palpate_statistics::hue_turns;
 ///
 /// assert_eq!(hue_turns([1.0, 1.0, 0.0]), 1.0 / 6.0);
-/// // Just below red, where a whole turn begins again.
+/// // Just below red, the start of the next turn.
 /// assert_eq!(hue_turns([1.0, 0.0, 1e-30]), 0.0);
 /// ```
 pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {

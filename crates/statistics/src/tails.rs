@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// Probability that chi-squared with `freedom` degrees of freedom is larger (Abramowitz and Stegun 26.4.4 and 26.4.5); 1
-/// without degrees of freedom, and 0 of what is not a number. The relative error is at most 1e-12 up to 100 degrees of
+/// without degrees of freedom, and 0 for a chi-squared that is not a number. The relative error is at most 1e-12 up to 100 degrees of
 /// freedom, and 1e-9 of any number of them.
 ///
 /// ```
@@ -32,7 +32,7 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Degrees of freedom of which terms are summed up.
+/// Largest number of degrees of freedom for which the terms are summed.
 const MOST_TERMS: usize = 1_000_000;
 
 /// Upper share of the gamma function of large `a` (Temme's uniform expansion, DLMF 8.12.4).

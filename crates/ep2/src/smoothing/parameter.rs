@@ -1,13 +1,13 @@
-//! The smoothing parameter p at which the residual sum F(p) is as asked for.
+//! The smoothing parameter p for a required residual sum F(p).
 
-/// Trials before the search is given up.
+/// Largest number of trials.
 const MOST_TRIALS: usize = 20;
 /// Factor by which a guess that is off by far is multiplied or divided.
 const FAR: f64 = 0.04;
 /// Distance from a bound to the next guess, which may not pass it, as a share of that to the last trial.
 const NEAR: f64 = 0.1;
 
-/// A parameter, and by how much the residual sum exceeds the one that is asked for.
+/// A parameter, and the excess of its residual sum over the required one.
 #[derive(Clone, Copy)]
 pub(super) struct Trial {
     pub(super) parameter: f64,
