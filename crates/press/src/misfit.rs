@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
-use palpate_statistics::{Explained, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, normal_tail};
+use palpate_statistics::{Explained, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity};
 
 use crate::markers::Sight;
 use crate::unknowns::{Square, Sums, UNKNOWNS};
@@ -20,10 +20,6 @@ const BY_DIRECTION: Range<usize> = 5..7;
 /// A pattern is tested only if the fitted unknowns do not explain at least this share of it. A smaller rest is mostly an effect
 /// of the curved model with uncertain unknowns.
 const MIN_REMAINING_SHARE: f64 = 0.1;
-
-/// Difference between the stated and the estimated indentation, in standard deviations, from which on the stated one is wrong.
-/// By chance 1.2 % of differences are larger. An estimate that is too large is less exact, so a larger limit would miss more.
-const MAX_INDENTATION_DIFFERENCE: f64 = 2.5;
 
 /// Patterns of a marker's displacement, of any scale: inward, and along both axes at the marker.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
@@ -149,29 +145,27 @@ impl PatternSums {
     }
 }
 
-/// Compares a stated indentation with its estimate from the other readings.
+/// Reports a stated indentation that differs significantly from its estimate from the other readings.
 ///
 /// # Errors
 /// [`PressError::Undetermined`] if these readings do not bound it.
 pub(crate) fn stated_indentation(
     stated: Measured,
     alone: &Estimated,
+    p_value: f64,
 ) -> Result<Option<Misfit>, PressError> {
     if !alone.std.is_finite() {
         return Err(PressError::Undetermined {
             what: "the displacements alone give no bound on the indentation",
         });
     }
-    let apart = (stated.value - alone.value).abs() / libm::hypot(stated.std, alone.std);
-    let p_value = 2.0 * normal_tail(apart);
-    Ok(
-        (apart > MAX_INDENTATION_DIFFERENCE).then_some(Misfit::Stated {
-            quantity: StatedQuantity::Indentation,
-            stated: stated.value,
-            estimated: alone.value,
-            p_value,
-        }),
-    )
+    let misfit = Misfit::Stated {
+        quantity: StatedQuantity::Indentation,
+        stated: stated.value,
+        estimated: alone.value,
+        p_value,
+    };
+    Ok((p_value < SIGNIFICANCE_LEVEL).then_some(misfit))
 }
 
 #[cfg(test)]
@@ -210,22 +204,18 @@ mod tests {
     }
 
     #[test]
-    fn a_stated_indentation_is_compared_with_the_estimated_one() {
-        let misfit = |stated: f64, std: f64| {
-            let stated = Measured {
-                value: stated,
-                std: 0.03,
-            };
-            stated_indentation(stated, &Estimated::normal(1.0, std, 2.0))
+    fn a_stated_indentation_needs_a_bound() {
+        let stated = Measured {
+            value: 0.8,
+            std: 0.03,
         };
-        assert_eq!(misfit(1.1, 0.04), Ok(None));
-        assert_eq!(
-            misfit(1.1, f64::INFINITY).unwrap_err().name(),
-            "undetermined"
-        );
-        let found = misfit(0.8, 0.04).unwrap().unwrap();
-        // Four standard deviations.
-        assert!((found.p_value() - 6.334e-5).abs() < 1e-8, "{found:?}");
-        assert_eq!(found.code(), "stated-indentation");
+        let code = |std, p_value| {
+            let misfit = stated_indentation(stated, &Estimated::normal(1.0, std, 2.0), p_value);
+            misfit.map(|misfit| misfit.map_or("", |misfit| misfit.code()))
+        };
+        assert_eq!(code(0.04, 0.006), Ok(""));
+        assert_eq!(code(0.04, 0.004), Ok("stated-indentation"));
+        let error = code(f64::INFINITY, 0.004).unwrap_err();
+        assert_eq!(error.name(), "undetermined");
     }
 }

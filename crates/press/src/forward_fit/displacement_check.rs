@@ -1,22 +1,25 @@
 //! Tests of a fit: do the displacements contradict its model?
 
 use nalgebra::{SMatrix, SVector};
-use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
+use palpate_statistics::{
+    Misfit, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, ratio_tail,
+};
 
 use super::problem::{Problem, finite};
 use super::{ForwardFit, Reading};
-use crate::least_squares::LeastSquares;
+use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
 use crate::state::State;
-use crate::unknowns::{Square, Sums};
+use crate::unknowns::{INDENTATION, Square, Sums};
 use crate::{PressError, PressEstimate};
 
 /// Ratio of the residuals to the stated noise, or its inverse, from which on the stated noise is wrong.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Compares the stated indentation of a reading with the one estimated from its displacements alone. Outliers of `estimate`
-    /// far from the contact are excluded; others may be right if the stated indentation is wrong.
+    /// Tests the stated indentation of a reading by a likelihood ratio: the increase of chi-squared from a fit of the
+    /// displacements alone to a fit that also includes the stated value. Outliers of `estimate` far from the contact are
+    /// excluded; others may be right if the stated indentation is wrong.
     ///
     /// # Errors
     /// The reason why the displacements alone do not determine the indentation.
@@ -41,33 +44,45 @@ impl ForwardFit {
         let tangential: Option<Vec<[f64; 2]>> = reading
             .tangential
             .map(|all| kept.iter().map(|&marker| all[marker]).collect());
-        let alone = self.estimate(&Reading {
+        let displacements = Reading {
             markers: &reading.markers.subset(&kept),
             normal: &normal,
             tangential: tangential.as_deref(),
             indentation: None,
-        })?;
+        };
+        let alone = self.estimate(&displacements)?;
         if alone.only_marker.is_some() {
             return Err(PressError::Undetermined {
                 what: "only one marker moved",
             });
         }
-        stated_indentation(stated, &alone.indentation)
+        let (problem, state) = self.problem_of(&displacements, &alone);
+        let (mut state, least) = problem.minimum(state, EXACTLY, None)?;
+        let indentation = Some(stated);
+        let with_stated = Reading {
+            indentation,
+            ..displacements
+        };
+        let (with_stated, _) = self.problem_of(&with_stated, &alone);
+        if !with_stated.fitted.sought[INDENTATION] {
+            state.indentation = stated.value;
+        }
+        let (_, sums) = with_stated.minimum(state, EXACTLY, None)?;
+        let increase = sums.chi_squared - least.chi_squared;
+        let p_value = match problem.knows_noise() {
+            true => chi_squared_tail(increase, 1),
+            false => ratio_tail(increase, 1, least.chi_squared, problem.freedom()),
+        };
+        stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
-    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for a Gaussian, which is only an
-    /// approximation, for a contact that is not detected, and if there are hardly more equations than unknowns. If the residuals
-    /// are too large for the stated noise, the tests for outliers and patterns use the residuals instead.
-    ///
-    /// # Errors
-    /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
-    pub fn misfits(
-        &self,
-        reading: &Reading<'_>,
+    /// The least-squares problem of a reading, with the markers and the noise of an estimate of this fit, and the state of the
+    /// estimate.
+    fn problem_of<'a>(
+        &'a self,
+        reading: &'a Reading<'a>,
         estimate: &PressEstimate,
-    ) -> Result<Vec<Misfit>, PressError> {
-        self.validate(reading)?;
+    ) -> (Problem<'a>, State) {
         let mut problem = Problem::new(self, reading);
         let skin = reading.markers.skin();
         let place = problem.place_at(skin.place(estimate.contact).direction.as_ref());
@@ -87,6 +102,23 @@ impl ForwardFit {
         }
         problem.normal_std = estimate.normal_std;
         problem.tangential_std = estimate.tangential_std.unwrap_or(problem.tangential_std);
+        (problem, state)
+    }
+
+    /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
+    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for a Gaussian, which is only an
+    /// approximation, for a contact that is not detected, and if there are hardly more equations than unknowns. If the residuals
+    /// are too large for the stated noise, the tests for outliers and patterns use the residuals instead.
+    ///
+    /// # Errors
+    /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
+    pub fn misfits(
+        &self,
+        reading: &Reading<'_>,
+        estimate: &PressEstimate,
+    ) -> Result<Vec<Misfit>, PressError> {
+        self.validate(reading)?;
+        let (problem, state) = self.problem_of(reading, estimate);
         let sums = problem.sums(&state)?;
         let poor_fit = estimate
             .goodness

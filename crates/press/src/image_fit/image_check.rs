@@ -1,7 +1,7 @@
 //! Tests of a fit of images: do the images contradict its model? They include the departures common to all markers.
 
 use nalgebra::{DMatrix, SMatrix};
-use palpate_statistics::{Misfit, chi_squared_tail};
+use palpate_statistics::{Misfit, chi_squared_tail, normal_tail};
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
@@ -27,7 +27,9 @@ impl<V: View + Clone> ImageFit<V> {
         let Some(stated) = indentation else {
             return Ok(None);
         };
-        stated_indentation(stated, &self.estimate(rest, seen, None)?.indentation)
+        let alone = self.estimate(rest, seen, None)?.indentation;
+        let difference = (stated.value - alone.value).abs() / libm::hypot(stated.std, alone.std);
+        stated_indentation(stated, &alone, 2.0 * normal_tail(difference))
     }
 
     /// Tests an estimate of this fit, and returns the ways in which the images contradict the model; a stated indentation is

@@ -129,8 +129,7 @@ flat-within-noise or not-resolved. `wrong_markers` are the rows that contradict 
 the readings do not exclude. If only one marker shows the contact, a warning names it. `warnings`, also printed on
 standard error, have a `code`, a `text` and `numbers`. Those with a `p_value` are contradictions between the readings and
 the model: poor-fit, stated-noise, stated-indentation, outlier (the interval then also contains the estimate without this
-marker), other-body and not-round. If the model holds, 1 press in 200 has each of them by chance, and 1 in 80
-stated-indentation.
+marker), other-body and not-round. If the model holds, 1 press in 200 has each of them by chance.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
