@@ -90,19 +90,15 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let size = flaw
         .split_whitespace()
         .find_map(|word| word.parse::<f64>().ok());
-    let std = |noise: &Option<ReadingNoise<Length>>| {
-        let std = noise.map(|ReadingNoise::Gaussian { std }| std.0);
-        size.zip(std).map_or(0.0, |(size, std)| size * std)
-    };
-    let noise = &press.noise;
-    match flaw.split(' ').next() {
-        Some("outlier") => PressFlaw {
-            outlier: std(&noise.normal_displacement),
-            indentation: 0.0,
+    let size = size.unwrap_or_default();
+    match (flaw.split(' ').next(), &press.noise.normal_displacement) {
+        (Some("outlier"), Some(ReadingNoise::Gaussian { std })) => PressFlaw {
+            outlier: size * std.0,
+            ..PressFlaw::default()
         },
-        Some("indentation") => PressFlaw {
-            outlier: 0.0,
-            indentation: std(&noise.indentation),
+        (Some("indentation"), _) => PressFlaw {
+            indentation: size,
+            ..PressFlaw::default()
         },
         _ => PressFlaw::default(),
     }

@@ -3,14 +3,16 @@
 use super::PressFailure;
 use super::reading::PressReading;
 use super::trial::PressScene;
+use palpate_press::Reading;
 use palpate_sweep::Observation;
 
-/// Errors of the readings of a press beside the noise of its scene, length.
+/// Errors of the readings of a press beside the noise of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
-    /// Error of one normal displacement, each time of another marker.
+    /// Error of one normal displacement, each time of another marker, length.
     pub outlier: f64,
-    /// Error of the indentation.
+    /// Error of the indentation, in standard deviations of the difference between the stated indentation and the one estimated
+    /// from the displacements alone.
     pub indentation: f64,
 }
 
@@ -29,9 +31,26 @@ impl PressScene {
         let mut reading = self
             .reading(Some(trial))
             .map_err(|failure| failure.name())?;
-        reading.add(flaw, trial);
+        reading.add_outlier(flaw.outlier, trial);
+        if flaw.indentation != 0.0 {
+            let std = self.indentation_difference_std();
+            reading.indentation += flaw.indentation * std.map_err(|failure| failure.name())?;
+        }
         self.warnings(&reading, observe)
             .map_err(|failure| failure.name())
+    }
+
+    /// Standard deviation of the difference between the stated indentation and the one estimated from displacements alone,
+    /// without noise in the readings.
+    fn indentation_difference_std(&self) -> Result<f64, PressFailure> {
+        self.with_fit(&self.reading(None)?, |fit, reading| {
+            let alone = fit.estimate(&Reading {
+                indentation: None,
+                ..*reading
+            })?;
+            let stated = reading.indentation.map_or(0.0, |stated| stated.std);
+            Ok(libm::hypot(stated, alone.indentation.std))
+        })
     }
 
     /// Estimates from a reading, compares the estimate with the true values, and returns the names of its warnings.

@@ -13,7 +13,6 @@ use palpate_tracking::{Change, Marker};
 use super::PressFailure;
 use super::camera_calibration::{CameraCalibration, RestFrames};
 use super::camera_model::{AT_REST, CameraModel, MarkerTracks, SimulatedCamera};
-use super::flawed_trial::PressFlaw;
 use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
 use super::truth::{DiscMarkers, PressGeometry, TruePress};
@@ -62,14 +61,13 @@ impl PressReading {
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds a flaw; an outlier is another marker in each trial.
-    pub(super) fn add(&mut self, flaw: PressFlaw, trial: u64) {
+    /// Adds an error to one normal displacement, of another marker in each trial.
+    pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;
         if let Some(normal) = self.normal.get_mut(marker) {
-            *normal += flaw.outlier;
+            *normal += error;
         }
-        self.indentation += flaw.indentation;
     }
 
     /// The readings as input of a fit; `markers` are the tracked ones.
