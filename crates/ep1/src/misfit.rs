@@ -5,7 +5,7 @@
 //! all probes share the rounding of the first contact, which is fitted too, as uniform over a pad.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
-use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, POOR_FIT_LEVEL, StatedQuantity};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity};
 
 use crate::{Estimate, ProbeReading, ReadingNoise};
 
@@ -16,10 +16,9 @@ const UNKNOWNS: usize = 5;
 const MIN_NOISE: f64 = 1e-3;
 /// Smallest share of an unknown or of noise in a direction that is not a rounding error.
 const SINGULAR: f64 = 1e-10;
-/// Significance level of a poor fit, and smallest ratio of the residuals to the stated noise that is reported. Curvature that
-/// varies along short rolls makes the p-value small, but not the residuals large.
-const LARGE_RESIDUALS_LEVEL: f64 = 0.02;
-const MIN_RESIDUAL_RATIO: f64 = 1.65;
+/// Significance level of a poor fit. At 0.005, four probes, which leave five degrees of freedom, would often miss a noise three
+/// times the stated one.
+const POOR_FIT_LEVEL: f64 = 0.02;
 /// Significance level at which residuals are too small for the stated noise, and smallest ratio of both that is reported.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
 const MIN_NOISE_RATIO: f64 = 4.0;
@@ -87,23 +86,11 @@ impl Estimate {
             return Vec::new();
         };
         let goodness = is_stated.then(|| refit.goodness());
-        let poor_fit = goodness.and_then(poor_fit);
+        let poor_fit = goodness.and_then(|goodness| Misfit::poor_fit(goodness, POOR_FIT_LEVEL));
         let small = goodness.and_then(|goodness| small_residuals(&noise, residual, goodness));
         let all = [poor_fit, refit.outlier(is_stated), small];
         all.into_iter().flatten().collect()
     }
-}
-
-/// Reports residuals that are larger than the stated noise explains.
-fn poor_fit(goodness: GoodnessOfFit) -> Option<Misfit> {
-    let GoodnessOfFit {
-        chi_squared,
-        freedom,
-        p_value,
-    } = goodness;
-    let is_large = chi_squared > MIN_RESIDUAL_RATIO * MIN_RESIDUAL_RATIO * freedom as f64;
-    let is_poor = p_value < LARGE_RESIDUALS_LEVEL && is_large || p_value < POOR_FIT_LEVEL;
-    is_poor.then_some(Misfit::PoorFit { p_value })
 }
 
 /// Reports a stated noise of shifts that is far larger than the residuals. Pads are not tested: their errors may all be equal

@@ -5,7 +5,7 @@
 //! a chi-squared distribution for any surface.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LEVEL};
 
 use crate::chebyshev::{count, products, values};
 use crate::patch::Sample;
@@ -84,7 +84,7 @@ impl Model<'_> {
             .ok_or(Ep2Error::OutOfRange)?;
         let refit = Refit::new(&contacts).ok_or(Ep2Error::OutOfRange)?;
         let is_stated = self.noise.is_complete_for(self.patch);
-        let poor_fit = is_stated.then(|| Misfit::poor_fit(refit.goodness, true));
+        let poor_fit = is_stated.then(|| Misfit::poor_fit(refit.goodness, SIGNIFICANCE_LEVEL));
         let numbers = (0..).step_by(self.step());
         let p_values = contacts
             .iter()

@@ -13,7 +13,7 @@ pub mod work;
 pub use bad_setting::BadSetting;
 pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 pub use hue::hue_turns;
-pub use misfit::{Misfit, POOR_FIT_LEVEL, StatedQuantity};
+pub use misfit::{Misfit, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::{Number, Percent};
 pub use score_test::{Explained, LEFT, least_likely};

@@ -2,9 +2,6 @@
 
 use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 
-/// Goodness-of-fit p-value below which a fit is reported as poor even if its noise was estimated.
-pub const POOR_FIT_LEVEL: f64 = 1e-6;
-
 /// A way in which readings contradict the fitted model, with the probability of a contradiction at least as large if the
 /// model holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +67,8 @@ impl StatedQuantity {
 }
 
 impl Misfit {
-    /// Reports a poor fit at [`SIGNIFICANCE_LEVEL`] if the noise is stated, otherwise at [`POOR_FIT_LEVEL`].
-    pub fn poor_fit(goodness: GoodnessOfFit, is_noise_stated: bool) -> Option<Self> {
-        let level = match is_noise_stated {
-            true => SIGNIFICANCE_LEVEL,
-            false => POOR_FIT_LEVEL,
-        };
+    /// Reports a poor fit at a significance level.
+    pub fn poor_fit(goodness: GoodnessOfFit, level: f64) -> Option<Self> {
         let p_value = goodness.p_value;
         (p_value < level).then_some(Self::PoorFit { p_value })
     }

@@ -146,7 +146,7 @@ subjects! {
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. A p_value is the probability of a contradiction at least as large by chance.";
         "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
-        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; of rolls, below 0.02 with residuals at least 1.65 times the noise; below 1e-6 always). The stated noise is too small, or the model does not hold.";
+        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; of rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. Its number among them, counted from 0, is in `numbers`. Markers of a press that contradict the others strongly are left out instead.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";

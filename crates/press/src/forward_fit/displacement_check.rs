@@ -122,7 +122,7 @@ impl ForwardFit {
         let sums = problem.sums(&state)?;
         let poor_fit = estimate
             .goodness
-            .and_then(|goodness| Misfit::poor_fit(goodness, true));
+            .and_then(|goodness| Misfit::poor_fit(goodness, SIGNIFICANCE_LEVEL));
         let noise = problem.stated_noise(&state)?;
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);

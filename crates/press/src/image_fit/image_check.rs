@@ -1,7 +1,7 @@
 //! Tests of a fit of images: do the images contradict its model? They include the departures common to all markers.
 
 use nalgebra::{DMatrix, SMatrix};
-use palpate_statistics::{Misfit, chi_squared_tail, normal_tail};
+use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, normal_tail};
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
@@ -51,7 +51,9 @@ impl<V: View + Clone> ImageFit<V> {
         let Some(goodness) = estimate.goodness else {
             return Ok(Vec::new());
         };
-        let mut misfits: Vec<Misfit> = Misfit::poor_fit(goodness, true).into_iter().collect();
+        let mut misfits: Vec<Misfit> = Misfit::poor_fit(goodness, SIGNIFICANCE_LEVEL)
+            .into_iter()
+            .collect();
         if problem.equations() <= problem.fitted.count() {
             return Ok(misfits);
         }

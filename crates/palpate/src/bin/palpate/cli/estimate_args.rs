@@ -42,8 +42,8 @@ theirs as `columns`.
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null if no noise is
 stated. The errors of pads are not independent, so their p-value tends to be too large. `warnings`, also printed on
 standard error, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Readings contradict the model by
-poor-fit (the p-value is below 0.02 and the residuals are at least 1.65 times the stated noise, or it is below 1e-6: the
-stated noise is too small, the rolls are too long, frames are turned or probes slip) and outlier (one roll contradicts the others). Stated values contradict the readings by stated-noise (a noise of
+poor-fit (the p-value is below 0.02: the stated noise is too small, the rolls are too long, frames are turned or probes
+slip) and outlier (one roll contradicts the others). Stated values contradict the readings by stated-noise (a noise of
 shifts that is at least four times too large) and stated-pitch. `units` warns of rotations in degrees, and of shifts in
 another unit than the probe's radius. Fewer than 5 of 100 estimates from sound readings have a warning. Readings cannot
 show a gain of all shifts or rotations, nor a wrong radius in the right unit, which changes the curvature by the error of 1/R.
