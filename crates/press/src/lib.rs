@@ -8,6 +8,7 @@
 mod body;
 mod bonded_layer;
 mod cholesky;
+mod elliptic_contact;
 mod error;
 mod estimate;
 mod forward_fit;
@@ -26,6 +27,7 @@ mod state;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement};
+pub use elliptic_contact::{EllipticContact, EllipticDisplacement};
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};

@@ -3,6 +3,7 @@
 
 mod any_number;
 mod displacement_check;
+mod elliptic_contact;
 mod forward_fit;
 mod goodness;
 mod half_space;

@@ -1,0 +1,271 @@
+//! Frictionless contact of a rigid object of two principal curvatures with an elastic half-space, at any depth.
+//!
+//! With the gap A x² + B y² (A ≤ B are half the relative principal curvatures) the contact is an ellipse with semi-axes a ≥ b
+//! under the pressure p₀ √(1 − x²/a² − y²/b²) (Johnson 1985, §4.2). In Carlson's integrals
+//!
+//! ```text
+//! δ = P ab R_F(0, a², b²)     A = P ab R_D(0, b², a²)/3     B = P ab R_D(0, a², b²)/3     P = p₀/E*
+//! ```
+//!
+//! which are exact in the round limit. The displacements follow from Boussinesq's potentials ψ = ∫ p/ρ and χ = ∫ p ln(ρ + z):
+//!
+//! ```text
+//! u_z = [2(1−ν)ψ − z ψ_z]/(2π(1−ν)E*)      u_x = −[z ψ_x + (1−2ν) χ_x]/(2π(1−ν)E*)
+//! ψ = (π ab p₀/2) ∫_λ^∞ [1 − x²/(a²+s) − y²/(b²+s) − z²/s] ds/√((a²+s)(b²+s)s)
+//! ```
+//!
+//! λ is the largest root of x²/(a²+λ) + y²/(b²+λ) + z²/λ = 1. χ_x is −∫_z^∞ ψ_x dz; with the order of the integrals exchanged
+//! it is the integral of a rational function of v, where s = m + 1/v + h²v makes the square root rational.
+
+use std::num::NonZeroUsize;
+use std::sync::LazyLock;
+
+use gauss_quad::GaussLegendre;
+
+use crate::PressError;
+
+/// Largest ratio of the relative principal curvatures; beyond it the contact is a line, whose indentation depends on its length.
+const MAX_CURVATURE_RATIO: f64 = 1e6;
+
+/// Distance from the contact, relative to its longer semi-axis, beyond which displacements are set to 0.
+const MAX_DISTANCE: f64 = 1e50;
+
+/// Panels of the quadrature of χ_x, each half as long as the one before: the integrand may peak at the end.
+const PANELS: i32 = 12;
+
+/// Number of nodes of one panel.
+const NODES: NonZeroUsize = NonZeroUsize::new(12).expect("not 0");
+
+/// Nodes and weights of one panel, on [−1, 1].
+static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    let rule = GaussLegendre::new(NODES);
+    rule.iter().map(|(node, weight)| [*node, *weight]).collect()
+});
+
+/// An elliptic contact. Its x axis is the longer axis of the ellipse, along which the relative curvature is smaller.
+///
+/// ```
+/// use palpate_press::EllipticContact;
+///
+/// // Equal curvatures: the radius of Hertz's contact is √(δ/C).
+/// let contact = EllipticContact::new(0.5, [0.25, 0.25], 1.0)?;
+/// assert!((contact.semi_axes[0] - 2.0).abs() < 1e-12);
+/// assert!((contact.displacement(1.0, 0.0, 0.0).normal - 0.875).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EllipticContact {
+    /// Semi-axes of the contact, the longer first, length.
+    pub semi_axes: [f64; 2],
+    /// Pressure in the middle over the effective modulus E/(1 − ν²).
+    pub peak_pressure: f64,
+    poisson: f64,
+}
+
+/// Displacement of a point under an elliptic contact, length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EllipticDisplacement {
+    /// Inward.
+    pub normal: f64,
+    /// Along the contact's longer and shorter axis.
+    pub along: [f64; 2],
+}
+
+impl EllipticContact {
+    /// The contact at these relative principal curvatures (1/length, 1/R_s + κ, the smaller first) and this indentation.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for a ratio `poisson` outside [0, 0.5], and for curvatures that are not in order, not between
+    /// 1e-50 and 1e50, or whose ratio exceeds 1e6; [`PressError::NoIndentation`].
+    pub fn new(
+        poisson: f64,
+        relative_curvatures: [f64; 2],
+        indentation: f64,
+    ) -> Result<Self, PressError> {
+        let good = (0.0..=0.5).contains(&poisson);
+        PressError::unless_good("poisson", poisson, good, "from 0 to 0.5")?;
+        let [smaller, larger] = relative_curvatures;
+        let good = (1e-50..=1e50).contains(&smaller);
+        PressError::unless_good("relative_curvature", smaller, good, "from 1e-50 to 1e50")?;
+        let good = (smaller..=(MAX_CURVATURE_RATIO * smaller).min(1e50)).contains(&larger);
+        let right = "at least the smaller one and at most 1e6 times it";
+        PressError::unless_good("larger_relative_curvature", larger, good, right)?;
+        if !(indentation > 0.0 && indentation <= 1e50) {
+            return Err(PressError::NoIndentation { indentation });
+        }
+        let ratio = axis_ratio(larger / smaller);
+        let square = ratio * ratio;
+        // A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), and both scale with a.
+        let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
+        let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
+        Ok(Self {
+            semi_axes: [a, ratio * a],
+            peak_pressure: indentation / (ratio * a * size),
+            poisson,
+        })
+    }
+
+    /// The displacement at (x, y) in the axes of the ellipse and at depth `z` ≥ 0, lengths below 1e50.
+    pub fn displacement(&self, x: f64, y: f64, z: f64) -> EllipticDisplacement {
+        let [a, b] = self.semi_axes;
+        // In units of the longer semi-axis.
+        let [x, y, z, b] = [x / a, y / a, z / a, b / a];
+        let distance = x.abs() + y.abs() + z;
+        if distance.is_nan() || distance > MAX_DISTANCE {
+            return EllipticDisplacement::default();
+        }
+        let (square_x, square_y, square_z) = (x * x, y * y, z * z);
+        let lambda = confocal(b * b, square_x, square_y, square_z);
+        let (long, short) = (1.0 + lambda, b * b + lambda);
+        // 2/3 R_D of each axis: ψ_x = −π P ab x `by_x`.
+        let by_x = 2.0 / 3.0 * carlson_d(short, lambda, long);
+        let by_y = 2.0 / 3.0 * carlson_d(long, lambda, short);
+        let by_z = if lambda > 0.0 {
+            2.0 / 3.0 * carlson_d(long, short, lambda)
+        } else {
+            0.0
+        };
+        let potential = carlson_f(long, short, lambda)
+            - 0.5 * (square_x * by_x + square_y * by_y + square_z * by_z);
+        let (normal, radial) = (2.0 * (1.0 - self.poisson), 1.0 - 2.0 * self.poisson);
+        let [mut along_x, mut along_y] = [z * by_x, z * by_y];
+        if radial > 0.0 {
+            let edge = if lambda > 0.0 {
+                z * (long * short / lambda).sqrt()
+            } else {
+                (b * b - b * b * square_x - square_y).max(0.0).sqrt()
+            };
+            let [first, second] = rational_integrals(b * b, square_x, square_y, lambda, edge);
+            along_x -= radial * (first - z * by_x);
+            along_y -= radial * (second - z * by_y);
+        }
+        let scale = self.peak_pressure * a * b / (2.0 * (1.0 - self.poisson));
+        EllipticDisplacement {
+            normal: scale * (normal * potential + square_z * by_z),
+            along: [scale * x * along_x, scale * y * along_y],
+        }
+    }
+}
+
+/// b/a of the contact at this ratio ≥ 1 of the curvatures: bisection, then Newton's steps by secants, in logarithms.
+fn axis_ratio(curvatures: f64) -> f64 {
+    if curvatures <= 1.0 {
+        return 1.0;
+    }
+    let target = libm::log(curvatures);
+    let excess = |log_ratio: f64| {
+        let square = libm::exp(2.0 * log_ratio);
+        libm::log(carlson_d(0.0, 1.0, square) / carlson_d(0.0, square, 1.0)) - target
+    };
+    // The ratio of the axes lies between the powers −1 and −1/2 of the ratio of the curvatures.
+    let (mut low, mut high) = (-target, -0.5 * target);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if excess(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    libm::exp(0.5 * (low + high))
+}
+
+/// The largest root of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1, 0 in the contact.
+fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
+    if z == 0.0 && x + y / square_b <= 1.0 {
+        return 0.0;
+    }
+    // The left side is convex and falls, so that Newton's steps from below never pass the root.
+    let mut lambda = z
+        .max(x + y + z - 1.0)
+        .max(y - square_b)
+        .max(x - 1.0)
+        .max(0.0);
+    for _ in 0..200 {
+        let [u, v] = [x / (1.0 + lambda), y / (square_b + lambda)];
+        let w = if z > 0.0 { z / lambda } else { 0.0 };
+        let slope =
+            u / (1.0 + lambda) + v / (square_b + lambda) + if z > 0.0 { w / lambda } else { 0.0 };
+        let step = (u + v + w - 1.0) / slope;
+        if step.is_nan() || step <= 1e-16 * lambda {
+            break;
+        }
+        lambda += step;
+    }
+    lambda
+}
+
+/// ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b², Q = (A+s)(B+s) − x²(B+s) − y²(A+s), and the same with A and B exchanged;
+/// `edge` is √Q(λ).
+fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> [f64; 2] {
+    let middle = 0.5 * (x + y - 1.0 - square_b);
+    let product = square_b - square_b * x - y;
+    let h = (0.25 * (middle * middle - product)).max(0.0);
+    let [alpha, beta] = [1.0 + middle, square_b + middle];
+    let end = 2.0 / (lambda - middle + edge);
+    let integrand = |v: f64| {
+        let square = h * v * v;
+        let [first, second] = [1.0 + alpha * v + square, 1.0 + beta * v + square];
+        let shared = (1.0 - square) * (1.0 - square) / (first * second);
+        [shared / first, shared / second]
+    };
+    let mut sums = [0.0; 2];
+    let mut start = 0.0;
+    for panel in 1..=PANELS {
+        let stop = if panel == PANELS {
+            end
+        } else {
+            end * (1.0 - libm::exp2(f64::from(-panel)))
+        };
+        let half = 0.5 * (stop - start);
+        for [node, weight] in PANEL.iter() {
+            let [first, second] = integrand(start + half * (1.0 + node));
+            sums[0] += half * weight * first;
+            sums[1] += half * weight * second;
+        }
+        start = stop;
+    }
+    sums
+}
+
+/// Deviation of the arguments from their mean below which the series of Carlson's integrals are exact to rounding.
+const DUPLICATED: f64 = 2e-3;
+
+/// Carlson's R_F(x, y, z) by duplication (Carlson 1979), for arguments ≥ 0 of which at most one is 0.
+fn carlson_f(mut x: f64, mut y: f64, mut z: f64) -> f64 {
+    loop {
+        let mean = (x + y + z) / 3.0;
+        let [dx, dy, dz] = [1.0 - x / mean, 1.0 - y / mean, 1.0 - z / mean];
+        if dx.abs().max(dy.abs()).max(dz.abs()) < DUPLICATED {
+            let [second, third] = [dx * dy - dz * dz, dx * dy * dz];
+            let series = (second / 24.0 - 0.1 - 3.0 / 44.0 * third) * second + third / 14.0;
+            return (1.0 + series) / mean.sqrt();
+        }
+        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
+        [x, y, z] = [x, y, z].map(|argument| 0.25 * (argument + shift));
+    }
+}
+
+/// Carlson's R_D(x, y, z) by duplication, for z > 0 and x, y ≥ 0 of which at most one is 0.
+fn carlson_d(mut x: f64, mut y: f64, mut z: f64) -> f64 {
+    let (mut sum, mut factor) = (0.0, 1.0);
+    loop {
+        let mean = 0.2 * (x + y + 3.0 * z);
+        let [dx, dy, dz] = [1.0 - x / mean, 1.0 - y / mean, 1.0 - z / mean];
+        if dx.abs().max(dy.abs()).max(dz.abs()) < DUPLICATED {
+            let [product, square] = [dx * dy, dz * dz];
+            let [difference, sixth] = [product - square, product - 6.0 * square];
+            let last = sixth + 2.0 * difference;
+            let series = sixth * (-3.0 / 14.0 + 9.0 / 88.0 * sixth - 4.5 / 26.0 * dz * last)
+                + dz * (last / 6.0 + dz * (-9.0 / 22.0 * difference + 3.0 / 26.0 * dz * product));
+            return 3.0 * sum + factor * (1.0 + series) / (mean * mean.sqrt());
+        }
+        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
+        sum += factor / (z.sqrt() * (z + shift));
+        factor *= 0.25;
+        [x, y, z] = [x, y, z].map(|argument| 0.25 * (argument + shift));
+    }
+}
