@@ -9,6 +9,7 @@ mod body;
 mod bonded_layer;
 mod cholesky;
 mod elliptic_contact;
+mod elliptic_fit;
 mod error;
 mod estimate;
 mod forward_fit;
@@ -28,6 +29,7 @@ mod unknowns;
 
 pub use body::{Body, Contact, Displacement};
 pub use elliptic_contact::{EllipticContact, EllipticDisplacement};
+pub use elliptic_fit::{EllipticEstimate, EllipticFit};
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};

@@ -8,7 +8,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
-use crate::{Contact, Place, PressError, Skin};
+use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
 /// Markers at points under the skin.
 #[derive(Clone, Debug)]
@@ -122,6 +122,44 @@ impl Markers {
                 }
             })
             .collect()
+    }
+
+    /// Displacement of each marker, at `depth` under the skin, by an elliptic contact at chart coordinates `at`, whose longer
+    /// axis has the angle `axis` to the x axis there.
+    pub fn elliptic_displacements(
+        &self,
+        contact: &EllipticContact,
+        at: [f64; 2],
+        axis: f64,
+        depth: f64,
+    ) -> Vec<MarkerDisplacement> {
+        self.moved_by_ellipse(contact, &self.skin.place(at), axis, depth)
+    }
+
+    pub(crate) fn moved_by_ellipse(
+        &self,
+        contact: &EllipticContact,
+        middle: &Place,
+        axis: f64,
+        depth: f64,
+    ) -> Vec<MarkerDisplacement> {
+        let (sine, cosine) = libm::sincos(axis);
+        let [long, short] = [Vector2::new(cosine, sine), Vector2::new(-sine, cosine)];
+        let moved = |place: &Place| {
+            let sight = self.sight(middle, place);
+            let at = sight.bearing * sight.distance;
+            let moved = contact.displacement(at.dot(&long), at.dot(&short), depth);
+            let along = long * moved.along[0] + short * moved.along[1];
+            let turned = |vector: &Vector2<f64>| Vector2::new(-vector.y, vector.x);
+            // The components away from the contact and around it keep their size along the skin.
+            let tangential = sight.outward * along.dot(&sight.bearing)
+                + turned(&sight.outward) * along.dot(&turned(&sight.bearing));
+            MarkerDisplacement {
+                normal: moved.normal,
+                tangential: [tangential.x, tangential.y],
+            }
+        };
+        self.places.iter().map(moved).collect()
     }
 
     /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The contact

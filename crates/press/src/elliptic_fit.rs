@@ -1,0 +1,449 @@
+//! Principal curvatures of an object from one press: least squares of an elliptic contact of a half-space.
+//!
+//! The unknowns are the logarithm S of the tensor of relative curvature (its eigenvalues are ln(1/R_s + κ), so that every S is a
+//! contact), the place and the indentation. S is smooth where both curvatures coincide, where the axis is undefined.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use palpate_statistics::student_half_width;
+
+use crate::{
+    Body, EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Place, PressError,
+    Reading,
+};
+
+/// Sxx, Sxy, Syy in the axes at the place; displacements of the contact along both axes; the indentation.
+const UNKNOWNS: usize = 6;
+const INDENTATION: usize = 5;
+
+type Step = SVector<f64, UNKNOWNS>;
+type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Largest number of steps of Levenberg and Marquardt's method.
+const MAX_STEPS: usize = 60;
+
+/// The minimiser stops if a step is predicted to decrease chi-squared by less than this.
+const ENOUGH: f64 = 1e-6;
+
+/// Step of derivatives, relative to the unit of each unknown.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Limits of the logarithm of a relative curvature, relative to that of the sensor.
+const LOG_RANGE: f64 = 11.0;
+
+/// Logarithm of the largest reported relative curvature, relative to that of the sensor; a sharper end is open.
+const MAX_LOG: f64 = 8.0;
+
+/// Number of directions in which bounds of the normal curvature are computed.
+const DIRECTIONS: usize = 360;
+
+/// Passes that estimate the noise from the residuals.
+const NOISE_PASSES: usize = 3;
+
+/// The least-squares fit of one press on an elastic half-space: two principal curvatures, their axis, place and indentation.
+#[derive(Clone, Debug)]
+pub struct EllipticFit {
+    /// Poisson ratio of the half-space.
+    pub poisson: f64,
+    /// Depth of the markers, length.
+    pub depth: f64,
+    /// Standard deviation of normal displacements, length; estimated from the residuals if `None` or 0.
+    pub normal_std: Option<f64>,
+    /// Standard deviation of each tangential component, length; estimated from the residuals if `None` or 0.
+    pub tangential_std: Option<f64>,
+}
+
+/// Principal curvatures of an object from one press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EllipticEstimate {
+    /// Principal curvatures of the object, the larger first, 1/length.
+    pub principal_curvatures: [Estimated; 2],
+    /// Angle of the direction of the smaller curvature (the axis of a cylinder) to the x axis at the contact, from −π/2 to π/2.
+    pub axis: f64,
+    /// Standard deviation of that angle, at most π/√12, that of an unknown axis.
+    pub axis_std: f64,
+    /// The approach of the bodies, length.
+    pub indentation: Estimated,
+    /// Semi-axes of the contact, the longer first, length.
+    pub semi_axes: [f64; 2],
+    /// Chart coordinates of the contact on the skin, length.
+    pub contact: [f64; 2],
+    /// Standard deviations of the contact along the axes there, length.
+    pub contact_std: [f64; 2],
+    /// Standard deviation of the normal displacements, stated or estimated, length.
+    pub normal_std: f64,
+    /// Standard deviation of the tangential displacements, stated or estimated, length; `None` if they were not used.
+    pub tangential_std: Option<f64>,
+    /// Chi-squared of the residuals per degree of freedom.
+    pub reduced_chi_squared: f64,
+    /// Goodness of fit; `None` if some noise was estimated from the residuals.
+    pub goodness: Option<GoodnessOfFit>,
+}
+
+impl EllipticFit {
+    /// A fit of a half-space with this Poisson ratio and markers at this depth, with noise estimated from the residuals.
+    pub const fn new(poisson: f64, depth: f64) -> Self {
+        Self {
+            poisson,
+            depth,
+            normal_std: None,
+            tangential_std: None,
+        }
+    }
+
+    /// Estimates both principal curvatures from a reading.
+    ///
+    /// # Errors
+    /// As [`ForwardFit::estimate`], but [`PressError::OtherBody`] only if no elliptic contact explains the readings better than
+    /// no press does.
+    pub fn estimate(&self, reading: &Reading<'_>) -> Result<EllipticEstimate, PressError> {
+        let round = ForwardFit {
+            normal_std: self.normal_std,
+            tangential_std: self.tangential_std,
+            ..ForwardFit::new(Body::half_space(self.poisson, self.depth)?)
+        };
+        let skin = reading.markers.skin();
+        let (curvature, place, indentation) = match round.estimate(reading) {
+            Ok(found) => (
+                found.most_likely_curvature,
+                skin.place(found.contact),
+                found.indentation.value,
+            ),
+            Err(PressError::OtherBody { .. } | PressError::OffMarkers { .. }) => guess(reading)?,
+            Err(error) => return Err(error),
+        };
+        let log = libm::log(curvature);
+        let mut problem = Problem::new(self, reading)?;
+        let mut best: Option<Fit> = None;
+        for passes in 0..NOISE_PASSES {
+            for unequal in if passes == 0 {
+                [0.0, 0.5, -0.5].as_slice()
+            } else {
+                &[0.0]
+            } {
+                let start = match &best {
+                    Some(best) if passes > 0 => best.state,
+                    _ => State {
+                        log: Vector3::new(log + unequal, 0.0, log - unequal),
+                        place,
+                        indentation,
+                    },
+                };
+                let fit = problem.minimise(start)?;
+                if passes > 0
+                    || best
+                        .as_ref()
+                        .is_none_or(|best| fit.chi_squared < best.chi_squared)
+                {
+                    best = Some(fit);
+                }
+            }
+            let Some(best) = &best else { continue };
+            if !problem.estimate_noise(best) {
+                break;
+            }
+        }
+        problem.outcome(&best.ok_or(PressError::OutOfRange)?)
+    }
+}
+
+/// A start: the marker that moved most, and a contact of the sensor's own size.
+fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
+    let markers = reading.markers;
+    let (marker, largest) = reading
+        .normal
+        .iter()
+        .enumerate()
+        .max_by(|one, other| one.1.total_cmp(other.1))
+        .ok_or(PressError::OutOfRange)?;
+    let indentation = reading
+        .indentation
+        .map_or(1.5 * largest, |known| known.value);
+    if indentation.is_nan() || indentation <= 0.0 {
+        return Err(PressError::NoIndentation { indentation });
+    }
+    Ok((
+        2.0 * markers.skin().curvature(),
+        markers.places()[marker],
+        indentation,
+    ))
+}
+
+#[derive(Clone, Copy, Debug)]
+struct State {
+    log: Vector3<f64>,
+    place: Place,
+    indentation: f64,
+}
+
+/// Eigenvalues of a symmetric tensor (xx, xy, yy), the larger first, and the angle of the larger one's direction.
+fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
+    let (mean, half) = (0.5 * (tensor[0] + tensor[2]), 0.5 * (tensor[0] - tensor[2]));
+    let radius = libm::hypot(half, tensor[1]);
+    let angle = 0.5 * libm::atan2(tensor[1], half);
+    ([mean + radius, mean - radius], angle)
+}
+
+/// Slopes of the eigenvalue in a direction by xx, xy and yy.
+fn along(angle: f64) -> Vector3<f64> {
+    let (sine, cosine) = libm::sincos(angle);
+    Vector3::new(cosine * cosine, 2.0 * sine * cosine, sine * sine)
+}
+
+struct Fit {
+    state: State,
+    /// Readings minus model, in standard deviations: normal, then tangential, then the stated indentation.
+    residuals: Vec<f64>,
+    chi_squared: f64,
+    /// Half the Hessian of chi-squared.
+    hessian: Square,
+}
+
+struct Problem<'a> {
+    fit: &'a EllipticFit,
+    reading: &'a Reading<'a>,
+    /// Standard deviations of normal and tangential displacements.
+    stds: [f64; 2],
+    /// Whether each is estimated from the residuals.
+    is_estimated: [bool; 2],
+}
+
+impl<'a> Problem<'a> {
+    fn new(fit: &'a EllipticFit, reading: &'a Reading<'a>) -> Result<Self, PressError> {
+        let largest = reading
+            .normal
+            .iter()
+            .fold(0.0, |most: f64, moved| most.max(moved.abs()));
+        let stated = [fit.normal_std, fit.tangential_std].map(|std| std.filter(|&std| std > 0.0));
+        let std = |stated: Option<f64>| stated.unwrap_or(0.05 * largest).max(1e-10 * largest);
+        if largest.is_nan() || largest <= 0.0 {
+            return Err(PressError::OutOfRange);
+        }
+        Ok(Self {
+            fit,
+            reading,
+            stds: stated.map(std),
+            is_estimated: stated.map(|std| std.is_none()),
+        })
+    }
+
+    /// Number of readings, the stated indentation aside.
+    fn readings(&self) -> usize {
+        self.reading.normal.len()
+            * if self.reading.tangential.is_some() {
+                3
+            } else {
+                1
+            }
+    }
+
+    fn contact(&self, state: &State) -> Result<(EllipticContact, f64), PressError> {
+        let ([larger, smaller], angle) = principal(&state.log);
+        let own = libm::log(self.reading.markers.skin().curvature());
+        if (smaller - own).abs().max((larger - own).abs()) > LOG_RANGE {
+            return Err(PressError::OutOfRange);
+        }
+        let curvatures = [libm::exp(smaller), libm::exp(larger)];
+        let contact = EllipticContact::new(self.fit.poisson, curvatures, state.indentation)?;
+        // The longer axis of the contact is along the smaller curvature.
+        Ok((contact, angle + std::f64::consts::FRAC_PI_2))
+    }
+
+    fn residuals(&self, state: &State) -> Result<Vec<f64>, PressError> {
+        let (contact, axis) = self.contact(state)?;
+        let moved =
+            self.reading
+                .markers
+                .moved_by_ellipse(&contact, &state.place, axis, self.fit.depth);
+        let [normal_std, tangential_std] = self.stds;
+        let normal = self.reading.normal.iter().zip(&moved);
+        let mut residuals: Vec<f64> = normal
+            .map(|(read, moved)| (read - moved.normal) / normal_std)
+            .collect();
+        for (read, moved) in self.reading.tangential.into_iter().flatten().zip(&moved) {
+            let both = read.iter().zip(moved.tangential);
+            residuals.extend(both.map(|(read, moved)| (read - moved) / tangential_std));
+        }
+        if let Some(known) = self.reading.indentation {
+            let std = known.std.max(1e-9 * known.value);
+            residuals.push((known.value - state.indentation) / std);
+        }
+        Ok(residuals)
+    }
+
+    fn stepped(&self, state: &State, step: &Step) -> State {
+        let skin = self.reading.markers.skin();
+        let place = if step[3] == 0.0 && step[4] == 0.0 {
+            state.place
+        } else {
+            skin.place_at(&skin.beyond(&state.place, step[3], step[4]))
+        };
+        State {
+            log: state.log + step.fixed_rows::<3>(0),
+            place,
+            indentation: state.indentation + step[INDENTATION],
+        }
+    }
+
+    /// The fit at a state, with the gradient of half chi-squared.
+    fn fit_at(&self, state: State) -> Result<(Fit, Step), PressError> {
+        let residuals = self.residuals(&state)?;
+        let size = self.contact(&state)?.0.semi_axes[1];
+        let units = [1.0, 1.0, 1.0, size, size, state.indentation];
+        let mut slopes = Vec::with_capacity(UNKNOWNS);
+        for (index, unit) in units.into_iter().enumerate() {
+            let mut step = Step::zeros();
+            step[index] = DIFFERENCE * unit;
+            let ahead = self.residuals(&self.stepped(&state, &step))?;
+            let behind = self.residuals(&self.stepped(&state, &-step))?;
+            let width = 2.0 * DIFFERENCE * unit;
+            let slope = ahead
+                .iter()
+                .zip(&behind)
+                .map(|(ahead, behind)| (behind - ahead) / width);
+            slopes.push(slope.collect::<Vec<f64>>());
+        }
+        let dot =
+            |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let fit = Fit {
+            state,
+            chi_squared: dot(&residuals, &residuals),
+            hessian: Square::from_fn(|row, column| dot(&slopes[row], &slopes[column])),
+            residuals,
+        };
+        let gradient = Step::from_fn(|row, _| dot(&slopes[row], &fit.residuals));
+        Ok((fit, gradient))
+    }
+
+    fn minimise(&self, start: State) -> Result<Fit, PressError> {
+        let (mut best, mut gradient) = self.fit_at(start)?;
+        let mut damping = 1e-3;
+        for _ in 0..MAX_STEPS {
+            let mut damped = best.hessian;
+            for index in 0..UNKNOWNS {
+                damped[(index, index)] *= 1.0 + damping;
+            }
+            let Some(step) = damped.cholesky().map(|factor| factor.solve(&gradient)) else {
+                damping *= 10.0;
+                continue;
+            };
+            let promise = 2.0 * gradient.dot(&step) - step.dot(&(best.hessian * step));
+            if promise <= ENOUGH {
+                break;
+            }
+            let state = self.stepped(&best.state, &step);
+            let squared = self
+                .residuals(&state)
+                .map(|left| left.iter().map(|one| one * one).sum::<f64>());
+            if squared.is_ok_and(|squared| squared < best.chi_squared) {
+                (best, gradient) = self.fit_at(state)?;
+                damping *= 0.2;
+            } else if damping > 1e10 {
+                break;
+            } else {
+                damping = damping.max(1e-6) * 10.0;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Estimates unknown noise from the residuals of a fit; `false` if none is unknown.
+    fn estimate_noise(&mut self, fit: &Fit) -> bool {
+        let count = self.reading.normal.len();
+        let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;
+        let mut is_changed = false;
+        let kinds = [0..count, count..self.readings()];
+        for (kind, range) in kinds.into_iter().enumerate() {
+            if self.is_estimated[kind] && !range.is_empty() {
+                let residuals = &fit.residuals[range];
+                let squared: f64 = residuals.iter().map(|one| one * one).sum();
+                let std = (squared / residuals.len() as f64 / share).sqrt();
+                self.stds[kind] *= std.max(1e-9);
+                is_changed = true;
+            }
+        }
+        is_changed
+    }
+
+    fn outcome(&self, best: &Fit) -> Result<EllipticEstimate, PressError> {
+        let what = "the markers do not determine both curvatures";
+        let covariance = best
+            .hessian
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|part| part.is_finite()))
+            .filter(|inverse| (0..UNKNOWNS).all(|index| inverse[(index, index)] > 0.0))
+            .ok_or(PressError::Undetermined { what })?;
+        let uses_tangential = self.reading.tangential.is_some();
+        let is_estimated = self.is_estimated[0] || uses_tangential && self.is_estimated[1];
+        let freedom = self.readings() + usize::from(self.reading.indentation.is_some()) - UNKNOWNS;
+        let limit = if is_estimated {
+            student_half_width(0.95, freedom.max(1))
+        } else {
+            student_half_width(0.95, 1_000_000)
+        };
+        let (contact, axis) = self.contact(&best.state)?;
+        let tensor: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
+        let ([larger, smaller], angle) = principal(&best.state.log);
+        let own = self.reading.markers.skin().curvature();
+        let own_log = libm::log(own);
+        if larger - own_log > MAX_LOG {
+            let what = "a needle of any sharpness explains the readings";
+            return Err(PressError::Undetermined { what });
+        }
+        let std = |slopes: &Vector3<f64>| slopes.dot(&(tensor * slopes)).max(0.0).sqrt();
+        let mut bounds = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
+        for direction in 0..DIRECTIONS {
+            let slopes = along(angle + std::f64::consts::PI * direction as f64 / DIRECTIONS as f64);
+            let (value, width) = (slopes.dot(&best.state.log), limit * std(&slopes));
+            let ends = [value - width, value + width];
+            // The larger curvature is at least, and the smaller at most, the one in any direction.
+            bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
+            bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
+        }
+        let across = {
+            let (sine, cosine) = libm::sincos(2.0 * angle);
+            std(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
+        };
+        // Noise separates the eigenvalues of a tensor: the second-order bias of both.
+        let gap = larger - smaller;
+        let repulsion = (across * across / gap).min(0.5 * gap);
+        let finite = |log: f64| (log - own_log < MAX_LOG).then(|| libm::exp(log) - own);
+        let curvature = |log: f64, bias: f64, angle: f64, [low, high]: [f64; 2]| {
+            let std = std(&along(angle));
+            // The readings are nearly linear in the radius, so that the curvature has the bias of 1/x.
+            let value = (log - bias - libm::log1p(std * std)).clamp(low, high);
+            Estimated {
+                value: libm::exp(value) - own,
+                std: libm::exp(value) * std,
+                interval: Interval {
+                    low: Some(libm::exp(low) - own),
+                    high: finite(high),
+                },
+            }
+        };
+        let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
+        let root = |index: usize| covariance[(index, index)].sqrt();
+        let skin = self.reading.markers.skin();
+        Ok(EllipticEstimate {
+            principal_curvatures: [
+                curvature(larger, repulsion, angle, bounds[0]),
+                curvature(smaller, -repulsion, axis, bounds[1]),
+            ],
+            axis: half_turn(axis),
+            axis_std: (across / gap).min(unknown),
+            indentation: Estimated::normal(best.state.indentation, root(INDENTATION), limit)
+                .positive(),
+            semi_axes: contact.semi_axes,
+            contact: skin.chart(best.state.place.direction.as_ref()),
+            contact_std: [root(3), root(4)],
+            normal_std: self.stds[0],
+            tangential_std: uses_tangential.then_some(self.stds[1]),
+            reduced_chi_squared: best.chi_squared / freedom.max(1) as f64,
+            goodness: (!is_estimated).then(|| GoodnessOfFit::new(best.chi_squared, freedom)),
+        })
+    }
+}
+
+/// An axis's angle, from −π/2 to π/2.
+fn half_turn(angle: f64) -> f64 {
+    angle - std::f64::consts::PI * (angle / std::f64::consts::PI).round()
+}
