@@ -8,7 +8,7 @@ use palpate_statistics::student_half_width;
 
 use crate::{
     Body, EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Place, PressError,
-    Reading,
+    PressEstimate, PrincipalCurvatures, Reading, Verdict,
 };
 
 /// Sxx, Sxy, Syy in the axes at the place; displacements of the contact along both axes; the indentation.
@@ -52,33 +52,6 @@ pub struct EllipticFit {
     pub tangential_std: Option<f64>,
 }
 
-/// Principal curvatures of an object from one press.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EllipticEstimate {
-    /// Principal curvatures of the object, the larger first, 1/length.
-    pub principal_curvatures: [Estimated; 2],
-    /// Angle of the direction of the smaller curvature (the axis of a cylinder) to the x axis at the contact, from −π/2 to π/2.
-    pub axis: f64,
-    /// Standard deviation of that angle, at most π/√12, that of an unknown axis.
-    pub axis_std: f64,
-    /// The approach of the bodies, length.
-    pub indentation: Estimated,
-    /// Semi-axes of the contact, the longer first, length.
-    pub semi_axes: [f64; 2],
-    /// Chart coordinates of the contact on the skin, length.
-    pub contact: [f64; 2],
-    /// Standard deviations of the contact along the axes there, length.
-    pub contact_std: [f64; 2],
-    /// Standard deviation of the normal displacements, stated or estimated, length.
-    pub normal_std: f64,
-    /// Standard deviation of the tangential displacements, stated or estimated, length; `None` if they were not used.
-    pub tangential_std: Option<f64>,
-    /// Chi-squared of the residuals per degree of freedom.
-    pub reduced_chi_squared: f64,
-    /// Goodness of fit; `None` if some noise was estimated from the residuals.
-    pub goodness: Option<GoodnessOfFit>,
-}
-
 impl EllipticFit {
     /// A fit of a half-space with this Poisson ratio and markers at this depth, with noise estimated from the residuals.
     pub const fn new(poisson: f64, depth: f64) -> Self {
@@ -90,12 +63,13 @@ impl EllipticFit {
         }
     }
 
-    /// Estimates both principal curvatures from a reading.
+    /// Estimates both principal curvatures from a reading. The curvature of the estimate is their mean, its contact radius the
+    /// geometric mean of the semi-axes.
     ///
     /// # Errors
     /// As [`ForwardFit::estimate`], but [`PressError::OtherBody`] only if no elliptic contact explains the readings better than
     /// no press does.
-    pub fn estimate(&self, reading: &Reading<'_>) -> Result<EllipticEstimate, PressError> {
+    pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
         let round = ForwardFit {
             normal_std: self.normal_std,
             tangential_std: self.tangential_std,
@@ -103,6 +77,10 @@ impl EllipticFit {
         };
         let skin = reading.markers.skin();
         let (curvature, place, indentation) = match round.estimate(reading) {
+            Ok(found) if !found.is_detected => {
+                let what = "the displacements show no contact";
+                return Err(PressError::Undetermined { what });
+            }
             Ok(found) => (
                 found.most_likely_curvature,
                 skin.place(found.contact),
@@ -364,7 +342,7 @@ impl<'a> Problem<'a> {
         is_changed
     }
 
-    fn outcome(&self, best: &Fit) -> Result<EllipticEstimate, PressError> {
+    fn outcome(&self, best: &Fit) -> Result<PressEstimate, PressError> {
         let what = "the markers do not determine both curvatures";
         let covariance = best
             .hessian
@@ -423,22 +401,71 @@ impl<'a> Problem<'a> {
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let root = |index: usize| covariance[(index, index)].sqrt();
         let skin = self.reading.markers.skin();
-        Ok(EllipticEstimate {
-            principal_curvatures: [
-                curvature(larger, repulsion, angle, bounds[0]),
-                curvature(smaller, -repulsion, axis, bounds[1]),
-            ],
-            axis: half_turn(axis),
-            axis_std: (across / gap).min(unknown),
+        let [mean, mean_std] = {
+            let [larger, smaller] = [
+                libm::exp(larger - repulsion),
+                libm::exp(smaller + repulsion),
+            ];
+            let slopes = (along(angle) * larger + along(axis) * smaller) / (larger + smaller);
+            [0.5 * (larger + smaller), std(&slopes)]
+        };
+        let half_width = libm::exp(limit * mean_std);
+        let interval = Interval {
+            low: Some(mean / half_width),
+            high: (mean * half_width < own * libm::exp(MAX_LOG)).then_some(mean * half_width),
+        };
+        let value = mean / (1.0 + mean_std * mean_std);
+        let radius = (contact.semi_axes[0] * contact.semi_axes[1]).sqrt();
+        let normal = &self.reading.normal;
+        let average = normal.iter().sum::<f64>() / normal.len() as f64;
+        let all: f64 = normal.iter().map(|read| (read - average).powi(2)).sum();
+        let left: f64 = best.residuals[..normal.len()]
+            .iter()
+            .map(|one| one * one)
+            .sum();
+        Ok(PressEstimate {
+            sensor_curvature: own,
+            relative_curvature: Estimated {
+                value,
+                std: value * mean_std,
+                interval,
+            },
+            most_likely_curvature: mean,
+            principal: Some(PrincipalCurvatures {
+                curvatures: [
+                    curvature(larger, repulsion, angle, bounds[0]),
+                    curvature(smaller, -repulsion, axis, bounds[1]),
+                ],
+                axis: half_turn(axis),
+                axis_std: (across / gap).min(unknown),
+                semi_axes: contact.semi_axes,
+            }),
             indentation: Estimated::normal(best.state.indentation, root(INDENTATION), limit)
                 .positive(),
-            semi_axes: contact.semi_axes,
+            // a² ∝ δ/C: the error of the indentation and that of the curvature, as if independent.
+            contact_radius: Estimated::normal(
+                radius,
+                0.5 * radius * libm::hypot(mean_std, root(INDENTATION) / best.state.indentation),
+                limit,
+            )
+            .positive(),
             contact: skin.chart(best.state.place.direction.as_ref()),
             contact_std: [root(3), root(4)],
+            baseline: None,
+            gain: None,
+            wrong_markers: Vec::new(),
             normal_std: self.stds[0],
             tangential_std: uses_tangential.then_some(self.stds[1]),
+            r_squared: if all > 0.0 {
+                1.0 - left * self.stds[0] * self.stds[0] / all
+            } else {
+                0.0
+            },
             reduced_chi_squared: best.chi_squared / freedom.max(1) as f64,
             goodness: (!is_estimated).then(|| GoodnessOfFit::new(best.chi_squared, freedom)),
+            is_detected: true,
+            only_marker: None,
+            verdict: Verdict::of(interval, own),
         })
     }
 }

@@ -109,6 +109,19 @@ impl Verdict {
     }
 }
 
+/// Principal curvatures of an object from one press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipalCurvatures {
+    /// Curvatures of the object, the larger first, 1/length.
+    pub curvatures: [Estimated; 2],
+    /// Angle of the direction of the smaller curvature (the axis of a cylinder) to the x axis at the contact, from −π/2 to π/2.
+    pub axis: f64,
+    /// Standard deviation of that angle, at most π/√12, which is that of an unknown axis.
+    pub axis_std: f64,
+    /// Semi-axes of the contact, the longer first, length.
+    pub semi_axes: [f64; 2],
+}
+
 /// An object's curvature from one press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressEstimate {
@@ -119,6 +132,8 @@ pub struct PressEstimate {
     pub relative_curvature: Estimated,
     /// The relative curvature of the best fit, without correction of its bias, 1/length.
     pub most_likely_curvature: f64,
+    /// The principal curvatures, from a fit of an elliptic contact; the other curvatures are then their mean.
+    pub principal: Option<PrincipalCurvatures>,
     /// The approach of the bodies, length.
     pub indentation: Estimated,
     /// Radius of the contact, length.

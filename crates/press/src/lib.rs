@@ -29,9 +29,9 @@ mod unknowns;
 
 pub use body::{Body, Contact, Displacement};
 pub use elliptic_contact::{EllipticContact, EllipticDisplacement};
-pub use elliptic_fit::{EllipticEstimate, EllipticFit};
+pub use elliptic_fit::EllipticFit;
 pub use error::PressError;
-pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
+pub use estimate::{Estimated, Interval, PressEstimate, PrincipalCurvatures, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
 pub use image_fit::{
     DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,

@@ -67,6 +67,7 @@ pub(crate) fn outcome<P: LeastSquares>(
         sensor_curvature: skin.curvature(),
         relative_curvature,
         most_likely_curvature: contact.relative_curvature,
+        principal: None,
         indentation: around(state.indentation, stds.indentation),
         contact_radius: around(contact.radius, stds.contact_radius),
         contact: skin.chart(state.place.direction.as_ref()),

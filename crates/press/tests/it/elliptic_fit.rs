@@ -73,18 +73,24 @@ fn exact_readings_determine_curvatures_and_axis() {
                 ..readings.reading(&markers, None)
             };
             let found = EllipticFit::new(0.5, DEPTH).estimate(&reading).unwrap();
-            for (found, curvature) in found.principal_curvatures.iter().zip(press.curvatures) {
+            for (found, curvature) in found
+                .principal
+                .unwrap()
+                .curvatures
+                .iter()
+                .zip(press.curvatures)
+            {
                 assert!(
                     (found.value - curvature).abs() <= 1e-6,
                     "{found:?} for {curvature}"
                 );
                 assert!(found.interval.holds(curvature));
             }
-            let turn = (found.axis - press.axis) / std::f64::consts::PI;
+            let turn = (found.principal.unwrap().axis - press.axis) / std::f64::consts::PI;
             assert!(
                 (turn - turn.round()).abs() <= 1e-5,
                 "axis {} for {}",
-                found.axis,
+                found.principal.unwrap().axis,
                 press.axis
             );
             assert!((found.indentation.value - press.indentation).abs() <= 1e-6);
@@ -111,10 +117,14 @@ fn intervals_hold_both_curvatures() {
             });
             let found = fit.estimate(&readings.reading(&markers, known)).unwrap();
             count += 1;
-            for (hits, (found, curvature)) in hits
-                .iter_mut()
-                .zip(found.principal_curvatures.iter().zip(press.curvatures))
-            {
+            for (hits, (found, curvature)) in hits.iter_mut().zip(
+                found
+                    .principal
+                    .unwrap()
+                    .curvatures
+                    .iter()
+                    .zip(press.curvatures),
+            ) {
                 *hits += usize::from(found.interval.holds(curvature));
             }
         }
