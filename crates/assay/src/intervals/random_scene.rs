@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use palpate::family_scene;
 use palpate_scene::{PressFlaw, Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
-use palpate_study::config::{Length, ReadingNoise, SceneConfig, parse, with_fields};
+use palpate_study::config::{ReadingNoise, SceneConfig, parse, with_fields};
 use palpate_sweep::Observation;
 use serde_json::json;
 
