@@ -55,6 +55,7 @@ impl PressFitSetup<'_> {
                 PressEstimatorConfig::Gaussian { window, .. } => *window,
                 _ => None,
             },
+            is_elliptic: matches!(self.estimator, PressEstimatorConfig::Elliptic { .. }),
             ..ForwardFit::new(self.assumed_body()?)
         })
     }
@@ -70,6 +71,7 @@ impl PressFitSetup<'_> {
             (
                 None,
                 PressEstimatorConfig::HalfSpace { poisson, .. }
+                | PressEstimatorConfig::Elliptic { poisson, .. }
                 | PressEstimatorConfig::Image { poisson, .. },
             ) => Body::half_space(poisson.unwrap_or(self.model.poisson()), self.marker_depth),
             (None, PressEstimatorConfig::Gaussian { c: Some(c), .. }) => Body::gaussian(*c),

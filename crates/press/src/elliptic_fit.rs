@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use palpate_statistics::student_half_width;
 
 use crate::{
-    Body, EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Place, PressError,
-    PressEstimate, PrincipalCurvatures, Reading, Verdict,
+    EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Place, PressError,
+    PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
 /// Sxx, Sxy, Syy in the axes at the place; displacements of the contact along both axes; the indentation.
@@ -37,43 +37,22 @@ const MAX_LOG: f64 = 8.0;
 const DIRECTIONS: usize = 360;
 
 /// Passes that estimate the noise from the residuals.
-const NOISE_PASSES: usize = 3;
+const NOISE_PASSES: usize = 2;
 
-/// The least-squares fit of one press on an elastic half-space: two principal curvatures, their axis, place and indentation.
-#[derive(Clone, Debug)]
-pub struct EllipticFit {
-    /// Poisson ratio of the half-space.
-    pub poisson: f64,
-    /// Depth of the markers, length.
-    pub depth: f64,
-    /// Standard deviation of normal displacements, length; estimated from the residuals if `None` or 0.
-    pub normal_std: Option<f64>,
-    /// Standard deviation of each tangential component, length; estimated from the residuals if `None` or 0.
-    pub tangential_std: Option<f64>,
-}
-
-impl EllipticFit {
-    /// A fit of a half-space with this Poisson ratio and markers at this depth, with noise estimated from the residuals.
-    pub const fn new(poisson: f64, depth: f64) -> Self {
-        Self {
-            poisson,
-            depth,
-            normal_std: None,
-            tangential_std: None,
-        }
-    }
-
+impl ForwardFit {
     /// Estimates both principal curvatures from a reading. The curvature of the estimate is their mean, its contact radius the
     /// geometric mean of the semi-axes.
-    ///
-    /// # Errors
-    /// As [`ForwardFit::estimate`], but [`PressError::OtherBody`] only if no elliptic contact explains the readings better than
-    /// no press does.
-    pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
-        let round = ForwardFit {
-            normal_std: self.normal_std,
-            tangential_std: self.tangential_std,
-            ..ForwardFit::new(Body::half_space(self.poisson, self.depth)?)
+    pub(crate) fn elliptic_estimate(
+        &self,
+        reading: &Reading<'_>,
+    ) -> Result<PressEstimate, PressError> {
+        let has_priors = self.baseline != Prior::Exact || self.gain != Prior::Exact;
+        let half_space = self.body.sideways().filter(|_| !has_priors);
+        let what = "an elliptic contact is fitted to a half-space without baseline and gain";
+        let half_space = half_space.ok_or(PressError::Undetermined { what })?;
+        let round = Self {
+            is_elliptic: false,
+            ..self.clone()
         };
         let skin = reading.markers.skin();
         let (curvature, place, indentation) = match round.estimate(reading) {
@@ -90,37 +69,26 @@ impl EllipticFit {
             Err(error) => return Err(error),
         };
         let log = libm::log(curvature);
-        let mut problem = Problem::new(self, reading)?;
-        let mut best: Option<Fit> = None;
-        for passes in 0..NOISE_PASSES {
-            for unequal in if passes == 0 {
-                [0.0, 0.5, -0.5].as_slice()
-            } else {
-                &[0.0]
-            } {
-                let start = match &best {
-                    Some(best) if passes > 0 => best.state,
-                    _ => State {
-                        log: Vector3::new(log + unequal, 0.0, log - unequal),
-                        place,
-                        indentation,
-                    },
-                };
-                let fit = problem.minimise(start)?;
-                if passes > 0
-                    || best
-                        .as_ref()
-                        .is_none_or(|best| fit.chi_squared < best.chi_squared)
-                {
-                    best = Some(fit);
-                }
-            }
-            let Some(best) = &best else { continue };
-            if !problem.estimate_noise(best) {
-                break;
+        let mut problem = Problem::new(self, half_space, reading)?;
+        let start = |unequal: f64| State {
+            log: Vector3::new(log + unequal, 0.0, log - unequal),
+            place,
+            indentation,
+        };
+        let mut best = problem.minimise(start(0.0))?;
+        for unequal in [0.5, -0.5] {
+            let fit = problem.minimise(start(unequal))?;
+            if fit.chi_squared < best.chi_squared {
+                best = fit;
             }
         }
-        problem.outcome(&best.ok_or(PressError::OutOfRange)?)
+        for _ in 0..NOISE_PASSES {
+            if !problem.estimate_noise(&best) {
+                break;
+            }
+            best = problem.minimise(best.state)?;
+        }
+        problem.outcome(&best)
     }
 }
 
@@ -177,7 +145,8 @@ struct Fit {
 }
 
 struct Problem<'a> {
-    fit: &'a EllipticFit,
+    /// Poisson's ratio of the half-space, and the depth of the markers.
+    half_space: (f64, f64),
     reading: &'a Reading<'a>,
     /// Standard deviations of normal and tangential displacements.
     stds: [f64; 2],
@@ -186,7 +155,11 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn new(fit: &'a EllipticFit, reading: &'a Reading<'a>) -> Result<Self, PressError> {
+    fn new(
+        fit: &ForwardFit,
+        half_space: (f64, f64),
+        reading: &'a Reading<'a>,
+    ) -> Result<Self, PressError> {
         let largest = reading
             .normal
             .iter()
@@ -197,7 +170,7 @@ impl<'a> Problem<'a> {
             return Err(PressError::OutOfRange);
         }
         Ok(Self {
-            fit,
+            half_space,
             reading,
             stds: stated.map(std),
             is_estimated: stated.map(|std| std.is_none()),
@@ -221,7 +194,7 @@ impl<'a> Problem<'a> {
             return Err(PressError::OutOfRange);
         }
         let curvatures = [libm::exp(smaller), libm::exp(larger)];
-        let contact = EllipticContact::new(self.fit.poisson, curvatures, state.indentation)?;
+        let contact = EllipticContact::new(self.half_space.0, curvatures, state.indentation)?;
         // The longer axis of the contact is along the smaller curvature.
         Ok((contact, angle + std::f64::consts::FRAC_PI_2))
     }
@@ -231,7 +204,7 @@ impl<'a> Problem<'a> {
         let moved =
             self.reading
                 .markers
-                .moved_by_ellipse(&contact, &state.place, axis, self.fit.depth);
+                .moved_by_ellipse(&contact, &state.place, axis, self.half_space.1);
         let [normal_std, tangential_std] = self.stds;
         let normal = self.reading.normal.iter().zip(&moved);
         let mut residuals: Vec<f64> = normal

@@ -110,6 +110,8 @@ pub struct ForwardFit {
     pub tangential_std: Option<f64>,
     /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
     pub window: Option<f64>,
+    /// Whether both principal curvatures are fitted, to a half-space with exact baseline and gain; all markers count.
+    pub is_elliptic: bool,
 }
 
 impl ForwardFit {
@@ -122,6 +124,7 @@ impl ForwardFit {
             normal_std: None,
             tangential_std: None,
             window: None,
+            is_elliptic: false,
         }
     }
 
@@ -135,7 +138,10 @@ impl ForwardFit {
     /// [`Body::press`] if no press fits the readings.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
         self.validate(reading)?;
-        Search::new(self, reading)?.run()
+        match self.is_elliptic {
+            true => self.elliptic_estimate(reading),
+            false => Search::new(self, reading)?.run(),
+        }
     }
 
     /// The least possible standard deviations of an unbiased estimate (Cramér and Rao), for a true contact at chart

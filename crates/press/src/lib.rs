@@ -29,7 +29,6 @@ mod unknowns;
 
 pub use body::{Body, Contact, Displacement};
 pub use elliptic_contact::{EllipticContact, EllipticDisplacement};
-pub use elliptic_fit::EllipticFit;
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, PrincipalCurvatures, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};

@@ -23,6 +23,19 @@ pub(super) struct Radius {
     unit: &'static str,
 }
 
+/// Principal curvatures of the object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Principal {
+    curvature_max: Value,
+    curvature_min: Value,
+    /// Angle of the direction of the smaller curvature, the axis of a cylinder, to the x axis, from −90 to 90.
+    axis_deg: f64,
+    /// At most 52, that of an unknown axis.
+    axis_std_deg: f64,
+    /// Semi-axes of the contact, the longer first.
+    semi_axes: [f64; 2],
+}
+
 /// A row of the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Row {
@@ -66,6 +79,9 @@ pub struct PressReport {
     pub(super) object_curvature: Value,
     /// R_o.
     pub(super) object_radius: Radius,
+    /// The principal curvatures, by method `elliptic`; the other curvatures are then their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) principal: Option<Principal>,
     /// Contact regime of the estimate.
     pub(super) regime: &'static str,
     /// Shape of the object by the interval of its curvature: `convex`, `concave`, `flat-within-noise` or
@@ -118,6 +134,13 @@ impl PressReport {
             effective_radius: value(estimate.effective_radius(), Unit::Length),
             object_curvature: value(curvature, Unit::PerLength),
             object_radius: Radius::of(&most_likely, unit),
+            principal: estimate.principal.map(|principal| Principal {
+                curvature_max: value(principal.curvatures[0], Unit::PerLength),
+                curvature_min: value(principal.curvatures[1], Unit::PerLength),
+                axis_deg: principal.axis.to_degrees(),
+                axis_std_deg: principal.axis_std.to_degrees(),
+                semi_axes: principal.semi_axes,
+            }),
             regime: ContactRegime::of(estimate.sensor_curvature, most_likely.value).name(),
             verdict: estimate.verdict.name(),
             indentation: value(estimate.indentation, Unit::Length),

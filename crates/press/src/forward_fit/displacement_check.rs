@@ -17,7 +17,7 @@ use crate::{PressError, PressEstimate};
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Tests the stated indentation of a reading by a likelihood ratio: the increase of chi-squared from a fit of the
+    /// Tests the stated indentation of a reading, except with elliptic contacts, by a likelihood ratio: the increase of chi-squared from a fit of the
     /// displacements alone to a fit that also includes the stated value. Outliers of `estimate` far from the contact are
     /// excluded; others may be right if the stated indentation is wrong.
     ///
@@ -28,7 +28,7 @@ impl ForwardFit {
         reading: &Reading<'_>,
         estimate: Option<&PressEstimate>,
     ) -> Result<Option<Misfit>, PressError> {
-        let Some(stated) = reading.indentation else {
+        let Some(stated) = reading.indentation.filter(|_| !self.is_elliptic) else {
             return Ok(None);
         };
         self.validate(reading)?;
@@ -106,7 +106,7 @@ impl ForwardFit {
     }
 
     /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
-    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for a Gaussian, which is only an
+    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for elliptic contacts, for a Gaussian, which is only an
     /// approximation, for a contact that is not detected, and if there are hardly more equations than unknowns. If the residuals
     /// are too large for the stated noise, the tests for outliers and patterns use the residuals instead.
     ///
@@ -118,11 +118,14 @@ impl ForwardFit {
         estimate: &PressEstimate,
     ) -> Result<Vec<Misfit>, PressError> {
         self.validate(reading)?;
-        let (problem, state) = self.problem_of(reading, estimate);
-        let sums = problem.sums(&state)?;
         let poor_fit = estimate
             .goodness
             .and_then(|goodness| Misfit::poor_fit(goodness, SIGNIFICANCE_LEVEL));
+        if self.is_elliptic {
+            return Ok(poor_fit.into_iter().collect());
+        }
+        let (problem, state) = self.problem_of(reading, estimate);
+        let sums = problem.sums(&state)?;
         let noise = problem.stated_noise(&state)?;
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);

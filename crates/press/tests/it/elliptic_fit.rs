@@ -1,6 +1,6 @@
 //! Principal curvatures from presses of cylinders, ellipsoids and balls.
 
-use palpate_press::{EllipticContact, EllipticFit, Markers, Measured, PressError, Reading};
+use palpate_press::{EllipticContact, ForwardFit, Markers, Measured, PressError, Reading};
 use palpate_sensing::{Channel, Stream};
 
 use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, published};
@@ -23,6 +23,14 @@ impl Press {
             normal: moved.iter().map(|moved| moved.normal).collect(),
             tangential: moved.iter().map(|moved| moved.tangential).collect(),
         }
+    }
+}
+
+fn elliptic(normal_std: Option<f64>) -> ForwardFit {
+    ForwardFit {
+        normal_std,
+        is_elliptic: true,
+        ..ForwardFit::new(half_space())
     }
 }
 
@@ -72,7 +80,7 @@ fn exact_readings_determine_curvatures_and_axis() {
                 tangential,
                 ..readings.reading(&markers, None)
             };
-            let found = EllipticFit::new(0.5, DEPTH).estimate(&reading).unwrap();
+            let found = elliptic(None).estimate(&reading).unwrap();
             for (found, curvature) in found
                 .principal
                 .unwrap()
@@ -104,10 +112,7 @@ fn intervals_hold_both_curvatures() {
     let (mut hits, mut count) = ([0; 2], 0);
     for (scene, press) in (0..).zip(presses()) {
         let exact = press.readings(&markers);
-        let fit = EllipticFit {
-            normal_std: Some(std),
-            ..EllipticFit::new(0.5, DEPTH)
-        };
+        let fit = elliptic(Some(std));
         for trial in (0..trials).map(|trial| 1000 * scene + trial) {
             let readings = exact.noisy(std, trial);
             let error = 0.02 * Stream::new(2020, trial, Channel::Normal).standard_normal();
@@ -142,10 +147,7 @@ fn a_sensor_at_rest_has_no_contact() {
         normal: vec![0.0; 77],
         tangential: vec![[0.0; 2]; 77],
     };
-    let fit = EllipticFit {
-        normal_std: Some(0.02),
-        ..EllipticFit::new(0.5, DEPTH)
-    };
+    let fit = elliptic(Some(0.02));
     for trial in 0..5 {
         let readings = rest.noisy(0.02, trial);
         let error = fit.estimate(&readings.reading(&markers, None)).unwrap_err();

@@ -299,6 +299,7 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
 const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
+        PressEstimatorConfig::Elliptic { .. } => ("an elliptic contact of a half-space", true),
         PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
         PressEstimatorConfig::Image { .. } => ("the body to the markers' images", true),
         PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),

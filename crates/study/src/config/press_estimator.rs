@@ -31,6 +31,19 @@ pub enum PressEstimatorConfig {
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
+    /// An elastic half-space under an object with two principal curvatures, for example a cylinder: both are fitted, with their
+    /// axis. The reported curvature is their mean.
+    Elliptic {
+        /// Poisson's ratio; by default the model's, or 0.5 where that has none.
+        #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
+        poisson: Option<f64>,
+        /// Prior of the indentation.
+        #[serde(flatten)]
+        prior: IndentationPrior,
+        /// Whether the noise of displacements is stated or estimated.
+        #[serde(default)]
+        noise: NoiseKnown,
+    },
     /// The 2020 paper's Gaussian, R = c σ²/δ, fitted to normal displacements. If the indentation is
     /// given, the amplitude is fitted too; otherwise the amplitude is the indentation.
     Gaussian {
@@ -150,6 +163,16 @@ impl PressEstimatorConfig {
                 };
                 (prior, displacements)
             }
+            Self::Elliptic { prior, noise, .. } => {
+                let displacements = DisplacementPriors::default();
+                (
+                    prior,
+                    DisplacementPriors {
+                        noise,
+                        ..displacements
+                    },
+                )
+            }
             Self::Image { prior, .. } => (prior, DisplacementPriors::default()),
         };
         let has_gain = !matches!(self, Self::Gaussian { .. });
@@ -176,7 +199,9 @@ impl PressEstimatorConfig {
     /// Sets the settings that would default to the model's, to the thickness (if any) and Poisson's ratio of this model.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
-            Self::HalfSpace { poisson, .. } => *poisson = poisson.or(Some(of_poisson)),
+            Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {
+                *poisson = poisson.or(Some(of_poisson));
+            }
             Self::BondedLayer { thickness, .. } => *thickness = thickness.or(of_thickness),
             Self::Image {
                 thickness, poisson, ..
@@ -195,6 +220,7 @@ impl PressEstimatorConfig {
         match self {
             Self::HalfSpace { .. } => "half-space",
             Self::BondedLayer { .. } => "bonded-layer",
+            Self::Elliptic { .. } => "elliptic",
             Self::Gaussian { .. } => "gaussian",
             Self::Image { .. } => "image",
         }
