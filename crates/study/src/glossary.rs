@@ -79,6 +79,7 @@ subjects! {
         "half-space": "Soft body that is deep compared with the contact; its displacements under load have a closed form.";
         "bonded-layer": "Soft layer that sticks to a rigid core; its contact is solved as an integral equation.";
         "hertz": "The oldest model of elastic contact: displacements at the surface of a half-space.";
+        "elliptic": "Estimator of presses on a half-space: it fits both principal curvatures of the object and their axis, for example of a cylinder.";
         "gaussian": "Estimator of the 2020 paper: a bell curve is fitted to the normal displacements, and its width gives the effective radius.";
     }
     "Sensors and noise" {

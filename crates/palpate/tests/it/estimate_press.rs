@@ -59,3 +59,22 @@ fn estimates_scale_with_the_unit_of_length() {
         assert_eq!(estimate["object_radius"]["unit"], "unit");
     }
 }
+
+#[test]
+fn both_curvatures_of_a_roller_are_estimated() {
+    // A roller of 10 mm by boundary elements, which use no contact law.
+    let desk = Desk::new();
+    desk.write(
+        "r.csv",
+        include_str!("../../../../examples/press-roller.csv"),
+    );
+    let line = "estimate press r.csv --sensor-radius 20 --depth 0 --method elliptic";
+    let estimate: Value = serde_json::from_str(&desk.palpate(line).printed()).unwrap();
+    for (name, curvature) in [("curvature_max", 0.1), ("curvature_min", 0.0)] {
+        let end = |end| number_at(&estimate, &format!("/principal/{name}/interval95/{end}"));
+        assert!(end(0) <= curvature && curvature <= end(1), "{estimate}");
+        assert!(end(1) - end(0) < 0.02, "{estimate}");
+    }
+    let axis = number_at(&estimate, "/principal/axis_deg");
+    assert!((axis.abs() - 90.0).abs() < 2.0, "{axis}");
+}

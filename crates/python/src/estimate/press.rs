@@ -16,7 +16,7 @@ use crate::study::Study;
 
 record!(
     PressEstimate,
-    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: those that `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
+    "Curvature of an object, from one press of a soft sphere with markers.\n\nFields: those that `palpate estimate press` prints: `relative_curvature`, `effective_radius`, `object_curvature`,\n`indentation`, `contact_radius` (each with `value`, `std`, `unit` and `interval95`; an end without a bound is NaN),\n`object_radius` (`value` None for a flat object, `convex95`, `concave95`), `principal` (by method elliptic:\n`curvature_max`, `curvature_min`, `axis_deg`, `axis_std_deg`, `semi_axes`), `verdict`, `regime`, `contact`,\n`contact_std`, `force`, `peak_pressure`, `baseline`, `gain`, `wrong_markers`, `noise`, `r_squared`, `contact_seen` (False if\nonly the stated indentation indicates a contact), and `warnings` (each with `code`, `text` and `numbers`)."
 );
 
 impl Made for recorded::PressReport {
