@@ -62,9 +62,9 @@ const PATHS: [Path; 3] = [
 pub(super) fn ladder() -> Ladder {
     Ladder {
         name: "gliding",
-        title: "How to find where a round tip touches?",
-        error: "largest distance of a contact from its true place, over the tip's radius; true: the offset surface in \
-                closed form, but for one number that is bisected",
+        title: "How to compute the contact point of a round tip?",
+        error: "largest distance of a contact from its true place, over the tip's radius; true: closed form of the \
+                offset surface, with one number found by bisection",
         evaluation: "one contact",
         scenes: PATHS.iter().map(Path::stage).collect(),
     }
