@@ -19,21 +19,15 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
-use crate::batch::BATCH_SIZE;
+use crate::linear_law::{Law, MIN_TRAVEL, ROUNDING, Solution, gradients};
 use crate::symmetric::{SMALLEST_SPREAD, Symmetric, Symmetric3};
 use crate::{
     BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
-/// Smallest travel of a contact, relative to that on a plane, that is not a rounding error.
-const MIN_TRAVEL: f64 = 1e-12;
-
 /// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A
 /// scene is checked with its true rotations. This is stricter, because errors make measured rotations larger.
 const MAX_NOISE_SHARE: f64 = 0.5;
-
-/// Standard deviation of the rounding errors in the entries of `K₁ B`, from the last digits of readings and sums.
-const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The part of the least squares that depends only on the rotations, not on the shifts.
 ///
@@ -59,35 +53,6 @@ pub struct LeastSquares {
     noise: ReadingNoise,
     rotations: Vec<Vector2<f64>>,
     pub(crate) law: Law,
-}
-
-/// Linear map from shifts to estimates. It is copied for batches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Law {
-    radius: f64,
-    probe_curvature: f64,
-    per_probe: f64,
-    /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
-    inverse: Symmetric3,
-    /// Mean amount by which errors of measured rotations reduce the sum of `g d`, `d = Δp − R₁ g`, length.
-    added: f64,
-    /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
-    from_shifts: Symmetric3,
-    /// Their covariance due to the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
-    from_rotations: [Symmetric3; 3],
-}
-
-/// Standard deviation (1/length) of a normal curvature (1/length) that is estimated with probes of `radius`, due to
-/// rounding of the readings alone.
-///
-/// ```
-/// // Rounding errors exceed the curvature of an object 10¹⁷ times as flat as the probe.
-/// let curvature = 1e-17 / 10.0;
-/// assert!(palpate_ep1::rounding_std(10.0, curvature) > 10.0 * curvature);
-/// ```
-pub fn rounding_std(radius: f64, curvature: f64) -> f64 {
-    let relative = 1.0 + (radius * curvature).abs();
-    ROUNDING * relative * relative / radius
 }
 
 impl LeastSquares {
@@ -354,166 +319,6 @@ impl LeastSquares {
             radius_below: known.then_some(radius_below),
         }
     }
-}
-
-impl Law {
-    #[inline(always)]
-    fn solve_batch<const IS_STATED: bool>(
-        self,
-        moments: &BatchMoments,
-        count: usize,
-        estimates: &mut BatchEstimates,
-    ) {
-        for place in 0..count.min(BATCH_SIZE) {
-            let moments = moments.at(place);
-            let solution = self.solve::<IS_STATED>(&moments);
-            estimates.put::<IS_STATED>(
-                place,
-                solution.moved & solution.in_range,
-                solution.curvatures,
-                solution.stds,
-                self.arc_length(&moments),
-            );
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn arc_length(self, moments: &Moments) -> f64 {
-        moments.lengths * self.per_probe
-    }
-
-    /// The fit, without branches, so that many can be done side by side.
-    #[inline(always)]
-    pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
-        // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
-        let [along_u, along_v, mixed] = moments.deviations;
-        let deviation = match IS_STATED {
-            true => self
-                .inverse
-                .times(&[along_u + self.added, along_v + self.added, mixed]),
-            false => self.inverse.times(&moments.deviations),
-        };
-        let travel = Symmetric {
-            uu: deviation.uu + 1.0,
-            vv: deviation.vv + 1.0,
-            uv: deviation.uv,
-        };
-        let determinant = travel.determinant();
-        let trace = travel.uu + travel.vv;
-        let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * MIN_TRAVEL < determinant);
-        let scale = self.probe_curvature / determinant;
-        // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
-        let mixed = deviation.uv * deviation.uv;
-        let curvature = Symmetric {
-            uu: scale * (mixed - travel.vv * deviation.uu),
-            uv: -scale * deviation.uv,
-            vv: scale * (mixed - travel.uu * deviation.vv),
-        };
-        let gaussian = curvature.determinant();
-        let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
-        let arc_length = self.arc_length(moments);
-        // Standard deviations are in units of K₁ / det².
-        let unit = scale / determinant;
-        let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
-        let mut stds = [0.0; 4];
-        if IS_STATED {
-            let [u, v, of_gaussian, of_mean] = self.stds(&curvature, &travel, unit);
-            stds = [unit * u, unit * v, unit * of_gaussian, unit * of_mean];
-            all += stds[0] + stds[1] + stds[2] + stds[3];
-        }
-        Solution {
-            travel,
-            curvature,
-            curvatures: [curvature.uu, curvature.vv, gaussian, mean],
-            stds,
-            moved,
-            in_range: all.abs() < f64::INFINITY,
-        }
-    }
-
-    /// Covariance of the entries of `K₁ B`; `travel` is `K₁ B`.
-    #[inline(always)]
-    fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
-        self.from_shifts
-            .plus(&self.from_rotations, &travel.square())
-    }
-
-    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit` = `K₁ / det²`, where `det`
-    /// is the determinant of `travel` = `K₁ B`.
-    ///
-    /// A probe's residual is `e − B δg` for shift error `e` and rotation error `δg`. Therefore the covariance of B is
-    /// linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient `G` in K₂ changes by `−tr(S δB)` with
-    /// `S = K_rel G K_rel`. The variance of the Gaussian curvature includes the term of second order, the only one
-    /// that is not zero on a flat object.
-    #[inline(always)]
-    fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
-        let covariance = self.of_mobility(travel);
-        let [along_u, along_v, mixed] = gradients(travel);
-        // No closure: one that is not inlined lacks the vector instructions of what calls it.
-        let (from_u, from_v, from_t) = (
-            covariance.times(&along_u),
-            covariance.times(&along_v),
-            covariance.times(&mixed),
-        );
-        let (u, v, t) = (
-            from_u.dot(&along_u),
-            from_v.dot(&along_v),
-            from_t.dot(&mixed),
-        );
-        let (uv, ut, vt) = (from_u.dot(&along_v), from_u.dot(&mixed), from_v.dot(&mixed));
-        let mean = (u + v + uv + uv) * 0.25;
-        let Symmetric {
-            uu: k_uu,
-            uv: k_uv,
-            vv: k_vv,
-        } = *curvature;
-        let twice_uv = k_uv + k_uv;
-        let aside = twice_uv * t - (k_vv * ut + k_uu * vt) * 2.0;
-        let first_order = k_vv * (k_vv * u + k_uu * (uv + uv)) + k_uu * k_uu * v + twice_uv * aside;
-        let second_order = u * v + uv * uv + (t * t - (ut + ut) * vt) * 2.0;
-        let gaussian = first_order + unit * unit * second_order;
-        [root(u), root(v), root(gaussian), root(mean)]
-    }
-}
-
-/// Change of K_uu, K_vv and K_uv per entry `uu`, `vv`, `uv` of `K₁ δB`, with the sign turned, in units of `K₁ / det²`.
-#[inline(always)]
-fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
-    // K_rel in units of K₁ / det.
-    let w = Symmetric {
-        uu: travel.vv,
-        vv: travel.uu,
-        uv: -travel.uv,
-    };
-    let (uu_uv, uv_vv, uv_uv) = (w.uu * w.uv, w.uv * w.vv, w.uv * w.uv);
-    [
-        [w.uu * w.uu, uv_uv, uu_uv + uu_uv],
-        [uv_uv, w.vv * w.vv, uv_vv + uv_vv],
-        [uu_uv, uv_vv, w.uu * w.vv + uv_uv],
-    ]
-}
-
-/// Square root of a variance that rounding may have made negative.
-#[inline(always)]
-fn root(variance: f64) -> f64 {
-    let variance = if variance < 0.0 { 0.0 } else { variance };
-    variance.sqrt()
-}
-
-/// The result of the fit, not yet checked to be that of a rolling contact.
-pub(crate) struct Solution {
-    /// `K₁ B`.
-    pub(crate) travel: Symmetric,
-    /// The object's curvature form.
-    pub(crate) curvature: Symmetric,
-    /// Normal curvature along u and along v, Gaussian curvature and mean curvature.
-    pub(crate) curvatures: [f64; 4],
-    /// Their standard deviations; 0 if no noise was stated.
-    pub(crate) stds: [f64; 4],
-    /// Whether the contact moved along with the roll, in every direction.
-    pub(crate) moved: bool,
-    /// Whether the numbers are finite.
-    pub(crate) in_range: bool,
 }
 
 impl Estimate {

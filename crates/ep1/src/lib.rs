@@ -14,6 +14,7 @@ mod batch;
 mod error;
 mod estimate;
 mod least_squares;
+mod linear_law;
 mod misfit;
 mod reading;
 mod symmetric;
@@ -21,7 +22,8 @@ mod symmetric;
 pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
-pub use least_squares::{LeastSquares, rounding_std};
+pub use least_squares::LeastSquares;
+pub use linear_law::rounding_std;
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
 
