@@ -129,7 +129,7 @@ def test_distinctions_match_the_command_line(cli, tmp_path):
 def test_objects_that_cannot_be_distinguished(ball):
     balls = {"scene.object.radius": [20.0, 30.0]}
     for arguments, argument, says in [
-        ({}, "vary", "nothing to tell apart"),
+        ({}, "vary", "no objects to compare"),
         ({"vary": balls, "quantity": "force"}, "quantity", "no quantity"),
         ({"vary": balls, "confidence": 1.0}, "confidence", "below 1"),
         ({"vary": {"scene.object.radius": 20.0}}, "vary", "list the values"),

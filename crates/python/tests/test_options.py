@@ -8,7 +8,8 @@ import pytest
 
 # Options for files and the terminal only.
 OF_FILES = {
-    "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "out", "quiet", "restart", "shard",
+    "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "markdown", "out", "quiet", "restart",
+    "shard",
 }
 
 # Names that Python reserves, or that are clearer in a call.
