@@ -105,6 +105,11 @@ impl EllipticContact {
         })
     }
 
+    /// Pressure in the middle of the contact over Young's modulus.
+    pub(crate) fn pressure_per_young(&self) -> f64 {
+        self.peak_pressure / (1.0 - self.poisson * self.poisson)
+    }
+
     /// The displacement at (x, y) in the axes of the ellipse and at depth `z` ≥ 0, lengths below 1e50.
     pub fn displacement(&self, x: f64, y: f64, z: f64) -> EllipticDisplacement {
         let [a, b] = self.semi_axes;

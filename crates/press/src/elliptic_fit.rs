@@ -332,9 +332,20 @@ impl<'a> Problem<'a> {
             student_half_width(0.95, 1_000_000)
         };
         let (contact, axis) = self.contact(&best.state)?;
+        let skin = self.reading.markers.skin();
+        if contact.semi_axes[0] >= skin.radius() {
+            return Err(PressError::TooWide {
+                radius: contact.semi_axes[0],
+                limit: skin.radius(),
+                what: "the sensor's radius",
+            });
+        }
+        let [long, short] = contact.semi_axes;
+        let radius = (long * short).sqrt();
+        self.reading.markers.see(&best.state.place, radius)?;
         let tensor: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
         let ([larger, smaller], angle) = principal(&best.state.log);
-        let own = self.reading.markers.skin().curvature();
+        let own = skin.curvature();
         let own_log = libm::log(own);
         if larger - own_log > MAX_LOG {
             let what = "a needle of any sharpness explains the readings";
@@ -373,7 +384,6 @@ impl<'a> Problem<'a> {
         };
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let root = |index: usize| covariance[(index, index)].sqrt();
-        let skin = self.reading.markers.skin();
         let [mean, mean_std] = {
             let [larger, smaller] = [
                 libm::exp(larger - repulsion),
@@ -388,7 +398,6 @@ impl<'a> Problem<'a> {
             high: (mean * half_width < own * libm::exp(MAX_LOG)).then_some(mean * half_width),
         };
         let value = mean / (1.0 + mean_std * mean_std);
-        let radius = (contact.semi_axes[0] * contact.semi_axes[1]).sqrt();
         let normal = &self.reading.normal;
         let average = normal.iter().sum::<f64>() / normal.len() as f64;
         let all: f64 = normal.iter().map(|read| (read - average).powi(2)).sum();
@@ -412,6 +421,7 @@ impl<'a> Problem<'a> {
                 axis: half_turn(axis),
                 axis_std: (across / gap).min(unknown),
                 semi_axes: contact.semi_axes,
+                pressure_per_young: contact.pressure_per_young(),
             }),
             indentation: Estimated::normal(best.state.indentation, root(INDENTATION), limit)
                 .positive(),

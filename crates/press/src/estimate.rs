@@ -120,6 +120,20 @@ pub struct PrincipalCurvatures {
     pub axis_std: f64,
     /// Semi-axes of the contact, the longer first, length.
     pub semi_axes: [f64; 2],
+    pub(crate) pressure_per_young: f64,
+}
+
+impl PrincipalCurvatures {
+    /// Force between the bodies for a Young's modulus of the soft one, 2π ab p₀/3, in the unit of the modulus times length².
+    pub fn force(&self, young: f64) -> f64 {
+        let [long, short] = self.semi_axes;
+        2.0 / 3.0 * std::f64::consts::PI * long * short * self.peak_pressure(young)
+    }
+
+    /// Pressure in the middle of the contact for a Young's modulus, in its unit.
+    pub fn peak_pressure(&self, young: f64) -> f64 {
+        young * self.pressure_per_young
+    }
 }
 
 /// An object's curvature from one press.
@@ -204,8 +218,12 @@ impl PressEstimate {
     /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the
     /// interval.
     pub fn within_object(&self) -> Result<(), PressError> {
-        let least = self.object_curvature().interval.low;
-        within_object(least.unwrap_or_default(), self.contact_radius.value)
+        // The shorter semi-axis lies across the larger curvature.
+        let (curvature, radius) = match self.principal {
+            Some(principal) => (principal.curvatures[0], principal.semi_axes[1]),
+            None => (self.object_curvature(), self.contact_radius.value),
+        };
+        within_object(curvature.interval.low.unwrap_or_default(), radius)
     }
 
     /// 1/R_o of the best fit, 1/length; its inverse is the object's radius.

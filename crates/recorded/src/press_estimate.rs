@@ -128,12 +128,18 @@ pub(super) fn force_and_pressure(
     let Some(young) = young else {
         return Ok([None, None]);
     };
-    let (curvature, indentation) = (estimate.relative_curvature, estimate.indentation);
-    let contact = body.press(curvature.value, indentation.value)?;
+    let [force, pressure] = match &estimate.principal {
+        Some(principal) => [principal.force(young), principal.peak_pressure(young)].map(Some),
+        None => {
+            let (curvature, indentation) = (estimate.relative_curvature, estimate.indentation);
+            let contact = body.press(curvature.value, indentation.value)?;
+            [contact.force(young), contact.peak_pressure(young)]
+        }
+    };
     let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
     let force_unit = format!("unit of young x {}^2", unit.as_str());
-    let force = sound(contact.force(young)).map(|force| Value::bare(force, force_unit));
-    let pressure = sound(contact.peak_pressure(young));
+    let force = sound(force).map(|force| Value::bare(force, force_unit));
+    let pressure = sound(pressure);
     Ok([force, pressure.map(|one| Value::bare(one, "unit of young"))])
 }
 

@@ -107,6 +107,25 @@ fn exact_readings_determine_curvatures_and_axis() {
 }
 
 #[test]
+fn the_force_on_a_ball_is_that_of_a_round_contact() {
+    let (markers, body) = (published(), half_space());
+    let round = markers.skin().contact(&body, 0.05, 1.4).unwrap();
+    let readings = Readings::of(&markers, &round, at(12.0, 200.0));
+    let found = elliptic(None).estimate(&readings.reading(&markers, None));
+    let found = found.unwrap().principal.unwrap();
+    let pairs = [
+        (found.force(0.3), round.force(0.3)),
+        (found.peak_pressure(0.3), round.peak_pressure(0.3)),
+    ];
+    for (found, round) in pairs {
+        assert!(
+            (found / round.unwrap() - 1.0).abs() <= 1e-5,
+            "{found} for {round:?}"
+        );
+    }
+}
+
+#[test]
 fn intervals_hold_both_curvatures() {
     let (markers, std, trials) = (published(), 0.02, 30);
     let (mut hits, mut count) = ([0; 2], 0);
