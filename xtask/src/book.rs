@@ -1,4 +1,4 @@
-//! The documents: README.md and the book in `docs/`. Their commands must work as they are printed.
+//! Builds the book in `docs/` and checks README.md and the book: every command in them is run.
 
 use std::env;
 use std::ffi::OsString;
@@ -28,7 +28,7 @@ const PAGES: [&str; 6] = [
 ];
 /// The generated page.
 const GLOSSARY: &str = "docs/glossary.md";
-/// The page with the verdict of each claim.
+/// The page that lists the papers' claims with their verdicts.
 const CLAIMS: &str = "docs/papers.md";
 /// Most lines and words of a document.
 const LIMITS: [(&str, usize, usize); 3] = [

@@ -71,8 +71,8 @@ impl Pattern {
         })
     }
 
-    /// Point of the flat pattern for a marker of the skin, given in the chart of
-    /// [`Layout::places`](crate::Layout::places): the inverse of folding.
+    /// Unfolds one marker: returns its point in the flat pattern. `[x, y]` is its place on the skin, in the chart of
+    /// [`Layout::places`](crate::Layout::places).
     fn flatten(&self, marker: usize, [x, y]: [f64; 2]) -> Result<FlatPlace, PatternError> {
         let from_apex = libm::hypot(x, y);
         let polar = from_apex / self.radius;

@@ -86,7 +86,8 @@ impl Law {
         let trace = travel.uu + travel.vv;
         let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * MIN_TRAVEL < determinant);
         let scale = self.probe_curvature / determinant;
-        // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
+        // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. K₁ is a multiple of I, so both factors are functions of D, and
+        // their product is symmetric.
         let mixed = deviation.uv * deviation.uv;
         let curvature = Symmetric {
             uu: scale * (mixed - travel.vv * deviation.uu),

@@ -96,7 +96,7 @@ impl CameraEstimate {
     }
 }
 
-/// Distance of a marker's centroid from its expected position.
+/// Distance in the image between a marker's centroid and the position that the fitted camera predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Residual {

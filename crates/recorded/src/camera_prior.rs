@@ -51,7 +51,7 @@ pub(super) struct CameraPrior<'a> {
 }
 
 impl<'a> CameraPrior<'a> {
-    /// The camera of the calibration if there is one, otherwise the study's camera.
+    /// Prior of the camera's parameters: from the calibration file if one is given, otherwise from the study.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         options: &'a PictureOptions,
@@ -136,7 +136,7 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // Print enough digits to show the difference.
+        // Both values are printed to a tenth of their difference; otherwise rounding could make them look equal.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);
@@ -159,7 +159,8 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // Strongly correlated parameters may contradict the frame only together.
+        // Correlated parameters can each agree with the frame and still contradict it as a whole, so all are tested
+        // jointly.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));

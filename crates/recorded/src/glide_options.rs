@@ -17,7 +17,7 @@ pub enum TipReports {
     /// The point farthest against setting `outward`.
     #[default]
     LowestPoint,
-    /// The tip's centre.
+    /// The centre of the spherical tip.
     Centre,
 }
 

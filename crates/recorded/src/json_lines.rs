@@ -20,7 +20,10 @@ pub(super) fn keys(
 ) -> Result<Vec<String>, RecordedError> {
     let pairs = pairs(file, line, text)?;
     match pairs.len() {
-        0 => Err(file.fail(line, "the first object has no keys")),
+        0 => Err(file.fail(
+            line,
+            "the first JSON object is empty; its keys must name the columns",
+        )),
         1..=MAX_KEYS => Ok(pairs.into_iter().map(|(key, _)| key).collect()),
         many => Err(file.fail(
             line,

@@ -20,12 +20,12 @@ const DISCS: [(usize, &str); 10] = [
     (1, "depth of the yellow discs"),
     (2, "diameter of the magenta discs"),
     (3, "diameter of the yellow discs"),
-    (13, "red light through magenta discs"),
-    (14, "green light through magenta discs"),
-    (15, "blue light through magenta discs"),
-    (16, "red light through yellow discs"),
-    (17, "green light through yellow discs"),
-    (18, "blue light through yellow discs"),
+    (13, "transmission of red light by the magenta discs"),
+    (14, "transmission of green light by the magenta discs"),
+    (15, "transmission of blue light by the magenta discs"),
+    (16, "transmission of red light by the yellow discs"),
+    (17, "transmission of green light by the yellow discs"),
+    (18, "transmission of blue light by the yellow discs"),
 ];
 /// Indices of the camera's numbers in a [`Departure`].
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];

@@ -284,7 +284,10 @@ fn estimator(
             return useless("poisson", to);
         }
         (Some(_), Some(_)) => {
-            return useless("poisson", "without setting `thickness`: a layer has 0.5");
+            return useless(
+                "poisson",
+                "without setting `thickness`, because the Poisson ratio of a layer is always 0.5",
+            );
         }
         (Some(given), None) => {
             with_settings(&PressModelConfig::BondedLayer { thickness: 1.0 }, &given)?

@@ -121,7 +121,7 @@ impl GlideOptions {
             evaluate.mean_threshold / factor,
         )
         .map_err(|error| FieldError::at("scene.evaluate", error))?;
-        // A round tip, if the sensor reports the tip's lowest point.
+        // The tip's radius is needed only if the sensor reports the lowest point of a round tip instead of the contact.
         let tip_radius = match (&config.probe, &config.sensor) {
             (
                 FingertipConfig::Sphere { radius },

@@ -141,7 +141,7 @@ subjects! {
         "status": "Outcome of a smoothing spline of two-pass. The curvature is usable unless it is knots-exhausted or unsettled.";
         "contact": "Place of the contact on the skin: x and y along the skin from the apex.";
         "regime": "Kind of contact of a press: convex, flat, concave, conforming or edge.";
-        "unit": "Unit of a value. Curvatures have the inverse of the length unit.";
+        "unit": "Unit in which a value is stated. The unit of a curvature is one over the unit of length.";
         "format_version": "Version of the JSON. It rises if a key goes or changes its meaning.";
     }
     "Warnings about estimates" {

@@ -98,7 +98,7 @@ fn warnings_have_codes() {
     }
 }
 
-/// Without a standard deviation, a stated indentation has one of 2 %.
+/// If no standard deviation is stated, 2 % of the stated indentation is assumed.
 #[test]
 fn an_indentation_is_never_exact() {
     let desk = Desk::new();

@@ -193,7 +193,7 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 [{"probe": 1}] | - | :1 | an object per line
 {"probe": 1,\n"x": 2}\n | - | :1 | no JSON object of one line
 {"probe": 1, "probe": 2}\n | - | :1 | no columns `rotation_x_rad`
-{}\n | - | :1 | has no keys
+{}\n | - | :1 | is empty; its keys must name the columns
 {"a.b": 1, "a": {"b": 2}}\n | - | :1 | the file has `a.b`, `a.b`
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1}\n{"shift_u":1}\n | - | :2 | is empty
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":true}\n | - | :1 | `true` is not a number

@@ -45,7 +45,7 @@ pub struct RollScene {
     /// Set if all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
-    /// Tolerance of `auto`; `None` if the config names a model.
+    /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
     /// Chart of the ladder's integrators.
     pub(super) chart: Chart,

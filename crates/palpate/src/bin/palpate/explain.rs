@@ -92,8 +92,8 @@ fn section(title: &str, column: &str, rows: impl Iterator<Item = (String, String
     format!("\n## {title}\n\n| {column} | meaning |\n|---|---|\n{rows}")
 }
 
-/// Keys of configs by their paths, with unit, default and meaning. A key that several kinds of scenes describe alike is
-/// listed once.
+/// Paths of all config keys, each with its meaning, unit and default. A key with the same description in several kinds of
+/// scenes is listed once.
 fn config_keys() -> Vec<(String, String)> {
     let mut keys = Vec::new();
     collect_keys(&schema(), "", &mut keys);

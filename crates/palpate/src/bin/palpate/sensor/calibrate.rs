@@ -80,7 +80,7 @@ fn is_frame(path: &Path) -> bool {
     extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
-/// Whether the inputs are frames. Rejects options that have no effect on them.
+/// Whether the inputs are camera frames (PNG files) instead of tables. Rejects options that have no effect on such inputs.
 fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
     let frames = args.inputs.iter().filter(|path| is_frame(path)).count();
