@@ -5,10 +5,11 @@ use xshell::{Shell, cmd};
 
 /// Target without threads, vectors or a C library, for which the libraries must compile.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
+/// Program that checks the licences of all dependencies.
+pub(crate) const DENY: &str = "cargo-deny";
 
 /// For each tool: a command, the text that it prints if the tool is installed, and the command that installs the tool.
-/// cargo-deny is built without optimisation, which would take longer than all its runs.
-const INSTALLED: [[&str; 3]; 4] = [
+const INSTALLED: [[&str; 3]; 3] = [
     [
         "cargo fmt --version",
         "rustfmt",
@@ -24,20 +25,25 @@ const INSTALLED: [[&str; 3]; 4] = [
         WASM,
         "rustup target add wasm32-unknown-unknown",
     ],
-    [
-        "cargo deny --version",
-        "cargo-deny",
-        "cargo install cargo-deny --locked --debug",
-    ],
 ];
 
-/// Programs of the system, the step that is skipped without them, and their Debian package.
-const OPTIONAL: [[&str; 3]; 2] = [
-    ["valgrind", "instructions are not counted", "valgrind"],
+/// Optional programs, the check that is skipped without each, and the command that installs it. To build cargo-deny would
+/// take longer than most steps.
+const OPTIONAL: [[&str; 3]; 3] = [
+    [
+        "valgrind",
+        "instructions are not counted",
+        "apt-get install valgrind",
+    ],
     [
         "python3",
         "the Python package is not tested",
-        "python3-venv",
+        "apt-get install python3-venv",
+    ],
+    [
+        DENY,
+        "licences are not checked",
+        "cargo install cargo-deny --locked",
     ],
 ];
 
@@ -56,9 +62,9 @@ pub(crate) fn prepare(shell: &Shell) -> Result<()> {
             .run()
             .with_context(|| format!("`{probe}` does not show {shows}; try `{install}`"))?;
     }
-    for [program, without, package] in OPTIONAL {
+    for [program, skipped, install] in OPTIONAL {
         if !has(shell, program) {
-            println!("{without}: {program} is missing (Debian: apt-get install {package})");
+            println!("{skipped}: {program} is missing ({install})");
         }
     }
     // All platforms, so that licences can be checked without a network.
