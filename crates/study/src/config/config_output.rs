@@ -28,22 +28,20 @@ use toml::Value;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn to_toml(config: &StudyConfig) -> String {
-    let text =
-        toml::to_string(config).expect("strings, numbers, arrays and tables all have a TOML form");
+    // By way of a value: a config is compiled for one serialiser instead of one for each depth of a document.
+    let table = toml::Table::try_from(config)
+        .expect("strings, numbers, arrays and tables all have a TOML form");
     let paths = config.sweep.iter().flat_map(SweepConfig::targets);
     let swept: Vec<&str> = paths
         .filter_map(|path| path.strip_suffix(".kind"))
         .collect();
-    match text.parse() {
-        Ok(table) if !swept.is_empty() => {
-            let mut config = Value::Table(table);
-            for path in swept {
-                drop_defaults(&mut config, path);
-            }
-            config.as_table().map_or(text, toml::Table::to_string)
-        }
-        _ => text,
+    let mut config = Value::Table(table);
+    for path in swept {
+        drop_defaults(&mut config, path);
     }
+    config
+        .as_table()
+        .map_or_else(String::new, toml::Table::to_string)
 }
 
 /// Removes the keys of the tagged table at a path that equal their defaults.

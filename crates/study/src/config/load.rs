@@ -11,7 +11,6 @@ use super::{plot, sample, schema, sweep, tree, validate};
 use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
 use crate::table::ColumnType;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
@@ -328,21 +327,19 @@ fn cell_config(
     number: usize,
     has_plain_values: bool,
 ) -> Result<StudyConfig, ConfigError> {
-    let plain = match has_plain_values.then(|| grid.tree(number)) {
-        Some((tree, None)) => StudyConfig::deserialize(tree).ok(),
+    let plain: Option<StudyConfig> = match has_plain_values.then(|| grid.tree(number)) {
+        Some((tree, None)) => deserialise(&tree).ok(),
         _ => None,
     };
     let plain = plain.filter(|config| config.scene.check().is_ok());
     plain.map_or_else(|| checked(source, grid, number), Ok)
 }
 
-/// Reads a validated tree. Paths of errors cost time, so they are only found after an error.
+/// Reads a validated tree. One deserialiser for all trees: the compiler writes the code of all configs for each.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
-    T::deserialize(tree.clone()).or_else(|_| {
-        serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
-            path: error.path().to_string(),
-            ..Fault::new(error.inner().to_string().trim_end())
-        })
+    serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
+        path: error.path().to_string(),
+        ..Fault::new(error.inner().to_string().trim_end())
     })
 }
 
