@@ -230,6 +230,7 @@ impl Roller {
             if let Some(shift) = quick
                 && shift.arc_length.is_finite()
             {
+                palpate_statistics::work::rolled(1);
                 return Ok(shift);
             }
         }
@@ -319,6 +320,7 @@ impl Roller {
         if motion.duration_s <= 0.0 {
             return Ok((*from, 0));
         }
+        palpate_statistics::work::rolled(1);
         let (contact, evaluations) = match &self.rung {
             Rung::ClosedForm(closed_form) if !motion.spins() => {
                 (closed_form.advance(self.probe.radius(), from, motion), 0)

@@ -8,6 +8,8 @@
 pub struct Tally {
     /// Random words drawn.
     pub draws: u64,
+    /// Motions of a probe whose contact was computed, by any rung.
+    pub rolls: u64,
     /// Evaluations of the right-hand side of contact equations by an integrator.
     pub derivatives: u64,
     /// Searches for the place where a fingertip with a radius touches.
@@ -28,7 +30,7 @@ mod counting {
 
     thread_local! {
         static TALLY: Cell<Tally> = const {
-            Cell::new(Tally { draws: 0, derivatives: 0, searches: 0, layers: 0, projections: 0, frames: 0 })
+            Cell::new(Tally { draws: 0, rolls: 0, derivatives: 0, searches: 0, layers: 0, projections: 0, frames: 0 })
         };
     }
 
@@ -69,6 +71,8 @@ macro_rules! counters {
 counters! {
     /// Random words were drawn.
     drew => draws;
+    /// The contact after a motion was computed.
+    rolled => rolls;
     /// An integrator asked for derivatives.
     derived => derivatives;
     /// The contact of a round tip was searched for.

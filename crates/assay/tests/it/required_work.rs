@@ -48,6 +48,11 @@ estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02
 
 /// Work of the setup of a scene, and of its first trial.
 fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
+    run(template, parts, 1)
+}
+
+/// Work of the setup of a scene, and of this many trials together.
+fn run(template: &str, parts: &[(&str, &str)], trials: u64) -> [Tally; 2] {
     let text = parts
         .iter()
         .fold(template.to_owned(), |text, (name, part)| {
@@ -56,9 +61,10 @@ fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
         });
     let study = config::parse("scene.toml", &text).unwrap();
     let (setup, scene) = counted(|| study.estimable_scene(0).unwrap());
-    let (trial, done): (Tally, Result<(), &str>) = counted(|| scene.trial(0, |_, _| ()));
+    let (trials, done): (Tally, Result<(), &str>) =
+        counted(|| (0..trials).try_for_each(|trial| scene.trial(trial, |_, _| ())));
     done.unwrap();
-    [setup, trial]
+    [setup, trials]
 }
 
 const SPHERE: (&str, &str) = ("OBJECT", r#"{ kind = "sphere", radius = 5.0 }"#);
@@ -75,14 +81,20 @@ const NOISY_RATE: (&str, &str) = (
 
 #[test]
 fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
-    let none = [Tally::default(); 2];
-    assert_eq!(work(ROLL, &[SPHERE, IDEAL, QUIET]), none);
+    // The four directions are rolled once, though two probes share each.
+    let rolls = Tally {
+        rolls: 4,
+        ..Tally::default()
+    };
+    assert_eq!(
+        work(ROLL, &[SPHERE, IDEAL, QUIET]),
+        [rolls, Tally::default()]
+    );
 }
 
 #[test]
 fn noise_draws_what_it_needs_and_nothing_else() {
-    let [setup, trial] = work(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
-    assert_eq!(setup, Tally::default());
+    let [_, trial] = work(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
     // Two components of eight probes.
     let expected = Tally {
         draws: 16,
@@ -95,7 +107,7 @@ fn noise_draws_what_it_needs_and_nothing_else() {
 fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [setup, trial] = work(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
-    assert_eq!(setup, Tally::default());
+    assert_eq!(setup.draws, 0);
     // Each of the eight rolls draws two coordinates and an angle of the pads.
     assert_eq!(trial.draws, 24, "{trial:?}");
     let [_, trial] = work(
@@ -117,6 +129,68 @@ fn an_object_without_a_closed_form_is_integrated() {
     let [_, trial] = work(ROLL, &[ELLIPSOID, IDEAL, NOISY_RATE]);
     assert!(trial.derivatives > 0, "{trial:?}");
     assert_eq!(trial.draws, 16);
+}
+
+/// Work other than random words.
+fn without_draws(tally: Tally) -> Tally {
+    Tally { draws: 0, ..tally }
+}
+
+const OBJECTS: [&str; 4] = [
+    r#"{ kind = "sphere", radius = 5.0 }"#,
+    r#"{ kind = "ellipsoid", semi_axes = [5.0, 3.0, 2.0] }"#,
+    r#"{ kind = "torus", major_radius = 5.0, minor_radius = 2.0 }"#,
+    r#"{ kind = "height-field", formula = "0.1*x^2 + 0.02*x*y^2", parameters = {} }"#,
+];
+
+#[test]
+fn trials_without_noise_in_the_motion_roll_no_probe() {
+    let wrist = r#"{ kind = "wrist", std = 0.001 }"#;
+    let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
+    let measured = r#"noise = { rotation = { kind = "gaussian", std_deg = 0.1 }, angular_velocity = { kind = "uniform", fraction = 0.01, when = "per-instant", instants = 10, side = "measurement" } }"#;
+    for object in OBJECTS {
+        for sensor in [IDEAL.1, wrist, pads] {
+            for noise in ["", measured] {
+                let parts = [("OBJECT", object), ("SENSOR", sensor), ("NOISE", noise)];
+                let [setup, trials] = run(ROLL, &parts, 50);
+                assert!(setup.rolls >= 4, "{parts:?}: {setup:?}");
+                assert_eq!(without_draws(trials), Tally::default(), "{parts:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_doubled_direction_is_rolled_once() {
+    for object in OBJECTS {
+        for length in ["duration_s = 1.0", "arc_length = 0.1"] {
+            let setup = |directions: &str| {
+                let motion = format!("directions_deg = {directions}, {length} }}");
+                let template = ROLL.replace("duration_s = 1.0 }", &motion);
+                let parts = [("OBJECT", object), IDEAL, NOISY_RATE];
+                run(&template, &parts, 0)[0]
+            };
+            let once = setup("[0, 50, 120]");
+            assert!(once.rolls >= 3, "{once:?}");
+            assert_eq!(setup("[0, 50, 120, 0, 50, 120, 120]"), once, "{object}");
+        }
+    }
+}
+
+#[test]
+fn the_true_contacts_of_glides_and_presses_are_computed_once() {
+    let round = ("PROBE", r#"{ kind = "sphere", radius = 0.3 }"#);
+    let noise = r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.01 } }"#;
+    let [setup, trials] = run(GLIDE, &[round, ("NOISE", noise)], 20);
+    assert_eq!(setup.searches, 30);
+    assert_eq!(without_draws(trials), Tally::default());
+
+    let noise = r#"noise = { normal_displacement = { kind = "gaussian", std = 0.02 } }"#;
+    let noise = ("NOISE", noise);
+    for (model, noise) in [(HALF_SPACE, noise), (LAYER, QUIET)] {
+        let [_, trials] = run(PRESS, &[model, DIRECT, noise], 20);
+        assert_eq!(without_draws(trials), Tally::default(), "{model:?}");
+    }
 }
 
 #[test]

@@ -90,9 +90,8 @@ impl RollScene {
     /// Commanded motion of each probe without noise, cut into the pieces in which noise acts.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.map_or(1, |noise| noise.pieces());
-        self.commands()
-            .map(|command| cut(command, pieces))
-            .collect()
+        let commands: Vec<Motion> = self.commands().copied().collect();
+        distinct(&commands, pieces)
     }
 
     /// Measures the error of each rung of this scene.
@@ -209,10 +208,7 @@ fn roller(
         .map_or(object.default_contact(), |[x, y]| (x, y));
     let model = model(&config.model, config.motion.axis);
     let set_up = |commands: &[Motion]| {
-        let rolls: Vec<Vec<Motion>> = commands
-            .iter()
-            .map(|command| cut(command, pieces))
-            .collect();
+        let rolls = distinct(commands, pieces);
         Roller::new(
             probe,
             object.clone(),
@@ -225,10 +221,17 @@ fn roller(
     let mut commands = commands(&config.motion);
     let mut roller = set_up(&commands)?;
     if let Some(arc_length) = config.motion.arc_length {
+        let mut durations: Vec<(Motion, f64)> = Vec::new();
         for command in &mut commands {
-            command.duration_s = roller
-                .duration_for_arc(command, arc_length)
-                .map_err(|error| FieldError::at("scene.motion.arc_length", error))?;
+            let found = durations.iter().find(|(same, _)| same == command);
+            let duration_s = match found {
+                Some((_, duration_s)) => *duration_s,
+                None => roller
+                    .duration_for_arc(command, arc_length)
+                    .map_err(|error| FieldError::at("scene.motion.arc_length", error))?,
+            };
+            durations.push((*command, duration_s));
+            command.duration_s = duration_s;
         }
         // The choice of a rung depends on how far the probes roll.
         roller = set_up(&commands)?;
@@ -257,15 +260,19 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
-    let duration_s = command.duration_s / f64::from(pieces);
-    vec![
-        Motion {
-            duration_s,
+/// Commands without repetitions, each cut into `pieces`.
+fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
+    let mut rolls: Vec<Vec<Motion>> = Vec::new();
+    for command in commands {
+        let piece = Motion {
+            duration_s: command.duration_s / f64::from(pieces),
             ..*command
         };
-        pieces as usize
-    ]
+        if !rolls.iter().any(|roll| roll.first() == Some(&piece)) {
+            rolls.push(vec![piece; pieces as usize]);
+        }
+    }
+    rolls
 }
 
 /// The commanded rolls without noise, and the true values.
@@ -281,9 +288,12 @@ fn noiseless(
         .map_err(|error| error.to_string())?;
     let radius = roller.probe().radius();
     let stray = |rotation: &Vector2<f64>| noise.map_or(0.0, |noise| noise.stray(radius, rotation));
-    let mut sum = 0.0;
-    let mut rolls = Vec::with_capacity(commands.len());
+    let mut rolls: Vec<(Roll, f64)> = Vec::with_capacity(commands.len());
     for (probe, &command) in commands.iter().enumerate() {
+        if let Some(same) = rolls.iter().find(|(roll, _)| roll.command == command) {
+            rolls.push(same.clone());
+            continue;
+        }
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
@@ -295,16 +305,17 @@ fn noiseless(
             terrain(roller, &start, 0.0).map_err(fail)?;
         }
         let shift = shift.map_err(fail)?;
-        sum += shift.arc_length;
         let rotation = command.rotation();
-        rolls.push(Roll {
+        let roll = Roll {
             command,
             rotation,
             displacement: shift.displacement,
             terrain: terrain(roller, &command, stray(&rotation)).map_err(fail)?,
-        });
+        };
+        rolls.push((roll, shift.arc_length));
     }
-    let arc_length = sum / commands.len() as f64;
+    let (rolls, lengths): (Vec<Roll>, Vec<f64>) = rolls.into_iter().unzip();
+    let arc_length = lengths.iter().sum::<f64>() / commands.len() as f64;
     Ok((
         rolls,
         Truth {
