@@ -1,8 +1,8 @@
-//! Meridians of surfaces of revolution, from the apex outwards.
+//! Meridians of surfaces of revolution, and other sections in planes of symmetry, from the apex outwards.
 
 use std::f64::consts::TAU;
 
-/// The meridian of a surface of revolution, from its apex.
+/// The meridian of a surface of revolution from its apex, or the section of another surface in a plane of symmetry.
 ///
 /// The parameter `t` is 0 at the apex and grows along the meridian. Points, normals, slope angles and arc-length
 /// elements have relative errors of at most 1e-15.
@@ -18,13 +18,13 @@ use std::f64::consts::TAU;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meridian {
-    /// `z = −c r²`; the parameter is `r`.
+    /// `z = −c r²`, also a section of a saddle; the parameter is `r`.
     Paraboloid {
         /// Coefficient, 1/length; negative for a bowl.
         c: f64,
     },
-    /// A spheroid with equatorial radius `a` and polar half-axis `c`, from its pole; the parameter
-    /// is the angle φ in `r = a sin φ`, `height = c cos φ`.
+    /// A spheroid with equatorial radius `a` and polar half-axis `c`, from its pole, or a section of an ellipsoid; the
+    /// parameter is the angle φ in `r = a sin φ`, `height = c cos φ`.
     Spheroid {
         /// Equatorial radius.
         a: f64,
@@ -99,24 +99,6 @@ impl Meridian {
                     slope_per_parameter: a * c / square,
                 }
             }
-        }
-    }
-
-    /// The arc length from the apex to parameter `t`, with a relative error of at most 1e-15. `None` if it has no
-    /// closed form.
-    pub fn arc_length(&self, t: f64) -> Option<f64> {
-        match *self {
-            Self::Paraboloid { c } => {
-                let slope = 2.0 * c * t;
-                // asinh(q)/q → 1 as q → 0.
-                let ratio = if slope == 0.0 {
-                    1.0
-                } else {
-                    libm::asinh(slope) / slope
-                };
-                Some(0.5 * t * (libm::hypot(slope, 1.0) + ratio))
-            }
-            Self::Spheroid { .. } => None,
         }
     }
 }

@@ -141,9 +141,9 @@ pub trait Surface {
         self.chart(at)?.geometry(at)
     }
 
-    /// The meridian through the given apex, if the surface is one of revolution about the normal there and [`Meridian`]
-    /// has its form.
-    fn meridian(&self, _apex: &Point3<f64>) -> Option<Meridian> {
+    /// The section of the surface through the given apex in the plane of `_direction` (a unit tangent there), if the
+    /// surface is symmetric about that plane and [`Meridian`] has the section's form.
+    fn meridian(&self, _apex: &Point3<f64>, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }
 

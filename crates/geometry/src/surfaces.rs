@@ -140,8 +140,8 @@ impl Surface for Shape {
         delegate!(self, surface => surface.default_contact())
     }
 
-    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
-        delegate!(self, surface => surface.meridian(apex))
+    fn meridian(&self, apex: &Point3<f64>, direction: &Vector3<f64>) -> Option<Meridian> {
+        delegate!(self, surface => surface.meridian(apex, direction))
     }
 
     fn constant_curvature(&self) -> Option<CurvatureForm> {

@@ -50,7 +50,7 @@ fn benches(criterion: &mut Criterion) {
         let rolls = [vec![motion]];
         let roller = |model| {
             let probe = Probe::new(RADIUS).unwrap();
-            let rolls = Rolls { rolls: &rolls };
+            let rolls = Rolls::exact(&rolls);
             Roller::new(probe, case.object.clone(), (0.0, 0.0), model, rolls).unwrap()
         };
         let name = format!("{} {} rad", case.object.name(), case.theta_rad);

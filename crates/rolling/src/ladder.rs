@@ -185,16 +185,20 @@ impl Setting<'_> {
     }
 
     fn meridian(&self, rolls: Rolls<'_>) -> Result<Rung, String> {
-        let meridian = self.bodies.object.meridian(&self.first.on_object);
-        let meridian =
-            meridian.ok_or("the first contact is not the apex of a surface of revolution")?;
+        let rung = MeridianRung::new(self.bodies.object, &self.first, self.bodies.probe.radius());
+        if !rolls.motions().all(|motion| rung.section(motion).is_some()) {
+            let reason = "the first contact is not the apex of a surface of revolution, nor of a line of symmetry along the motion";
+            return Err(reason.to_owned());
+        }
+        if rolls.has_noise && !rung.is_revolved() {
+            return Err("noise moves the probe off the line of symmetry".to_owned());
+        }
         if rolls.spin() || rolls.slide() {
             return Err("the motion spins or slides".to_owned());
         }
         if rolls.in_pieces() {
             return Err("the motion changes on the way".to_owned());
         }
-        let rung = MeridianRung::new(meridian, self.bodies.probe.radius());
         Ok(Rung::Meridian(rung))
     }
 

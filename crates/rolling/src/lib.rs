@@ -7,7 +7,7 @@
 //! | rung | valid for | error, relative to the probe's radius |
 //! |---|---|---|
 //! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
-//! | meridian | surfaces of revolution, through the apex; no spin or sliding | 1e-13 |
+//! | meridian | surfaces of revolution through the apex, ellipsoids and saddles along their axes; no spin or sliding | 1e-13 |
 //! | RK4 | all | compared with a finer integration when it is chosen |
 //! | DOP853 | all | its tolerance, or as for RK4 |
 //!

@@ -1,4 +1,4 @@
-//! Rolling through the apex of a surface of revolution.
+//! Rolling from an apex in a plane of symmetry of the object, as along the meridians of a surface of revolution.
 //!
 //! The contact moves along a meridian of the object and a great circle of the probe. If the object's normal has turned
 //! by the angle α and the arc length is s, the probe has turned by `θ = α + s/R₁`. This equation is solved for the
@@ -6,8 +6,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use nalgebra::Vector2;
-use palpate_geometry::Meridian;
+use nalgebra::{Vector2, Vector3};
+use palpate_geometry::{Meridian, Shape, Surface};
 
 use crate::closed_form::roll_on_probe;
 use crate::error::RollFault;
@@ -23,65 +23,77 @@ const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    meridian: Meridian,
+    /// The meridian in all directions.
+    revolved: Option<Meridian>,
+    /// The sections along the frame's x and y.
+    along: [Option<Meridian>; 2],
     radius: f64,
 }
 
 impl MeridianRung {
-    /// A probe of `radius`. It must fit at the apex.
-    pub(crate) const fn new(meridian: Meridian, radius: f64) -> Self {
-        Self { meridian, radius }
+    /// Rolls of a probe of `radius` from the contact `apex` of an object. The probe must fit there.
+    pub(crate) fn new(object: &Shape, apex: &Contact, radius: f64) -> Self {
+        let (x, y) = (apex.x_axis, apex.y_axis());
+        let section = |direction: Vector3<f64>| object.meridian(&apex.on_object, &direction);
+        Self {
+            revolved: section((x + y).normalize()),
+            along: [section(x), section(y)],
+            radius,
+        }
     }
 
-    /// The parameter and the arc length at which the probe has turned by `theta > 0`.
-    fn solve(&self, theta: f64) -> Result<(f64, f64), RollFault> {
-        match self.meridian {
+    /// Whether the object is one of revolution, so that every roll from the apex follows a meridian.
+    pub(crate) const fn is_revolved(&self) -> bool {
+        self.revolved.is_some()
+    }
+
+    /// The section that a motion without spin and sliding follows from the apex.
+    #[inline]
+    pub(crate) fn section(&self, motion: &Motion) -> Option<&Meridian> {
+        let aside = match motion.drive() {
+            _ if self.revolved.is_some() => return self.revolved.as_ref(),
+            drive if drive.y == 0.0 => 0,
+            drive if drive.x == 0.0 => 1,
+            _ => return None,
+        };
+        self.along[aside].as_ref()
+    }
+
+    /// The parameter and the arc length on a section at which the probe has turned by `theta > 0`.
+    fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
+        match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
-            Meridian::Spheroid { a, c } => self.along_ellipse(a, c, theta),
+            Meridian::Spheroid { a, c } => along_ellipse(a, c, self.radius, theta),
         }
         .filter(|(t, arc)| t.is_finite() && arc.is_finite())
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Newton's method. θ increases with the parameter, because the relative curvature is positive.
-    fn along_ellipse(&self, a: f64, c: f64, theta: f64) -> Option<(f64, f64)> {
-        let apex = self.meridian.slope(0.0);
-        let rate = apex.slope_per_parameter + apex.arc_per_parameter / self.radius;
-        let mut root = Bracket::new(theta / rate);
-        for _ in 0..MAX_ITERATIONS {
-            let t = root.at;
-            let arc = arc_length(a, c, t);
-            let point = self.meridian.slope(t);
-            let excess = point.slope_rad + arc / self.radius - theta;
-            let slope = point.slope_per_parameter + point.arc_per_parameter / self.radius;
-            root.step(excess, excess / slope);
-            // Convergence is quadratic, so the next correction is below rounding errors.
-            if (root.at - t).abs() <= 1e-8 * t {
-                return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
-            }
-        }
-        None
-    }
-
-    pub(crate) fn shift(&self, motion: &Motion) -> Result<Shift, RollFault> {
+    /// Displacement on the probe by `motion` along a section.
+    pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
         if theta == 0.0 {
             return Ok(Shift::default());
         }
-        let (_, arc) = self.solve(theta)?;
+        let (_, arc) = self.solve(section, theta)?;
         Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
-    /// The contact after `motion` from the apex.
-    pub(crate) fn advance(&self, apex: &Contact, motion: &Motion) -> Result<Contact, RollFault> {
+    /// The contact after `motion` along a section from the apex.
+    pub(crate) fn advance(
+        &self,
+        section: &Meridian,
+        apex: &Contact,
+        motion: &Motion,
+    ) -> Result<Contact, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
         if theta == 0.0 {
             return Ok(*apex);
         }
-        let (t, arc) = self.solve(theta)?;
-        let point = self.meridian.at(t);
+        let (t, arc) = self.solve(section, theta)?;
+        let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
         // The frame turns about the tangent that is perpendicular to the meridian.
@@ -95,6 +107,28 @@ impl MeridianRung {
             arc_length: apex.arc_length + arc,
         })
     }
+}
+
+/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. θ increases
+/// with the parameter, because the relative curvature is positive.
+fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
+    let ellipse = Meridian::Spheroid { a, c };
+    let apex = ellipse.slope(0.0);
+    let rate = apex.slope_per_parameter + apex.arc_per_parameter / radius;
+    let mut root = Bracket::new(theta / rate);
+    for _ in 0..MAX_ITERATIONS {
+        let t = root.at;
+        let arc = arc_length(a, c, t);
+        let point = ellipse.slope(t);
+        let excess = point.slope_rad + arc / radius - theta;
+        let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
+        root.step(excess, excess / slope);
+        // Convergence is quadratic, so the next correction is below rounding errors.
+        if (root.at - t).abs() <= 1e-8 * t {
+            return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
+        }
+    }
+    None
 }
 
 /// Parameter and arc length at which a probe on `z = −c r²` has turned by `theta > 0`.

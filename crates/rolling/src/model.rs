@@ -83,6 +83,8 @@ pub struct Choice<M = Model> {
 pub struct Rolls<'a> {
     /// Motions of each roll, in their order.
     pub rolls: &'a [Vec<Motion>],
+    /// Whether noise will make the actual rolls differ from these.
+    pub has_noise: bool,
 }
 
 /// Reasons why a roll cannot be set up.
@@ -115,8 +117,16 @@ pub enum InvalidRoll {
     },
 }
 
-impl Rolls<'_> {
-    fn motions(&self) -> impl Iterator<Item = &Motion> {
+impl<'a> Rolls<'a> {
+    /// Rolls without noise.
+    pub const fn exact(rolls: &'a [Vec<Motion>]) -> Self {
+        Self {
+            rolls,
+            has_noise: false,
+        }
+    }
+
+    pub(crate) fn motions(&self) -> impl Iterator<Item = &Motion> {
         self.rolls.iter().flatten()
     }
 

@@ -85,7 +85,7 @@ impl<S: Surface> Bodies<'_, S> {
 /// // A probe of radius 1 rolls by 0.1 rad along x on a ball of radius 3.
 /// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
 /// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
-/// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls { rolls: &rolls })?;
+/// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls::exact(&rolls))?;
 /// // The contact moves by the angle over the relative curvature, 1/1 + 1/3.
 /// let shift = roller.shift(&rolls[0])?;
 /// assert!((shift.displacement.x - 0.075).abs() < 1e-15);
@@ -221,10 +221,11 @@ impl Roller {
                     let path = closed_form.mobility * motion.drive() * motion.duration_s;
                     Some(Shift::along_great_circle(path, self.probe.radius()))
                 }
-                Rung::Meridian(rung) => Some(
-                    rung.shift(motion)
-                        .map_err(|fault| RollError::new(fault, 0.0, self.first.on_object))?,
-                ),
+                Rung::Meridian(rung) => rung
+                    .section(motion)
+                    .map(|section| rung.shift(section, motion))
+                    .transpose()
+                    .map_err(|fault| RollError::new(fault, 0.0, self.first.on_object))?,
                 Rung::Integrated(_) => None,
             };
             if let Some(shift) = quick
@@ -325,12 +326,14 @@ impl Roller {
             Rung::ClosedForm(closed_form) if !motion.spins() => {
                 (closed_form.advance(self.probe.radius(), from, motion), 0)
             }
-            Rung::Meridian(rung) if *from == self.first && !motion.spins() && !motion.slides() => {
-                (rung.advance(from, motion).map_err(at_start)?, 0)
-            }
             Rung::Integrated(integration) => integration.advance(&self.bodies(), from, motion)?,
-            Rung::ClosedForm(_) | Rung::Meridian(_) => {
-                FALLBACK.advance(&self.bodies(), from, motion)?
+            Rung::ClosedForm(_) => FALLBACK.advance(&self.bodies(), from, motion)?,
+            Rung::Meridian(rung) => {
+                let is_along = *from == self.first && !motion.spins() && !motion.slides();
+                match rung.section(motion).filter(|_| is_along) {
+                    Some(section) => (rung.advance(section, from, motion).map_err(at_start)?, 0),
+                    None => FALLBACK.advance(&self.bodies(), from, motion)?,
+                }
             }
         };
         if contact.is_finite() {

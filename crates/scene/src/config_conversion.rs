@@ -26,12 +26,19 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
     match config {
         ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),
         ObjectConfig::Dish { radius } => Dish::new(*radius).map(Shape::Dish),
-        ObjectConfig::Plane {} => Ok(Shape::Plane(Plane)),
+        ObjectConfig::Plane {}
+        | ObjectConfig::Paraboloid { c: 0.0 }
+        | ObjectConfig::Saddle { a: 0.0 } => Ok(Shape::Plane(Plane)),
         ObjectConfig::Cylinder {
             radius,
             direction_deg,
         } => Cylinder::new(*radius, direction_deg.to_radians()).map(Shape::Cylinder),
-        ObjectConfig::Ellipsoid { semi_axes } => Ellipsoid::new(*semi_axes).map(Shape::Ellipsoid),
+        ObjectConfig::Ellipsoid { semi_axes } => {
+            Ellipsoid::new(*semi_axes).and_then(|ellipsoid| match *semi_axes {
+                [a, b, c] if a == b && b == c => Sphere::new(a).map(Shape::Sphere),
+                _ => Ok(Shape::Ellipsoid(ellipsoid)),
+            })
+        }
         ObjectConfig::Torus {
             major_radius,
             minor_radius,

@@ -71,7 +71,7 @@ fn roll_models(study: &Study) -> Result<CompetingModels> {
         models.push(taken);
     }
     let rolls = scene.noiseless();
-    let rolls = Rolls { rolls: &rolls };
+    let rolls = Rolls::exact(&rolls);
     let roller = scene.roller();
     let truth = ends(roller, TRUE_ROLL, rolls)?;
     let length = length_scale(roller)?;

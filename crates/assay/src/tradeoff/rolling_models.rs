@@ -110,7 +110,7 @@ impl Roll {
 
     fn roller(&self, model: Model) -> Result<Roller> {
         let rolls = [vec![self.motion()]];
-        let rolls = Rolls { rolls: &rolls };
+        let rolls = Rolls::exact(&rolls);
         let probe = Probe::new(RADIUS)?;
         Ok(Roller::new(
             probe,

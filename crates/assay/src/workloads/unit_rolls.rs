@@ -52,7 +52,7 @@ pub fn motion(angle_rad: f64) -> Motion {
 /// If the model cannot compute the roll.
 pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     let rolls = [vec![motion(angle_rad)]];
-    let rolls = Rolls { rolls: &rolls };
+    let rolls = Rolls::exact(&rolls);
     let probe = Probe::new(1.0)?;
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
 }

@@ -67,7 +67,7 @@ fn rolled(object: Shape, theta: f64, model: Model) -> Vec<ProbeReading> {
         object,
         (0.0, 0.0),
         model,
-        Rolls { rolls: &rolls },
+        Rolls::exact(&rolls),
     )
     .unwrap();
     rolls

@@ -128,9 +128,14 @@ impl Surface for Ellipsoid {
         }
     }
 
-    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+    fn meridian(&self, apex: &Point3<f64>, direction: &Vector3<f64>) -> Option<Meridian> {
         let [a, b, c] = self.semi_axes();
+        let across = match (a == b || direction.y == 0.0, direction.x == 0.0) {
+            (true, _) => a,
+            (_, true) => b,
+            _ => return None,
+        };
         let from_the_top = apex.x == 0.0 && apex.y == 0.0 && apex.z > 0.0;
-        (a == b && from_the_top).then_some(Meridian::Spheroid { a, c })
+        from_the_top.then_some(Meridian::Spheroid { a: across, c })
     }
 }

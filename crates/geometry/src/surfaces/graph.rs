@@ -37,8 +37,8 @@ pub trait Height {
     /// differentiable, some of the derivatives are not finite.
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
-    /// The meridian from the point above `(x, y)`, as in [`Surface::meridian`].
-    fn meridian_at(&self, _x: f64, _y: f64) -> Option<Meridian> {
+    /// The section through the point above `(x, y)`, as in [`Surface::meridian`].
+    fn meridian_at(&self, _x: f64, _y: f64, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }
 
@@ -129,7 +129,7 @@ impl Height for Paraboloid {
         }
     }
 
-    fn meridian_at(&self, x: f64, y: f64) -> Option<Meridian> {
+    fn meridian_at(&self, x: f64, y: f64, _: &Vector3<f64>) -> Option<Meridian> {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
@@ -149,6 +149,15 @@ impl Height for Saddle {
             gradient: [twice * x, -twice * y],
             hessian: [twice, 0.0, -twice],
         }
+    }
+
+    fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
+        let c = match (direction.y == 0.0, direction.x == 0.0) {
+            (true, _) => -self.a,
+            (_, true) => self.a,
+            _ => return None,
+        };
+        (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c })
     }
 
     // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. The valley must
@@ -369,8 +378,8 @@ impl<H: Height> Surface for Graph<H> {
         Ok(Point3::new(x, y, self.jet(x, y)?.value))
     }
 
-    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
-        self.height.meridian_at(apex.x, apex.y)
+    fn meridian(&self, apex: &Point3<f64>, direction: &Vector3<f64>) -> Option<Meridian> {
+        self.height.meridian_at(apex.x, apex.y, direction)
     }
 
     fn may_touch_twice(&self, radius: f64) -> bool {

@@ -98,7 +98,10 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
     // These calls only need to return without a panic.
-    let _ = (surface.parameters(&place), surface.meridian(&place));
+    let _ = (
+        surface.parameters(&place),
+        surface.meridian(&place, &Vector3::x()),
+    );
     Ok([
         chart.is_ok(),
         geometry.is_ok(),
@@ -225,9 +228,6 @@ proptest! {
             let numbers = [slope.slope_rad, slope.arc_per_parameter, slope.slope_per_parameter];
             prop_assert!(is_finite(&numbers), "{slope:?}");
         }
-        let arc = paraboloid.arc_length(t).unwrap();
-        // The arc is no shorter than its projection, except for rounding.
-        prop_assert!(arc.is_finite() && arc >= t * (1.0 - 1e-15), "{arc:e}");
     }
 }
 

@@ -125,10 +125,6 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
 /// Values from mpmath with 60 digits.
 #[test]
 fn meridians_keep_their_digits_from_flat_to_sharp() {
-    for (c, arc) in [(1e-300, 0.7), (1e9, 4.9e8), (1e290, 4.9e289)] {
-        let found = Meridian::Paraboloid { c }.arc_length(0.7).unwrap();
-        assert_relative_eq!(found, arc, max_relative = 1e-15);
-    }
     // A nearly flat spheroid at t = 0.2 turns, and a needle-like one at t = 1000.2 turns.
     for (c, t, [outward, along], slope) in [
         (

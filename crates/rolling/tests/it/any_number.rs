@@ -140,7 +140,7 @@ proptest! {
                 Model::Dop853 { tolerance: 1e-6, chart: Chart::Free },
                 Model::Rk4 { steps: 2, chart: Chart::Free },
             ] {
-                let roller = Roller::new(made, object.clone(), place, model, Rolls { rolls: &motions });
+                let roller = Roller::new(made, object.clone(), place, model, Rolls::exact(&motions));
                 let end = roller.unwrap().roll(&motions[0]);
                 prop_assert!(end.as_ref().is_ok_and(is_sound), "{what}, {model:?}: {end:?}");
             }
@@ -179,7 +179,7 @@ proptest! {
                     if !exact && !motions.iter().all(is_short) {
                         continue;
                     }
-                    let rolls = Rolls { rolls: std::slice::from_ref(&motions) };
+                    let rolls = Rolls::exact(std::slice::from_ref(&motions));
                     let roller = Roller::new(probe, object.clone(), at, model, rolls);
                     let is_promised = (1e-14..=0.1).contains(&tolerance);
                     match (&roller, model) {
@@ -240,7 +240,7 @@ proptest! {
             (saddle(0.1 / size.max(probe)), probe),
         ] {
             let rolls = [vec![there, back]];
-            let rolls = Rolls { rolls: &rolls };
+            let rolls = Rolls::exact(&rolls);
             let made = Probe::new(probe).unwrap();
             let roller = Roller::new(made, object.clone(), (0.1 * size.min(probe), 0.0), auto, rolls).unwrap();
             let end = roller.roll(&[there, back]).unwrap();

@@ -117,9 +117,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     while judged < 50 {
         let scene = scene(index % 11, &mut numbers);
         index += 1;
-        let rolls = Rolls {
-            rolls: &scene.rolls,
-        };
+        let rolls = Rolls::exact(&scene.rolls);
         let auto = Model::Auto {
             tolerance: scene.tolerance,
             chart: FREE,
@@ -171,7 +169,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             chart: FREE,
         };
         let probe = Probe::new(1.0).unwrap();
-        let rolls = Rolls { rolls: &rolls };
+        let rolls = Rolls::exact(&rolls);
         let roller = Roller::new(probe, ellipsoid(5.0, 4.0, 3.0), (1.0, 0.5), auto, rolls);
         roller.unwrap()
     };
@@ -188,7 +186,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
     }
     // A rung that is chosen without a measurement also meets the tolerance.
     let rolls = turns(100.0);
-    let rolls = Rolls { rolls: &rolls };
+    let rolls = Rolls::exact(&rolls);
     let roller = start(100.0, 1e-6);
     assert!(roller.choice().reason.contains("too long"));
     let taken = roller.measure(&[roller.choice().model], FREE, rolls);
@@ -200,6 +198,6 @@ fn long_rolls_are_not_rolled_to_choose_how() {
         tolerance: 1e-6,
         chart: FREE,
     };
-    let roller = roller.on(auto, Rolls { rolls: &pieces }).unwrap();
+    let roller = roller.on(auto, Rolls::exact(&pieces)).unwrap();
     assert!(matches!(roller.choice().model, Model::Rk4 { steps: 1, .. }));
 }

@@ -130,7 +130,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
             object,
             place,
             model,
-            Rolls { rolls: &rolls },
+            Rolls::exact(&rolls),
         ) else {
             continue;
         };
@@ -181,7 +181,7 @@ fn along_x(formula: &str, angle_rad: f64, spin: f64) -> Result<f64, RollFault> {
         height_field(formula),
         (0.0, 0.0),
         model,
-        Rolls { rolls: &rolls },
+        Rolls::exact(&rolls),
     )
     .unwrap();
     let terrain = roller.terrain(&rolls[0], 0.0).unwrap();
@@ -224,7 +224,7 @@ fn the_error_names_place_and_depth() {
         hill,
         (0.0, 0.0),
         model,
-        Rolls { rolls: &rolls },
+        Rolls::exact(&rolls),
     )
     .unwrap();
     let terrain = roller.terrain(&[motion], 0.0).unwrap();

@@ -11,7 +11,7 @@ use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roll, roller,
 fn refused(radius: f64, object: Shape, model: Model, motion: Motion) -> InvalidRoll {
     let rolls = vec![vec![motion]];
     let probe = Probe::new(radius).unwrap();
-    Roller::new(probe, object, (0.0, 0.0), model, Rolls { rolls: &rolls }).unwrap_err()
+    Roller::new(probe, object, (0.0, 0.0), model, Rolls::exact(&rolls)).unwrap_err()
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_start_off_the_object_is_refused() {
     let rolls = vec![vec![Motion::rolling(0.0, 1.0, 1.0)]];
     let probe = Probe::new(1.0).unwrap();
     for place in [(4.0, 4.0), (f64::NAN, 0.0)] {
-        let rolls = Rolls { rolls: &rolls };
+        let rolls = Rolls::exact(&rolls);
         let error = Roller::new(probe, sphere(5.0), place, DOP853, rolls);
         assert!(matches!(error, Err(InvalidRoll::FirstContact(_))));
     }
@@ -132,10 +132,11 @@ fn forced_rungs_say_why_not() {
         text(saddle(0.1), Model::ClosedForm, rolling),
         "the closed form rung cannot do this: a saddle has no closed form"
     );
+    let aslant = Motion::rolling(0.3, 0.1, 1.0);
     assert_eq!(
-        text(saddle(0.1), Model::Meridian, rolling),
+        text(saddle(0.1), Model::Meridian, aslant),
         "the meridian rung cannot do this: the first contact is not the apex of a surface of \
-         revolution"
+         revolution, nor of a line of symmetry along the motion"
     );
     let spinning = Motion {
         angular_velocity: nalgebra::Vector3::new(0.0, 0.1, 0.1),

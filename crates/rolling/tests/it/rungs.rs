@@ -97,6 +97,48 @@ fn meridian_is_the_integrated_law() {
 }
 
 #[test]
+fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
+    use std::f64::consts::FRAC_PI_2;
+
+    let auto = Model::Auto {
+        tolerance: 1e-9,
+        chart: Chart::Free,
+    };
+    for object in [saddle(0.3), saddle(-0.1), ellipsoid(3.0, 2.0, 1.0)] {
+        for quarter in 0..4 {
+            let motion = Motion::rolling(f64::from(quarter) * FRAC_PI_2, 1.0, 0.8);
+            let rolled = roller(1.0, &object, (0.0, 0.0), auto, motion);
+            assert_eq!(rolled.choice().model, Model::Meridian, "{object:?}");
+            let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
+            let off = difference(&rolled.roll(&[motion]).unwrap(), &integrated, 1.0);
+            assert!(off < 1e-11, "{object:?} {quarter}: {off:e}");
+            // A motion beside the line is integrated.
+            let aslant = Motion::rolling(1.0, 1.0, 0.8);
+            let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, aslant);
+            let off = difference(&rolled.roll(&[aslant]).unwrap(), &integrated, 1.0);
+            assert!(off < 1e-11, "{object:?}: {off:e}");
+            let shift = rolled.shift(&[aslant]).unwrap();
+            assert!((shift.arc_length - integrated.arc_length).abs() < 1e-11);
+            // With noise, the probe would leave the line.
+            let noisy = Rolls {
+                rolls: &[vec![motion]],
+                has_noise: true,
+            };
+            let choice = rolled.on(auto, noisy).unwrap();
+            assert_ne!(choice.choice().model, Model::Meridian, "{object:?}");
+        }
+        let aslant = roller(
+            1.0,
+            &object,
+            (0.0, 0.0),
+            auto,
+            Motion::rolling(1.0, 1.0, 0.8),
+        );
+        assert_ne!(aslant.choice().model, Model::Meridian, "{object:?}");
+    }
+}
+
+#[test]
 fn paraboloid_rolls_as_the_formula_says() {
     // θ = α + s/R₁ with tan α = 2 c r.
     let (c, radius) = (0.8, 1.3);
@@ -236,7 +278,7 @@ fn a_meridian_takes_no_motion_that_changes_on_the_way() {
         Motion::rolling(0.3, 0.6, 1.0),
         Motion::rolling(2.0, 0.3, 1.0),
     ]];
-    let (probe, rolls) = (Probe::new(1.0).unwrap(), Rolls { rolls: &rolls });
+    let (probe, rolls) = (Probe::new(1.0).unwrap(), Rolls::exact(&rolls));
     let made = Roller::new(probe, paraboloid(1.0), (0.0, 0.0), Model::Meridian, rolls);
     let error = made.err().unwrap().to_string();
     assert!(error.contains("the motion changes on the way"), "{error}");

@@ -62,7 +62,7 @@ pub(crate) fn roller(
 ) -> Roller {
     let rolls = vec![vec![motion]];
     let probe = Probe::new(radius).unwrap();
-    Roller::new(probe, object.clone(), start, model, Rolls { rolls: &rolls }).unwrap()
+    Roller::new(probe, object.clone(), start, model, Rolls::exact(&rolls)).unwrap()
 }
 
 pub(crate) fn roll(

@@ -340,11 +340,13 @@ impl PressRungs {
         }
         let rungs = self.measure(markers, geometry)?;
         let reference = self.requested.reference();
-        let first = rungs.iter().find_map(|(model, accuracy)| {
+        // Hertz contact and the half-space cost the same, so the error decides between them.
+        let cheap = rungs.iter().filter_map(|(model, accuracy)| {
             let error = accuracy.error().filter(|&error| error <= tolerance)?;
-            Some((model, error))
+            model.thickness().is_none().then_some((model, error))
         });
-        let (model, reason) = match first {
+        let best = cheap.min_by(|(_, one), (_, other)| one.total_cmp(other));
+        let (model, reason) = match best {
             Some((model, error)) if *model != reference => {
                 let reason = format!(
                     "the cheapest model that meets {tolerance:.0e}; its error is {error:.1e} of the largest displacement"
@@ -355,9 +357,11 @@ impl PressRungs {
                 let cheaper = rungs.iter().rev().nth(1);
                 let reason = match cheaper.and_then(|(_, accuracy)| accuracy.error()) {
                     Some(error) => {
-                        format!(
-                            "the error of the next cheaper model is {error:.1e} of the largest displacement"
-                        )
+                        let other = match reference.thickness() {
+                            Some(_) => "the error of the next cheaper model",
+                            None => "Hertz contact costs the same and its error",
+                        };
+                        format!("{other} is {error:.1e} of the largest displacement")
                     }
                     None => "there is no press with which to compare a cheaper model".to_owned(),
                 };

@@ -31,6 +31,11 @@ pub(super) struct Roll {
 pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
 
 impl MotionNoise {
+    /// Whether the probe's motion is noisy, not only its measurement.
+    pub(super) fn is_of_motion(&self) -> bool {
+        self.side == Side::Motion
+    }
+
     /// Number of pieces into which noise cuts a roll.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {

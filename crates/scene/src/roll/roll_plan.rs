@@ -46,12 +46,7 @@ impl RollScene {
         let rotation_sensor = RotationSensor::new(&config.noise)?;
         let RollEstimatorConfig::LeastSquares = config.estimator;
 
-        let (roller, commands) = roller(
-            config,
-            probe,
-            object,
-            noise.map_or(1, |noise| noise.pieces()),
-        )?;
+        let (roller, commands) = roller(config, probe, object, noise)?;
         let reading_noise = ReadingNoise {
             // The noise is a fraction of the whole rate including spin, but this ratio refers to the tangential part.
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
@@ -97,7 +92,11 @@ impl RollScene {
     /// Measures the error of each rung of this scene.
     pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
-        let measured = self.roller.ladder(self.chart, Rolls { rolls: &rolls });
+        let rolls = Rolls {
+            rolls: &rolls,
+            has_noise: self.noise.is_some_and(|noise| noise.is_of_motion()),
+        };
+        let measured = self.roller.ladder(self.chart, rolls);
         let choice = self.roller.choice();
         let rungs = measured.into_iter().map(|rung| Rung {
             name: rung.name,
@@ -201,12 +200,13 @@ fn roller(
     config: &RollConfig,
     probe: Probe,
     object: Shape,
-    pieces: u32,
+    noise: Option<MotionNoise>,
 ) -> Result<(Roller, Vec<Motion>), FieldError> {
     let contact = config
         .object_contact
         .map_or(object.default_contact(), |[x, y]| (x, y));
     let model = model(&config.model, config.motion.axis);
+    let pieces = noise.map_or(1, |noise| noise.pieces());
     let set_up = |commands: &[Motion]| {
         let rolls = distinct(commands, pieces);
         Roller::new(
@@ -214,7 +214,10 @@ fn roller(
             object.clone(),
             contact,
             model,
-            Rolls { rolls: &rolls },
+            Rolls {
+                rolls: &rolls,
+                has_noise: noise.is_some_and(|noise| noise.is_of_motion()),
+            },
         )
         .map_err(|error| roll_error(&config.object, error))
     };

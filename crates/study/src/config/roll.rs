@@ -156,7 +156,8 @@ pub enum RollModelConfig {
     },
     /// The closed form, if the shapes have one.
     ClosedForm {},
-    /// The closed relation along the meridian of a surface of revolution, rolled through its apex.
+    /// The closed relation along the meridian of a surface of revolution, rolled through its apex; without noise of the
+    /// motion also along the axes of ellipsoids and saddles.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
