@@ -133,7 +133,7 @@ fn trials(scene: &SceneConfig) -> String {
     match scene {
         SceneConfig::Press(_) => "presses".to_owned(),
         SceneConfig::Glide(_) => "glides".to_owned(),
-        SceneConfig::Roll(roll) => format!("trials of {} rolls", roll.motion.directions_deg.len()),
+        SceneConfig::Roll(roll) => format!("trials of {} rolls", roll.motion.directions().len()),
         _ => "trials".to_owned(),
     }
 }

@@ -107,7 +107,9 @@ fn name_roll(roll: &mut Json) {
         }
         motion["angle_deg"] = json!(angle);
     }
-    let directions = motion["directions_deg"].as_array().map_or(0, Vec::len);
+    let listed = motion["directions_deg"].as_array().map_or(0, Vec::len);
+    let directions = motion["rolls"].as_u64().unwrap_or(listed as u64);
+    motion["rolls"] = Json::Null;
     motion["directions_deg"] = json!(format!("{directions} directions"));
     roll["model"] = Json::Null;
 }

@@ -72,6 +72,20 @@ fn both_sides_are_those_that_a_run_finds() {
 }
 
 #[test]
+fn the_number_of_rolls_can_be_varied() {
+    let desk = Desk::with(STUDY);
+    let target = TARGET.replace("0.05", "0.0102");
+    let answer = desk.json(&format!(
+        "design c.toml {target} --set object.radius=50 --vary rolls=3..60"
+    ));
+    let (fewest, most) = (
+        number(&answer, "/meets/0/from"),
+        number(&answer, "/meets/0/to"),
+    );
+    assert!(fewest > 3.0 && fewest < 40.0 && most == 60.0, "{answer}");
+}
+
+#[test]
 fn what_all_or_nothing_meets() {
     let desk = Desk::with(STUDY);
     let said = |limit: &str| {

@@ -98,8 +98,10 @@ fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
         directions.map(study::number).eq(DIRECTIONS.map(Some))
     };
     let directions = row.study.setting("scene.motion.directions_deg");
+    let rolls = row.number("scene.motion.rolls");
     word("scene.noise.angular_velocity.kind") == Some("uniform")
         && word("scene.noise.angular_velocity.when").is_none_or(|when| when == "per-probe")
+        && rolls.is_none()
         && directions.is_none_or(is_paper)
 }
 

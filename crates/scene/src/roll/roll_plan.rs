@@ -74,6 +74,7 @@ impl RollScene {
             rotation_sensor,
             reading_noise,
             truth,
+            directions_path: config.motion.directions_path(),
             tolerance: match config.model {
                 RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
                 _ => None,
@@ -253,7 +254,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
     let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
     let duration_s = config.duration_s.unwrap_or(angle_rad / rate);
     config
-        .directions_deg
+        .directions()
         .iter()
         .map(|direction| {
             let mut motion = Motion::rolling(direction.to_radians(), rate, duration_s);

@@ -45,6 +45,7 @@ pub struct RollScene {
     /// Set if all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
+    pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
     /// Chart of the ladder's integrators.
@@ -331,7 +332,7 @@ impl Trials for RollScene {
             RollFit::NoFit(error @ Ep1Error::NoisyRotations { .. }) => {
                 Err(FieldError::at(self.rotation_sensor.path(), error))
             }
-            RollFit::NoFit(error) => Err(FieldError::at("scene.motion.directions_deg", error)),
+            RollFit::NoFit(error) => Err(FieldError::at(self.directions_path, error)),
         }
     }
 

@@ -1,14 +1,14 @@
 //! Output of configs with their defaults, as they are saved with the results.
 
 use super::schema::{SCHEMA, variant};
-use super::study::StudyConfig;
+use super::study::{SceneConfig, StudyConfig};
 use super::sweep::SweepConfig;
 use super::{tree, validate};
 use toml::Value;
 
 /// A config as TOML, including its defaults. It parses back to the same config.
 ///
-/// If a sweep varies a `kind`, the keys of this table that equal their defaults are omitted, because another kind may not
+/// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies a `kind`, the keys of this table that equal their defaults are omitted, because another kind may not
 /// have them.
 ///
 /// ```
@@ -35,7 +35,12 @@ pub fn to_toml(config: &StudyConfig) -> String {
     let swept: Vec<&str> = paths
         .filter_map(|path| path.strip_suffix(".kind"))
         .collect();
+    let has_rolls = matches!(&config.scene, SceneConfig::Roll(roll) if roll.motion.rolls.is_some());
     let mut config = Value::Table(table);
+    let motion = tree::at_mut(&mut config, "scene.motion").and_then(Value::as_table_mut);
+    if let Some(motion) = motion.filter(|_| has_rolls) {
+        motion.remove("directions_deg");
+    }
     for path in swept {
         drop_defaults(&mut config, path);
     }

@@ -116,13 +116,38 @@ pub struct RollMotionConfig {
     /// Rate of rotation about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,
-    /// Directions of the probes: angles from +x in the tangent plane of the first contact.
+    /// Number of rolls. Their directions are spread evenly over a full turn from +x on; two rolls are at a right angle.
+    /// Give either this or `directions_deg`.
+    #[schemars(extend("minimum" = 1, "maximum" = 10_000, "x-instead-of" = ["directions_deg"]))]
+    pub rolls: Option<u32>,
+    /// Directions of the probes: angles from +x in the tangent plane of the first contact. Give either this or `rolls`.
     #[serde(default = "four_directions_twice")]
-    #[schemars(extend("minItems" = 1))]
+    #[schemars(extend("minItems" = 1, "x-instead-of" = ["rolls"]))]
     pub directions_deg: Vec<f64>,
     /// Frame in which the axis of rotation is fixed while the contact moves.
     #[serde(default)]
     pub axis: RollAxis,
+}
+
+impl RollMotionConfig {
+    /// Directions of the rolls, degrees.
+    pub fn directions(&self) -> Vec<f64> {
+        let Some(rolls) = self.rolls else {
+            return self.directions_deg.clone();
+        };
+        // Two opposite rolls do not span the tangent plane.
+        let turn_deg = if rolls == 2 { 180.0 } else { 360.0 };
+        let direction = |roll| turn_deg * f64::from(roll) / f64::from(rolls);
+        (0..rolls).map(direction).collect()
+    }
+
+    /// The config field that determines the directions.
+    pub const fn directions_path(&self) -> &'static str {
+        match self.rolls {
+            Some(_) => "scene.motion.rolls",
+            None => "scene.motion.directions_deg",
+        }
+    }
 }
 
 fn four_directions_twice() -> Vec<f64> {

@@ -1,9 +1,9 @@
 //! Alternative fields that state the same length of a roll.
 
-use palpate_study::config::{SceneConfig, parse, with_fields};
+use palpate_study::config::{SceneConfig, parse, to_toml, with_fields};
 use serde_json::json;
 
-use super::{BASE, error, study};
+use super::{BASE, edited, error, study};
 
 /// Length of the roll in a cell: `duration_s`, `arc_length` and `angle_deg`.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
@@ -55,4 +55,35 @@ fn a_set_field_replaces_a_written_alternative() {
     let both = [angle, field("scene.motion.arc_length")];
     let text = with_fields("study.toml", BASE, &both).unwrap();
     assert_eq!(error(&text).path(), "scene.motion.arc_length");
+}
+
+#[test]
+fn a_number_of_rolls_stands_for_their_directions() {
+    let directions = |motion: &str| {
+        let text = edited("duration_s = 1.0", &format!("duration_s = 1.0, {motion}"));
+        let study = parse("study.toml", &text).unwrap();
+        // The saved config does not state both.
+        let saved = parse("run.toml", &to_toml(&study.config)).unwrap();
+        assert_eq!(saved.config, study.config);
+        let SceneConfig::Roll(roll) = study.config.scene else {
+            panic!("no roll")
+        };
+        roll.motion.directions()
+    };
+    assert_eq!(directions("rolls = 4"), [0.0, 90.0, 180.0, 270.0]);
+    assert_eq!(directions("rolls = 3"), [0.0, 120.0, 240.0]);
+    assert_eq!(directions("rolls = 2"), [0.0, 90.0]);
+    assert_eq!(directions("directions_deg = [5]"), [5.0]);
+    let both = edited(
+        "duration_s",
+        "rolls = 4, directions_deg = [0, 90], duration_s",
+    );
+    assert_eq!(error(&both).path(), "scene.motion.directions_deg");
+    let swept = study("[[sweep]]\npath = \"scene.motion.rolls\"\nvalues = [3, 9]\n");
+    let SceneConfig::Roll(roll) = swept.cell(1).unwrap().config.scene else {
+        panic!("no roll")
+    };
+    assert_eq!(roll.motion.directions().len(), 9);
+    let saved = parse("run.toml", &to_toml(&swept.config)).unwrap();
+    assert!(saved.cells().eq(swept.cells()));
 }

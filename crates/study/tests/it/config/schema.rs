@@ -21,7 +21,8 @@ const DIMENSIONLESS: [&str; 39] = [
     "x",                   //
     "y",                   //
     "contacts_per_finger", //
-    "fraction_of_ifd",     // of the inter-finger distance
+    "rolls",
+    "fraction_of_ifd", // of the inter-finger distance
     "position_fraction_of_ifd",
     "grid",             // places along a side
     "intervals",        // of a spline
