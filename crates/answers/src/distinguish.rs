@@ -139,7 +139,7 @@ fn trials(scene: &SceneConfig) -> String {
 }
 
 /// The compared quantity, and its index among those of the scene.
-fn place_of(
+pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
     wanted: Option<&str>,

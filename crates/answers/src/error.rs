@@ -78,6 +78,9 @@ pub enum AnswerError {
         /// Reason, and what would be right.
         why: &'static str,
     },
+    /// Trials without an error that could change.
+    #[error("the scene has no error that could change: {0}")]
+    NoError(&'static str),
     /// Too many combinations of values.
     #[error(
         "{0} combinations of values would each be searched, and at most {MAX_COLUMNS} are: list fewer values, or vary fewer fields"

@@ -20,6 +20,7 @@ mod region;
 mod region_figure;
 mod region_table;
 mod region_text;
+mod sensitivity;
 mod target_score;
 mod trial_counts;
 mod words;
@@ -31,6 +32,7 @@ pub use error::AnswerError;
 pub use field::Field;
 pub use question::{Extreme, Question, Sought};
 pub use region::{Best, DesignPoint, Region, RegionColumn, Sample};
+pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
 pub use trial_counts::TrialCounts;
 
 #[cfg(doctest)]

@@ -62,8 +62,9 @@ pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
 pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
 pub use palpate_answers::{
-    AnswerError, Best, DesignPoint, Discrimination, Extreme, Field, Group, Object, Pair, Question,
-    Region, RegionColumn, Sample, Sought, TrialCounts, design, distinguish,
+    AnswerError, Best, DesignPoint, Discrimination, Extreme, Field, FieldEffect, Group, Object,
+    Pair, Question, Region, RegionColumn, Sample, Sensitivity, Sought, TrialCounts, design,
+    distinguish, sensitivity,
 };
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;

@@ -5,4 +5,5 @@ pub(crate) mod design;
 pub(crate) mod distinguish;
 mod question;
 pub(crate) mod report;
+pub(crate) mod sensitivity;
 pub(crate) mod words;

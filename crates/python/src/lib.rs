@@ -35,6 +35,8 @@ mod _native {
     #[pymodule_export]
     use super::answers::report::{Report, report};
     #[pymodule_export]
+    use super::answers::sensitivity::{Sensitivity, sensitivity};
+    #[pymodule_export]
     use super::answers::words::explain;
     #[pymodule_export]
     use super::estimate::{Batch, GlideEstimate, PressEstimate, RollEstimate};

@@ -126,6 +126,18 @@ def test_distinctions_match_the_command_line(cli, tmp_path):
     assert "<svg" in found._repr_html_()
 
 
+def test_sensitivities_match_the_command_line(cli, tmp_path):
+    config = EXAMPLES / "press-a-ball.toml"
+    found = palpate.sensitivity(palpate.Study(config), trials=20, threads=2)
+    said = cli("sensitivity", config, "--trials", 20, "--json", "--out", tmp_path)
+    assert found.to_dict() == said
+    assert found.table.to_csv() == (tmp_path / "sensitivity.csv").read_text()
+    assert found.figure.svg == (tmp_path / "sensitivity.svg").read_text()
+    with pytest.raises(palpate.ArgumentError) as caught:
+        palpate.sensitivity(palpate.Study(config), step=0.0)
+    assert caught.value.argument == "step"
+
+
 def test_objects_that_cannot_be_distinguished(ball):
     balls = {"scene.object.radius": [20.0, 30.0]}
     for arguments, argument, says in [

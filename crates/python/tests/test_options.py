@@ -30,6 +30,7 @@ COMMANDS = {
     "sensor pattern": [palpate.pattern],
     "design": [palpate.design],
     "distinguish": [palpate.distinguish],
+    "sensitivity": [palpate.sensitivity],
     "explain": [palpate.explain],
     "check": [palpate.Study.check],
     "run": [palpate.Study.run, palpate.Study.plan],

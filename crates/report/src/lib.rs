@@ -11,6 +11,7 @@
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
 //! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
+//! | a number with its standard error for each item | a bar chart, as a [`Figure`] | [`bar_figure`] |
 //! | the answer of `palpate design` | a [`Figure`] | [`design_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
 //! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_table`] |
@@ -36,9 +37,9 @@ pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
 pub use plot::{
-    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
-    Heat, HeatPanel, MapPanel, Stretch, design_figure, figure, figures, heat_figure, press_figures,
-    tradeoff_figures,
+    Bars, CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis,
+    Figure, Heat, HeatPanel, MapPanel, Stretch, bar_figure, design_figure, figure, figures,
+    heat_figure, press_figures, tradeoff_figures,
 };
 pub use study::Study;
 use table::Table;

@@ -1,5 +1,6 @@
 //! Figures: of the `[[plot]]` tables of a study, and of other results.
 
+mod bars;
 mod captions;
 mod chart;
 mod class_grid;
@@ -30,6 +31,7 @@ use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
 use selection::Request;
 
+pub use bars::{Bars, bar_figure};
 pub(crate) use captions::swept_values;
 pub(crate) use coverage_plot::figure as coverage_figure;
 pub use design_figure::{

@@ -33,6 +33,7 @@ mod readings;
 mod region;
 mod report;
 mod run;
+mod sensitivity;
 mod sensor;
 mod shards;
 mod swept_over;

@@ -15,6 +15,7 @@ lay out a skin, and cut it            Layout(radius), pattern(layout)
 simulate                              Study(toml or dict).run()
 find a sensor or motion that suffices design(study, target, vary)
 find distinguishable objects          distinguish(study, vary=…)
+find what to change first             sensitivity(study, quantity=…)
 score the papers' claims, on a page   report(results, …)
 explain a word                        explain(word)
 ====================================  ==========================================================

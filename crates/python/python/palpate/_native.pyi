@@ -28,6 +28,7 @@ __all__ = [
     "Results",
     "RollEstimate",
     "RunError",
+    "Sensitivity",
     "Study",
     "Trace",
     "Tracked",
@@ -44,6 +45,7 @@ __all__ = [
     "pattern",
     "report",
     "schema",
+    "sensitivity",
     "track",
 ]
 
@@ -195,6 +197,31 @@ class Distinction(Record):
     confidence: float
     groups: list[_Group]
     answer: list[str]
+    table: Table
+    figure: Figure
+
+class _FieldEffect(Record):
+    field: str
+    value: float
+    values: list[float]
+    rms_errors: list[float]
+    effect: float
+    effect_std: float
+    failures: int
+
+class _SkippedField(Record):
+    field: str
+    why: str
+
+@final
+class Sensitivity(Record):
+    study: str
+    quantity: str
+    unit: str
+    trials: int
+    rms_error: float
+    effects: list[_FieldEffect]
+    skipped: list[_SkippedField]
     table: Table
     figure: Figure
 
@@ -574,6 +601,17 @@ def distinguish(
     threads: int | None = None,
     progress: Callable[[int], Any] | None = None,
 ) -> Distinction: ...
+def sensitivity(
+    study: Study,
+    *,
+    set: dict[str, Any] | None = None,
+    quantity: str | None = None,
+    step: float = 0.05,
+    trials: int = 1000,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: Callable[[int], Any] | None = None,
+) -> Sensitivity: ...
 def report(*studies: Results | str | PathLike[str]) -> Report: ...
 @overload
 def explain(word: str) -> str: ...

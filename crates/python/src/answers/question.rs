@@ -17,7 +17,9 @@ pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
         AnswerError::Undefined { .. } => return error::RunError::new_err(message),
         AnswerError::OutOfRange { setting, value, .. } => (setting, Some(value)),
         AnswerError::NoQuantity { .. } => (quantity, None),
-        AnswerError::Twice(_) | AnswerError::TooManyCells(_) => ("set", None),
+        AnswerError::NoError(_) | AnswerError::Twice(_) | AnswerError::TooManyCells(_) => {
+            ("set", None)
+        }
         _ => ("vary", None),
     };
     error::argument(argument, &[], value, message)

@@ -1,4 +1,4 @@
-//! `palpate design` and `palpate distinguish`.
+//! `palpate design`, `palpate distinguish` and `palpate sensitivity`.
 
 use std::time::{Duration, Instant};
 
@@ -7,11 +7,11 @@ use palpate::{AnswerError, ConfigError, Extreme, Figure, Question, ReportError, 
 use serde_json::Value;
 
 use crate::budget::runner;
-use crate::cli::{AnswerArgs, DesignArgs, DistinguishArgs};
+use crate::cli::{AnswerArgs, DesignArgs, DistinguishArgs, SensitivityArgs};
 use crate::failure::Failure;
 use crate::output::names::{
     DESIGN, DESIGN_CONFIG, DESIGN_FIGURE, DESIGN_REGION, DESIGN_WORDS, DISTINGUISH,
-    DISTINGUISH_FIGURE, DISTINGUISH_WORDS,
+    DISTINGUISH_FIGURE, DISTINGUISH_WORDS, SENSITIVITY, SENSITIVITY_FIGURE, SENSITIVITY_WORDS,
 };
 use crate::output::{self, Contents, Guard, LockedDir, StudyId};
 use crate::progress;
@@ -125,6 +125,44 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         write(folder, &study, texts, figure)?;
     }
     print(&args.answer, found.sentences(), || found.to_json(&study))
+}
+
+pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
+    let study = overridden(&args.answer.config, args.answer.seed, None, None)?;
+    let set = study
+        .resolve_each(&args.answer.set)
+        .map_err(Failure::usage)?;
+    note_ignored_fields(&study, set.iter().map(|(path, _)| path.as_str()));
+    let set: Vec<_> = set
+        .into_iter()
+        .map(|(path, value)| (path, vec![value]))
+        .collect();
+    let study = study.varied(&set).map_err(Failure::usage)?;
+    let mut folder = open_dir(&args.answer)?;
+    let bar = progress::bar_of("fields");
+    let show_progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let found = palpate::sensitivity(
+        &study,
+        args.quantity.as_deref(),
+        args.trials.get(),
+        args.step,
+        &runner(args.answer.threads)?,
+        &show_progress,
+    );
+    bar.finish_and_clear();
+    let found = found.map_err(failure)?;
+    if let Some(folder) = &mut folder {
+        let texts = vec![
+            (SENSITIVITY, found.table().to_csv()),
+            (SENSITIVITY_WORDS, format!("{}\n", found.lines().join("\n"))),
+        ];
+        let figure = found.figure(SENSITIVITY_FIGURE, study.heading());
+        write(folder, &study, texts, figure)?;
+    }
+    print(&args.answer, found.lines(), || found.to_json(&study))
 }
 
 /// Failure for a question without an answer: bad usage.

@@ -18,7 +18,7 @@ use palpate::Shard;
 use crate::duration;
 use crate::output::Format;
 
-pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
+pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs, SensitivityArgs};
 pub(crate) use estimate_args::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
 };
@@ -138,6 +138,15 @@ others; about the largest or smallest value that is sought, these values stand c
 Two objects are told apart where a trial of each puts their estimates in the right order; by the quantity class
 of a glide, where most places of both are classified right. A trial that fails does not tell.")]
     Distinguish(DistinguishArgs),
+    /// Find which numeric field of a scene changes the error of an estimate most.
+    #[command(after_help = "Examples:
+  palpate sensitivity examples/pads-for-a-ball.toml --set arc_length=4 --set pitch=0.2
+  palpate sensitivity my.toml --quantity gaussian_curvature --trials 5000 --out out/what-matters
+
+Each field is changed alone, by --step in both directions, with the same random numbers. A change of +1 % per
+1 % means that the error is proportional to the field. If the config sweeps fields, its first cell is used.
+Fields that are 0, and lists of more than three numbers, are skipped.")]
+    Sensitivity(SensitivityArgs),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
   palpate check sim-configs/ep1-roll-length.toml")]

@@ -114,6 +114,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Sensor(command) => sensor::sensor(&command),
         Command::Design(args) => answer_commands::design(&args),
         Command::Distinguish(args) => answer_commands::distinguish(&args),
+        Command::Sensitivity(args) => answer_commands::sensitivity(&args),
         Command::Check(args) => check_command::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

@@ -104,6 +104,26 @@ pub(crate) struct DistinguishArgs {
     pub(crate) trials: Option<NonZeroU64>,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct SensitivityArgs {
+    #[command(flatten)]
+    pub(crate) answer: AnswerArgs,
+    /// Quantity whose rms error is compared [default: object_curvature of a press, else mean_curvature].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) quantity: Option<String>,
+    /// Relative change of each field in both directions; whole numbers change by at least 1.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.05",
+        allow_negative_numbers = true
+    )]
+    pub(crate) step: f64,
+    /// Number of trials at each value.
+    #[arg(long, value_name = "N", default_value = "1000")]
+    pub(crate) trials: NonZeroU64,
+}
+
 /// Reads a field with listed values.
 fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     match text

@@ -40,6 +40,10 @@ pub(crate) const DESIGN_FIGURE: &str = "design";
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
+/// Answer of `sensitivity`: its table, its text, and the name of its figure.
+pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
+pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
+pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";
 /// Scores of the claims of a study.
 pub(crate) const CLAIMS: &str = "claims.csv";
 /// Files of a traced pass.

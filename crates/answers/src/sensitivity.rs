@@ -1,0 +1,410 @@
+//! Which numeric field of a scene changes the error of an estimate most.
+
+use palpate_report::{Bars, Figure, ReportError, bar_figure};
+use palpate_scene::{Scene, Scenes, SharedModels, quantities_of};
+use palpate_study::config::{ConfigError, Study, Takes};
+use palpate_study::{Label, Quantity, Table, number};
+use palpate_sweep::Runner;
+use serde_json::{Value, json};
+
+use crate::distinguish::place_of;
+use crate::error::AnswerError;
+
+/// Number of trials that a thread runs at a time.
+const BLOCK: u64 = 32;
+/// Lists of more numbers than this are skipped: no single entry of a long list is a design choice.
+const LONGEST_LIST: usize = 3;
+/// Largest rms error, relative to the true value, that counts as rounding.
+const ROUNDING: f64 = 1e-10;
+/// Largest number of bars in the figure.
+const MAX_BARS: usize = 12;
+
+/// Influence of the numeric fields of a scene on the rms error of a quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Its unit, as in `cells.csv`.
+    pub unit: &'static str,
+    /// Number of trials of each value.
+    pub trials: u64,
+    /// The rms error at the values of the config.
+    pub rms_error: f64,
+    /// Fields with their effects, the largest effect first.
+    pub effects: Vec<FieldEffect>,
+    /// Fields without an effect that can be measured, with the reason.
+    pub skipped: Vec<(String, String)>,
+}
+
+/// Effect of a field on the rms error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldEffect {
+    /// Column of the field: its path with its unit.
+    pub column: String,
+    /// Value in the config.
+    pub value: f64,
+    /// The two values that are compared.
+    pub values: [f64; 2],
+    /// The rms errors at these values.
+    pub rms_errors: [f64; 2],
+    /// Relative change of the error per relative change of the field: 1 if the error is proportional to the field.
+    pub effect: f64,
+    /// Standard error of the effect.
+    pub effect_std: f64,
+    /// Number of trials that failed at one of the values. They do not count.
+    pub failures: u64,
+}
+
+/// Squared error of each trial at one value, averaged over the places of a patch; `None` if the trial failed.
+type SquaredErrors = Vec<Option<f64>>;
+
+/// Finds which numeric field of the study's scene changes the rms error of a quantity most.
+///
+/// Each field is changed alone by the relative `step` in both directions; whole numbers change by at least 1. If only one
+/// direction is possible, the other value is that of the config. Trials with the same number draw the same random numbers
+/// at every value, so that small effects are visible in few trials. If the study sweeps fields, its first cell is used.
+///
+/// Without `quantity`, the object's curvature is used: `object_curvature` of a press, else `mean_curvature`.
+///
+/// ```
+/// use palpate_answers::sensitivity;
+/// use palpate_study::config::parse;
+/// use palpate_sweep::{RunOptions, Runner};
+///
+/// let text = r#"
+/// name = "a-ball"
+/// length_unit = "mm"
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { arc_length = 4.0 }
+/// sensor = { kind = "wrist", std = 0.01 }
+/// "#;
+/// let study = parse("a-ball.toml", text)?;
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let found = sensitivity(&study, None, 500, 0.05, &runner, &|_, _| ())?;
+/// // The error is proportional to the sensor's noise.
+/// let noise = found.effects.iter().find(|one| one.column == "scene.sensor.std_mm");
+/// assert!(noise.is_some_and(|noise| (noise.effect - 1.0).abs() < 0.01));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`AnswerError`].
+pub fn sensitivity(
+    study: &Study,
+    quantity: Option<&str>,
+    trials: u64,
+    step: f64,
+    runner: &Runner,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Sensitivity, AnswerError> {
+    let expected = "above 0 and at most 0.5";
+    AnswerError::unless(step > 0.0 && step <= 0.5, "step", step, expected)?;
+    AnswerError::unless(trials > 0, "trials", 0.0, "at least 1")?;
+    let scene = study.cell(0)?.config.scene;
+    let (_, quantity) = place_of(quantities_of(&scene), scene.kind(), quantity)?;
+    let models = SharedModels::default();
+    let runs = ErrorRuns {
+        study,
+        quantity,
+        trials,
+        runner,
+        models: &models,
+    };
+    let base = runs.at(&[])?;
+    let rms_error = base.1.iter().flatten().sum::<f64>() / base.1.iter().flatten().count() as f64;
+    let mut found = Sensitivity {
+        quantity,
+        unit: quantity.unit.of(study.config.length_unit),
+        trials: base.1.len() as u64,
+        rms_error: rms_error.sqrt(),
+        effects: Vec::new(),
+        skipped: Vec::new(),
+    };
+    if !rms_error.is_finite() {
+        return Err(AnswerError::NoError("every trial fails"));
+    }
+    if found.rms_error <= ROUNDING * base.0 {
+        return Err(AnswerError::NoError(
+            "the estimate is exact but for rounding",
+        ));
+    }
+    let scene = serde_json::to_value(&scene).unwrap_or_default();
+    let mut fields = Vec::new();
+    numbers(&scene, "scene", &mut fields);
+    for (done, (path, value)) in fields.iter().enumerate() {
+        progress(done, fields.len());
+        match runs.effect(path, *value, step, &base.1) {
+            Ok(effect) => found.effects.push(effect),
+            Err(why) => found.skipped.push((path.clone(), why)),
+        }
+    }
+    let size = |one: &FieldEffect| one.effect.abs();
+    found
+        .effects
+        .sort_by(|one, other| size(other).total_cmp(&size(one)));
+    Ok(found)
+}
+
+/// Adds the numeric fields of a table and of its tables, with their paths.
+fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
+    let mut child = |key: &str, node: &Value| numbers(node, &format!("{path}.{key}"), fields);
+    match node {
+        Value::Object(table) => table.iter().for_each(|(key, node)| child(key, node)),
+        Value::Array(items) if items.len() <= LONGEST_LIST => {
+            let items = items.iter().enumerate();
+            items.for_each(|(place, node)| child(&place.to_string(), node));
+        }
+        Value::Number(number) => {
+            fields.extend(number.as_f64().map(|value| (path.to_owned(), value)))
+        }
+        _ => {}
+    }
+}
+
+/// Runs of the trials with other values of a field.
+struct ErrorRuns<'a> {
+    study: &'a Study,
+    quantity: Quantity,
+    trials: u64,
+    runner: &'a Runner,
+    models: &'a SharedModels,
+}
+
+impl ErrorRuns<'_> {
+    /// Root mean square of the true values, and the squared errors of the trials, with these values of fields.
+    fn at(
+        &self,
+        fields: &[(String, Vec<toml::Value>)],
+    ) -> Result<(f64, SquaredErrors), ConfigError> {
+        let varied;
+        let study = match fields.is_empty() {
+            true => self.study,
+            false => {
+                varied = self.study.varied(fields)?;
+                &varied
+            }
+        };
+        let scene = study.estimable_scene_of(0, &study.cell(0)?, self.models)?;
+        let place = scene
+            .quantities()
+            .iter()
+            .position(|one| *one == self.quantity)
+            .unwrap_or_default();
+        let trials = scene.trials(self.trials);
+        let blocks = self.runner.map(trials.div_ceil(BLOCK) as usize, |block| {
+            let first = block as u64 * BLOCK;
+            let numbers = first..(first + BLOCK).min(trials);
+            numbers
+                .map(|trial| squares(&scene, trial, place))
+                .collect::<Vec<_>>()
+        });
+        let all: Vec<_> = blocks.into_iter().flatten().collect();
+        let truths = all.iter().flatten().map(|(_, truth)| truth);
+        let truth = truths.clone().sum::<f64>() / truths.count().max(1) as f64;
+        let errors = all.iter().map(|one| one.map(|(error, _)| error)).collect();
+        Ok((truth.sqrt(), errors))
+    }
+
+    /// Effect of a field with this value in the config, or the reason why there is none.
+    fn effect(
+        &self,
+        path: &str,
+        value: f64,
+        step: f64,
+        base: &SquaredErrors,
+    ) -> Result<FieldEffect, String> {
+        if value == 0.0 {
+            return Err("it is 0, so it has no relative change".to_owned());
+        }
+        let is_whole = self.study.takes(path) == Some(Takes::Whole);
+        let step = match is_whole {
+            true => (step * value.abs()).round().max(1.0),
+            false => step * value.abs(),
+        };
+        let fixed = |value: f64| {
+            let value = match is_whole {
+                true => toml::Value::Integer(value as i64),
+                false => toml::Value::Float(value),
+            };
+            [(path.to_owned(), vec![value])]
+        };
+        let column = self
+            .study
+            .varied(&fixed(value))
+            .map_err(|error| error.message().to_owned())?;
+        let column = column.columns.last().cloned().unwrap_or_default();
+        let mut why = String::new();
+        let mut end = |value: f64| {
+            let run = self.at(&fixed(value));
+            run.map_err(|error| why = error.message().to_owned()).ok()
+        };
+        let ends = [value - step, value + step].map(|value| Some((value, end(value)?.1)));
+        let [low, high] = match ends {
+            [None, None] => return Err(why),
+            [low, high] => [low, high].map(|end| end.unwrap_or_else(|| (value, base.clone()))),
+        };
+        let pairs = low.1.iter().zip(&high.1);
+        let pairs: Vec<[f64; 2]> = pairs
+            .filter_map(|(one, other)| Some([(*one)?, (*other)?]))
+            .collect();
+        let count = pairs.len() as f64;
+        let means = [0, 1].map(|end| pairs.iter().map(|pair| pair[end]).sum::<f64>() / count);
+        let change = libm::log(high.0 / low.0);
+        let effect = 0.5 * libm::log(means[1] / means[0]) / change;
+        if !effect.is_finite() {
+            return Err("no trial succeeds at both values, or one value has no error".to_owned());
+        }
+        // Both means come from the same random numbers, so their errors are correlated.
+        let influences = pairs
+            .iter()
+            .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));
+        let squares: f64 = influences.map(|influence| influence * influence).sum();
+        let variance = squares / (count * (count - 1.0).max(1.0));
+        Ok(FieldEffect {
+            column,
+            value,
+            values: [low.0, high.0],
+            rms_errors: means.map(f64::sqrt),
+            effect,
+            effect_std: variance.sqrt() / change.abs(),
+            failures: (low.1.len().min(high.1.len()) - pairs.len()) as u64,
+        })
+    }
+}
+
+/// Means of the squared errors and of the squared true values of a trial; `None` if it failed.
+fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
+    let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
+    let run = scene.trial(trial, |quantity, observed| {
+        if quantity == place {
+            errors += (observed.estimate - observed.truth).powi(2);
+            truths += observed.truth * observed.truth;
+            count += 1.0;
+        }
+    });
+    let is_finite = f64::is_finite(errors + truths) && count > 0.0;
+    (run.is_ok() && is_finite).then(|| (errors / count, truths / count))
+}
+
+impl Sensitivity {
+    /// Table with one row per field, the largest effect first.
+    pub fn table(&self) -> Table {
+        let columns = [
+            "field",
+            "value",
+            "low",
+            "high",
+            "quantity",
+            "unit",
+            "rms_error_low",
+            "rms_error_high",
+            "effect",
+            "effect_std",
+            "trials",
+            "failures",
+        ];
+        let mut table = Table::new(columns.map(str::to_owned));
+        table.rows.extend(self.effects.iter().map(|one| {
+            let text = number::shortest;
+            vec![
+                one.column.clone(),
+                text(one.value),
+                text(one.values[0]),
+                text(one.values[1]),
+                self.quantity.name.to_owned(),
+                self.unit.to_owned(),
+                text(one.rms_errors[0]),
+                text(one.rms_errors[1]),
+                text(one.effect),
+                text(one.effect_std),
+                self.trials.to_string(),
+                one.failures.to_string(),
+            ]
+        }));
+        table
+    }
+
+    /// Lines for a terminal: the error, then a line per field, then the fields without a measured effect.
+    pub fn lines(&self) -> Vec<String> {
+        let size = number::significant(self.rms_error, 3);
+        let mut lines = vec![
+            format!(
+                "rms error of {}: {size} {} in {} trials",
+                self.quantity.words,
+                self.unit,
+                number::grouped(self.trials)
+            ),
+            "1 % more of a field changes this error by (with its standard error):".to_owned(),
+        ];
+        let widest = self.effects.iter().map(|one| one.column.len()).max();
+        for one in &self.effects {
+            let [low, high] = one.values.map(|value| number::significant(value, 4));
+            let failures = match one.failures {
+                0 => String::new(),
+                count => format!("; {} trials failed", number::grouped(count)),
+            };
+            lines.push(format!(
+                "  {:width$}  {:+.3} % ± {:.3}  (from {low} to {high}{failures})",
+                one.column,
+                one.effect,
+                one.effect_std,
+                width = widest.unwrap_or(0)
+            ));
+        }
+        let skipped = self.skipped.iter();
+        lines.extend(skipped.map(|(path, why)| format!("not measured: {path}: {why}")));
+        lines
+    }
+
+    /// The result as JSON.
+    pub fn to_json(&self, study: &Study) -> Value {
+        let effects = self.effects.iter().map(|one| {
+            json!({
+                "field": one.column,
+                "value": one.value,
+                "values": one.values,
+                "rms_errors": one.rms_errors,
+                "effect": one.effect,
+                "effect_std": one.effect_std,
+                "failures": one.failures,
+            })
+        });
+        let skipped = self.skipped.iter();
+        json!({
+            "format_version": 1,
+            "study": study.config.name,
+            "quantity": self.quantity.name,
+            "unit": self.unit,
+            "trials": self.trials,
+            "rms_error": self.rms_error,
+            "effects": effects.collect::<Value>(),
+            "skipped": skipped.map(|(path, why)| json!({ "field": path, "why": why })).collect::<Value>(),
+        })
+    }
+
+    /// Bar chart of the largest effects. `name` is the name of its files.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be drawn.
+    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+        let bars = self.effects.iter().take(MAX_BARS).map(|one| {
+            let words = Label::of_field(&one.column).words;
+            (words, one.effect, one.effect_std)
+        });
+        bar_figure(&Bars {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            subtitle: format!(
+                "Change of the rms error of the {} if a field is 1 % larger; {} trials of each value.",
+                self.quantity.words,
+                number::grouped(self.trials)
+            ),
+            axis: "change of the error per 1 % of the field (%)".to_owned(),
+            bars: bars.collect(),
+            notes: vec!["Lines: 95 % intervals of the Monte Carlo error.".to_owned()],
+        })
+    }
+}
