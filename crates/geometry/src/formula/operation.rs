@@ -16,6 +16,8 @@ pub(super) enum Unary {
     DivideBy(f64),
     /// a^c
     Power(f64),
+    /// |a|^c, with c >= 2, which is twice differentiable where |a| is not
+    AbsPower(f64),
     /// c^a, with c > 0
     Exponential(f64),
     Sin,
@@ -93,6 +95,10 @@ impl Unary {
             Self::Scale(c) => a * c,
             Self::DivideBy(c) => a / c,
             Self::Power(n) => a.compose(|v| power(v, n)),
+            Self::AbsPower(n) => a.compose(|v| {
+                let [value, first, second] = power(v.abs(), n);
+                [value, first * v.signum(), second]
+            }),
             Self::Exponential(base) => a.compose(|v| {
                 let (f, ln) = (libm::pow(base, v), libm::log(base));
                 [f, f * ln, f * ln * ln]

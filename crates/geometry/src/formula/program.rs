@@ -41,6 +41,15 @@ impl Program {
         self
     }
 
+    fn power(mut self, exponent: f64) -> Self {
+        let is_abs = self.instructions.last() == Some(&Instruction::Unary(Unary::Abs));
+        if is_abs && exponent >= 2.0 {
+            self.instructions.pop();
+            return self.unary(Unary::AbsPower(exponent));
+        }
+        self.unary(Unary::Power(exponent))
+    }
+
     fn binary(self, operation: Binary, right: Self) -> Self {
         let swapped = right.slots > self.slots;
         let (mut first, second) = if swapped {
@@ -138,7 +147,7 @@ impl Expression {
             (Binary::Multiply, Varying(a), Constant(c))
             | (Binary::Multiply, Constant(c), Varying(a)) => Varying(a.unary(Unary::Scale(c))),
             (Binary::Divide, Varying(a), Constant(c)) => Varying(a.unary(Unary::DivideBy(c))),
-            (Binary::Power, Varying(a), Constant(c)) => Varying(a.unary(Unary::Power(c))),
+            (Binary::Power, Varying(a), Constant(c)) => Varying(a.power(c)),
             (Binary::Power, Constant(c), Varying(a)) if c > 0.0 => {
                 Varying(a.unary(Unary::Exponential(c)))
             }

@@ -55,6 +55,8 @@ fn the_glossary_has_words_quantities_statistics_and_keys() {
         "| rung | One of several models",
         "| `mean_curvature` | Mean curvature of the object. Unit: 1/length. Scenes: roll, glide. |",
         "| `rms_error` | Root mean square of the errors. |",
+        "| `object` of a roll | sphere, dish, plane, cylinder, ellipsoid,",
+        "| `noise` of a roll | angular_velocity, ",
         "| `scene.object.kind` | `dish`: The inside of a sphere, touched on its lower half. |",
     ] {
         assert!(glossary.contains(&format!("\n{row}")), "{row}: {glossary}");
@@ -62,6 +64,19 @@ fn the_glossary_has_words_quantities_statistics_and_keys() {
     let columns = glossary.lines().filter(|line| line.starts_with('|'));
     for line in columns {
         assert_eq!(line.replace("\\|", "").matches('|').count(), 3, "{line}");
+    }
+}
+
+#[test]
+fn scenes_are_listed_with_the_kinds_of_their_parts() {
+    let scenes = Desk::new().palpate("explain scenes").printed();
+    for lines in [
+        "roll\n  probe     sphere\n  object    sphere, dish, plane,",
+        "\n  sensor    ideal, wrist, pads\n",
+        "\n\nglide\n  probe     point, sphere\n",
+        "\n\npress\n  probe     marker-sphere\n",
+    ] {
+        assert!(scenes.contains(lines), "{lines}: {scenes}");
     }
 }
 

@@ -143,6 +143,9 @@ fn are_not_finite_exactly_where_they_do_not_exist() {
         ("hypot(x, 2)", jet(2.0, [0.0, 0.0], [0.5, 0.0, 0.0])),
         ("tanh(x+1000)", jet(1.0, [0.0; 2], [0.0; 3])),
         ("abs(x-1)", jet(1.0, [-1.0, 0.0], [0.0; 3])),
+        ("abs(x/2)^2.5", jet(0.0, [0.0; 2], [0.0; 3])),
+        ("abs(x/2)^2", jet(0.0, [0.0; 2], [0.5, 0.0, 0.0])),
+        ("abs(x-1)^3", jet(1.0, [-3.0, 0.0], [6.0, 0.0, 0.0])),
     ];
     for (text, expected) in regular {
         assert_close(&formula(text).jet(0.0, 0.0), &expected, 1e-14, text);

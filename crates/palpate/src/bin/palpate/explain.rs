@@ -15,8 +15,24 @@ use crate::output;
 /// Columns of a line of text.
 const WIDTH: usize = 100;
 
+/// Parts of a scene that have kinds.
+const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estimator"];
+/// Word for the table of the kinds of scenes.
+const SCENES: &str = "scenes";
+
 /// Prints what a word means; without one, all words.
 pub(crate) fn explain(word: &str) -> Result<(), Failure> {
+    if spelt(word) == SCENES {
+        let scene = |(kind, parts): (String, Vec<(&str, String)>)| {
+            let parts = parts.into_iter().map(|(part, kinds)| {
+                let kinds = wrapped(&kinds, "            ");
+                format!("  {part:10}{}", kinds.trim_start())
+            });
+            format!("{kind}\n{}", parts.collect::<Vec<_>>().join("\n"))
+        };
+        let scenes: Vec<String> = scenes().into_iter().map(scene).collect();
+        return output::print(&scenes.join("\n\n"));
+    }
     if word.trim().is_empty() {
         let subjects = SUBJECTS.iter().map(|subject| {
             let names: Vec<&str> = subject.terms.iter().map(|term| term.name).collect();
@@ -24,7 +40,8 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
             format!("{}\n{}", subject.title, wrapped(&names, "  "))
         });
         let others = "`palpate explain WORD` explains one. It also explains the quantities and statistics that \
-                      `palpate schema --quantities` lists, and every key of configs.";
+                      `palpate schema --quantities` lists, and every key of configs. `palpate explain scenes` lists the \
+                      objects, sensors and noises of each kind of scene.";
         let all: Vec<String> = subjects.chain([wrapped(others, "")]).collect();
         return output::print(&all.join("\n\n"));
     }
@@ -60,7 +77,7 @@ pub(crate) fn glossary() -> Result<(), Failure> {
             .terms
             .iter()
             .map(|term| (term.name.to_owned(), term.meaning.to_owned()));
-        text += &section(subject.title, "word", rows);
+        text += &section(subject.title, ["word", "meaning"], rows);
     }
     let quantities = Quantity::ALL.iter().map(|quantity| {
         let unit = in_words(quantity.unit);
@@ -71,25 +88,64 @@ pub(crate) fn glossary() -> Result<(), Failure> {
             format!("{meaning} Unit: {unit}. Scenes: {scenes}."),
         )
     });
-    text += &section("Quantities", "quantity", quantities);
+    text += &section("Quantities", ["quantity", "meaning"], quantities);
     let statistics = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
     let statistics =
         statistics.map(|one| (format!("`{}`", one.name()), one.meaning().trim().to_owned()));
-    text += &section("Statistics of a grid point", "statistic", statistics);
+    text += &section(
+        "Statistics of a grid point",
+        ["statistic", "meaning"],
+        statistics,
+    );
+    let parts = scenes().into_iter().flat_map(|(scene, parts)| {
+        let row = move |(part, kinds)| (format!("`{part}` of a {scene}"), kinds);
+        parts.into_iter().map(row)
+    });
+    text += &section("Kinds of scenes", ["part", "kinds, or keys"], parts);
     let keys = config_keys()
         .into_iter()
         .map(|(path, meaning)| (format!("`{path}`"), meaning));
-    text += &section("Keys of configs", "key", keys);
+    text += &section("Keys of configs", ["key", "meaning"], keys);
     output::print(text.trim_end())
 }
 
+/// Kinds of scenes, each with its parts: their kinds, or the keys of a part without kinds.
+fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
+    let schema = schema();
+    let text = |value: &Value| value.as_str().map(str::to_owned);
+    let kinds_of = |part: &Value| -> Vec<String> {
+        let keys = part["properties"].as_object().into_iter().flatten();
+        match part["oneOf"].as_array() {
+            Some(kinds) => kinds
+                .iter()
+                .filter_map(|kind| text(&kind["properties"]["kind"]["const"]))
+                .collect(),
+            None => keys.map(|(key, _)| key.clone()).collect(),
+        }
+    };
+    let scene = |scene: &Value| {
+        let parts = PARTS.map(|part| (part, kinds_of(&scene["properties"][part]).join(", ")));
+        let parts = parts.into_iter().filter(|(_, kinds)| !kinds.is_empty());
+        Some((
+            text(&scene["properties"]["kind"]["const"])?,
+            parts.collect(),
+        ))
+    };
+    let scenes = schema["properties"]["scene"]["oneOf"].as_array();
+    scenes.into_iter().flatten().filter_map(scene).collect()
+}
+
 /// A section of the glossary with a table.
-fn section(title: &str, column: &str, rows: impl Iterator<Item = (String, String)>) -> String {
+fn section(
+    title: &str,
+    [first, second]: [&str; 2],
+    rows: impl Iterator<Item = (String, String)>,
+) -> String {
     let cell = |text: String| text.replace('\n', " ").replace('|', "\\|");
     let rows: String = rows
         .map(|(name, meaning)| format!("| {} | {} |\n", cell(name), cell(meaning)))
         .collect();
-    format!("\n## {title}\n\n| {column} | meaning |\n|---|---|\n{rows}")
+    format!("\n## {title}\n\n| {first} | {second} |\n|---|---|\n{rows}")
 }
 
 /// Paths of all config keys, each with its meaning, unit and default. A key with the same description in several kinds of
