@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::{Matrix2, Vector2};
-use palpate_statistics::Number;
+use palpate_statistics::{NORMAL_95, Number};
 use strum::IntoStaticStr;
 use thiserror::Error;
 
@@ -32,6 +32,12 @@ pub struct CurvatureForm {
     /// Normal curvature along `v`.
     pub k_vv: f64,
 }
+
+/// Half the difference of two estimated principal curvatures, in standard deviations across it, that noise alone exceeds
+/// in 5 % of the cases if the true curvatures are equal: the root of the 95 % quantile of χ² with 2 degrees of freedom.
+const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
+/// Standard deviation of a direction that is uniform over half a turn: π/√12, rad.
+const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
 /// The two principal curvatures, ordered by signed value, and their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,6 +114,49 @@ impl CurvatureForm {
             k_max: mean + spread,
             angle_of_max_rad: if spread == 0.0 { 0.0 } else { angle },
         }
+    }
+
+    /// Standard deviations of `k_min`, `k_max` and the angle of [`CurvatureForm::principal`] (rad), from the covariance of
+    /// `k_uu`, `k_vv` and `k_uv`, to first order.
+    ///
+    /// If the two curvatures do not differ significantly, the direction is unknown, and noise alone separates the
+    /// estimates. The intervals of both then reach beyond the mean curvature.
+    ///
+    /// ```
+    /// use palpate_geometry::CurvatureForm;
+    ///
+    /// let variances = [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 1e-4]];
+    /// let ridge = CurvatureForm { k_uu: 0.5, k_uv: 0.0, k_vv: 0.0 };
+    /// let [min, max, angle] = ridge.principal_stds(&variances);
+    /// assert!((min - 0.01).abs() < 1e-15 && (max - 0.01).abs() < 1e-15 && (angle - 0.02).abs() < 1e-15);
+    /// // Every direction of a ball is principal.
+    /// let [.., angle] = CurvatureForm::isotropic(0.5).principal_stds(&variances);
+    /// assert!((angle.to_degrees() - 52.0).abs() < 0.1);
+    /// ```
+    pub fn principal_stds(&self, covariance: &[[f64; 3]; 3]) -> [f64; 3] {
+        let std = |gradient: [f64; 3]| {
+            let along = covariance.map(|row| (0..3).map(|at| row[at] * gradient[at]).sum::<f64>());
+            let variance: f64 = (0..3).map(|at| along[at] * gradient[at]).sum();
+            variance.max(0.0).sqrt()
+        };
+        let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
+        let spread = libm::hypot(half_difference, mixed);
+        let [cos, sin] = match spread > 0.0 {
+            true => [half_difference / spread, mixed / spread],
+            false => [1.0, 0.0],
+        };
+        let [min, max] =
+            [-0.5, 0.5].map(|half| std([0.5 + half * cos, 0.5 - half * cos, 2.0 * half * sin]));
+        let across = std([-0.5 * sin, 0.5 * sin, cos]);
+        if spread > SIGNIFICANT_SPREAD * across {
+            return [min, max, 0.5 * across / spread];
+        }
+        let beyond_mean = std([0.5, 0.5, 0.0]) + spread / NORMAL_95;
+        [
+            min.max(beyond_mean),
+            max.max(beyond_mean),
+            UNKNOWN_DIRECTION_STD,
+        ]
     }
 
     /// Normal curvature in the tangent direction at `angle_rad` from `u` towards `v`, 1/length.

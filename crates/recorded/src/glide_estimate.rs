@@ -15,6 +15,7 @@ use super::glide_options::GlideOptions;
 use super::glide_recording::GlideRecording;
 use super::glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
+use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::value::{FORMAT_VERSION, Value};
 use palpate_estimators::GlideFit;
@@ -221,6 +222,7 @@ impl<'r> GlideFitResult<'r> {
             position: tidy(&centre.position.coords),
             normal: tidy(&centre.normal),
             gaussian_curvature: value(curvature.gaussian, gaussian_std, Unit::PerLengthSquared),
+            radius: Radius::of_mean(&value(curvature.mean, mean_std, Unit::PerLength), unit),
             mean_curvature: value(curvature.mean, mean_std, Unit::PerLength),
             k_min: value(centre.k_min, min_std, Unit::PerLength),
             k_max: value(centre.k_max, max_std, Unit::PerLength),

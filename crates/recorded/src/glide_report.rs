@@ -7,6 +7,7 @@ use palpate_ep2::{MapPoint, Region, Regions};
 use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
+use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::value::Value;
 use palpate_estimators::{map_table, push_map_point};
@@ -61,6 +62,8 @@ pub struct GlideEstimate {
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
+    /// Inverse of the mean curvature.
+    pub(super) radius: Radius,
     pub(super) k_min: Value,
     pub(super) k_max: Value,
     /// Unit tangents, of either sign.

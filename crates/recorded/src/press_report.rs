@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_press::{ContactRegime, Estimated, PressEstimate};
+use palpate_press::{ContactRegime, Estimated, Interval, PressEstimate};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 use serde::Serialize;
@@ -166,6 +166,27 @@ impl PressReport {
 }
 
 impl Radius {
+    /// The inverse of a mean curvature with its interval, if the noise is known.
+    pub(super) fn of_mean(curvature: &Value, length: LengthUnit) -> Self {
+        let [low, high] = curvature.interval95.unwrap_or_default();
+        let radius = Self::of(
+            &Estimated {
+                value: curvature.value,
+                std: curvature.std.unwrap_or(f64::NAN),
+                interval: Interval { low, high },
+            },
+            length,
+        );
+        match curvature.interval95 {
+            Some(_) => radius,
+            None => Self {
+                convex95: None,
+                concave95: None,
+                ..radius
+            },
+        }
+    }
+
     /// The inverse of a curvature.
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
@@ -190,8 +211,6 @@ impl Radius {
 
 #[cfg(test)]
 mod tests {
-    use palpate_press::Interval;
-
     use super::*;
 
     #[test]

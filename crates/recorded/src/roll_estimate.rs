@@ -10,6 +10,7 @@ use palpate_statistics::{NORMAL_95, Number, student_half_width};
 use serde::{Serialize, Serializer};
 
 use super::error::{RecordedError, explained};
+use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_warnings::units;
@@ -36,9 +37,10 @@ pub struct RollEstimate {
     pub(super) recorded: RollRecording,
     pub(super) options: RollOptions,
     pub(super) unit: LengthUnit,
-    /// The noise that the standard deviations follow from: stated, or from the residuals.
-    noise: ReadingNoise,
     pub(super) estimate: Estimate,
+    /// Covariance of the normal curvatures along u and v and of the twist, by the noise that is stated or that follows
+    /// from the residuals.
+    covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
     /// Half-width of the 95 % intervals, in standard deviations.
     half_width: f64,
@@ -64,6 +66,8 @@ pub struct RollValues {
     pub principal_curvature_max: Value,
     /// Direction of the largest curvature, from +u towards +v of the readings.
     pub principal_direction_max_deg: f64,
+    /// Its standard deviation: at most 52, that of an unknown direction; `null` if the noise is unknown.
+    pub principal_direction_max_std_deg: Option<f64>,
     /// Amplification of a relative error of the readings along u: 1 + 1/RCR; `null` if the object is flat.
     pub amplification_u: Option<f64>,
     /// The same along v.
@@ -81,6 +85,8 @@ struct RollReport {
     probes: usize,
     #[serde(flatten)]
     values: RollValues,
+    /// Inverse of the mean curvature.
+    radius: Radius,
     /// Source of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
@@ -98,15 +104,27 @@ impl RollEstimate {
         };
         let bare = |value: f64, power: Unit| Value::bare(value, power.of(*unit));
         let principal = estimate.curvature.principal();
+        let stds = self
+            .covariance
+            .map(|covariance| estimate.curvature.principal_stds(&covariance));
+        let extreme = |extreme: f64, place: usize| {
+            let std = stds.map(|stds| stds[place]);
+            let measured = Measured {
+                value: extreme,
+                std,
+            };
+            value(measured, Unit::PerLength)
+        };
         RollValues {
             normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
             normal_curvature_v: value(estimate.normal_curvature_v, Unit::PerLength),
             gaussian_curvature: value(estimate.gaussian_curvature, Unit::PerLengthSquared),
             mean_curvature: value(estimate.mean_curvature, Unit::PerLength),
             arc_length: bare(estimate.arc_length, Unit::Length),
-            principal_curvature_min: bare(principal.k_min, Unit::PerLength),
-            principal_curvature_max: bare(principal.k_max, Unit::PerLength),
+            principal_curvature_min: extreme(principal.k_min, 0),
+            principal_curvature_max: extreme(principal.k_max, 1),
             principal_direction_max_deg: principal.angle_of_max_rad.to_degrees() + 0.0,
+            principal_direction_max_std_deg: stds.map(|[.., angle]| angle.to_degrees()),
             amplification_u: estimate.amplification(0.0),
             amplification_v: estimate.amplification(FRAC_PI_2),
             residual_rms: bare(self.residual, Unit::Length),
@@ -123,20 +141,20 @@ impl RollEstimate {
 
     /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
     /// unknown.
-    pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
-        let readings = &self.recorded.readings;
-        let fitted = LeastSquares::fitted(self.options.probe_radius, self.noise, readings);
-        fitted.ok()?.0.covariance(&self.estimate)
+    pub const fn covariance(&self) -> Option<[[f64; 3]; 3]> {
+        self.covariance
     }
 }
 
 impl Serialize for RollEstimate {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let values = self.values();
         let report = RollReport {
             format_version: FORMAT_VERSION,
             method: "least-squares",
             probes: self.recorded.readings.len(),
-            values: self.values(),
+            radius: Radius::of_mean(&values.mean_curvature, self.unit),
+            values,
             std_from: self.std_from,
             unresolved_probes: self.unresolved(),
             p_value: self.p_value(),
@@ -235,9 +253,9 @@ pub fn estimate_roll(
     };
 
     let RollEstimatorConfig::LeastSquares = options.estimator;
-    let fit = |noise| LeastSquares::of(options.probe_radius, noise, readings).map_err(refused);
+    let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
     let mut noise = options.noise;
-    let mut estimate = fit(noise)?;
+    let (mut fitted, mut estimate) = fit(noise)?;
     let (residual, freedom) = estimate.residual(readings);
     let mut half_width = NORMAL_95;
     let std_from = match noise {
@@ -250,7 +268,7 @@ pub fn estimate_roll(
         _ if noise.is_stated() => "the stated noise",
         _ if freedom > 0 && residual > 0.0 => {
             noise.shift_std = residual;
-            estimate = fit(noise)?;
+            (fitted, estimate) = fit(noise)?;
             half_width = student_95(freedom);
             "the residuals"
         }
@@ -260,7 +278,7 @@ pub fn estimate_roll(
         options: options.clone(),
         recorded,
         unit,
-        noise,
+        covariance: fitted.covariance(&estimate),
         estimate,
         residual,
         half_width,

@@ -129,7 +129,8 @@ subjects! {
     }
     "Fields of estimates" {
         "amplification_u": "Factor from a relative error of a roll's readings to that of the curvature along u: 1 + 1/RCR. `amplification_v` is that along v.";
-        "principal_curvature_min": "Smallest normal curvature from rolls; `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v.";
+        "principal_curvature_min": "Smallest normal curvature from rolls; `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. The direction's standard deviation is 52° if the two curvatures do not differ significantly.";
+        "radius": "Inverse of the mean curvature from rolls and glides, with a 95 % interval for a convex and for a concave object.";
         "residual_rms": "Root mean square of the shifts that the fit of rolls does not explain.";
         "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
         "unresolved_probes": "Rolls during which no pad changed, with the bound on the object's radius if there is one.";

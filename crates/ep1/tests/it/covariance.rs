@@ -212,3 +212,45 @@ fn intervals_of_flat_objects_include_the_rounding_error() {
         }
     }
 }
+
+#[test]
+fn intervals_of_principal_curvatures_hold_them_even_where_they_coincide() {
+    let noise = ReadingNoise {
+        shift_std: 2e-4,
+        ..Default::default()
+    };
+    let near = CurvatureForm {
+        k_uu: 0.21,
+        k_uv: 0.01,
+        k_vv: 0.2,
+    };
+    for form in [
+        FORM,
+        near,
+        CurvatureForm::isotropic(0.2),
+        CurvatureForm::default(),
+    ] {
+        let (exact, truth) = (readings(1.0, &form, &eight(0.1)), form.principal());
+        let (mut draws, trials, mut held) = (Draws(7), 4000, [0.0; 3]);
+        for _ in 0..trials {
+            let noisy = draws.noisy(&exact, &noise);
+            let (fit, estimate) = LeastSquares::fitted(1.0, noise, &noisy).unwrap();
+            let found = estimate.curvature.principal();
+            let covariance = fit.covariance(&estimate).unwrap();
+            let stds = estimate.curvature.principal_stds(&covariance);
+            let turn = found.angle_of_max_rad - truth.angle_of_max_rad;
+            let errors = [
+                found.k_min - truth.k_min,
+                found.k_max - truth.k_max,
+                turn - std::f64::consts::PI * (turn / std::f64::consts::PI).round(),
+            ];
+            for (held, (error, std)) in held.iter_mut().zip(errors.iter().zip(stds)) {
+                *held += f64::from(u8::from(error.abs() <= 1.96 * std)) / f64::from(trials);
+            }
+        }
+        assert!(
+            held.iter().all(|share| *share > 0.935),
+            "{form:?}: {held:?}"
+        );
+    }
+}

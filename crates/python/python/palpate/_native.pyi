@@ -105,9 +105,11 @@ class RollEstimate(Record):
     principal_curvature_min: _Value
     principal_curvature_max: _Value
     principal_direction_max_deg: float
+    principal_direction_max_std_deg: float | None
     amplification_u: float | None
     amplification_v: float | None
     residual_rms: _Value
+    radius: _Radius
     std_from: str
     unresolved_probes: list[Record]
     p_value: float | None
@@ -252,6 +254,7 @@ class GlideEstimate(Record):
     normal: _Floats
     gaussian_curvature: _Value
     mean_curvature: _Value
+    radius: _Radius
     k_min: _Value
     k_max: _Value
     direction_of_min: _Floats
