@@ -55,6 +55,10 @@ static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticContact {
+    /// Relative principal curvatures, the smaller first, 1/length.
+    pub relative_curvatures: [f64; 2],
+    /// Approach of the bodies since first touch, length.
+    pub indentation: f64,
     /// Semi-axes of the contact, the longer first, length.
     pub semi_axes: [f64; 2],
     /// Pressure in the middle over the effective modulus E/(1 − ν²).
@@ -99,15 +103,29 @@ impl EllipticContact {
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {
+            relative_curvatures,
+            indentation,
             semi_axes: [a, ratio * a],
             peak_pressure: indentation / (ratio * a * size),
             poisson,
         })
     }
 
-    /// Pressure in the middle of the contact over Young's modulus.
-    pub(crate) fn pressure_per_young(&self) -> f64 {
-        self.peak_pressure / (1.0 - self.poisson * self.poisson)
+    /// Geometric mean of the semi-axes, length.
+    pub fn radius(&self) -> f64 {
+        let [long, short] = self.semi_axes;
+        long.sqrt() * short.sqrt()
+    }
+
+    /// Force between the bodies for a Young's modulus of the soft one, 2π ab p₀/3, in the unit of the modulus times length².
+    pub fn force(&self, young: f64) -> f64 {
+        let [long, short] = self.semi_axes;
+        2.0 / 3.0 * std::f64::consts::PI * long * short * self.pressure(young)
+    }
+
+    /// Pressure in the middle of the contact for a Young's modulus of the soft body, in its unit.
+    pub fn pressure(&self, young: f64) -> f64 {
+        young * self.peak_pressure / (1.0 - self.poisson * self.poisson)
     }
 
     /// The displacement at (x, y) in the axes of the ellipse and at depth `z` ≥ 0, lengths below 1e50.

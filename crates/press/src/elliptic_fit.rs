@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use palpate_statistics::student_half_width;
 
 use crate::{
-    EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Place, PressError,
-    PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
+    Bounds, EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Markers, Measured,
+    Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
 /// Sxx, Sxy, Syy in the axes at the place; displacements of the contact along both axes; the indentation.
@@ -89,6 +89,113 @@ impl ForwardFit {
             best = problem.minimise(best.state)?;
         }
         problem.outcome(&best)
+    }
+
+    /// [`ForwardFit::bounds`] of a fit of both principal curvatures, for a true contact at chart coordinates `at` whose longer
+    /// axis has the angle `axis` to the x axis there.
+    pub fn elliptic_bounds(
+        &self,
+        markers: &Markers,
+        contact: &EllipticContact,
+        (at, axis): ([f64; 2], f64),
+        tangential: bool,
+        indentation_std: Option<f64>,
+    ) -> Option<Bounds> {
+        let half_space = self.body.sideways()?;
+        let moved = markers.elliptic_displacements(contact, at, axis, half_space.1);
+        let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+        let along: Vec<[f64; 2]> = moved.iter().map(|moved| moved.tangential).collect();
+        let value = contact.indentation;
+        let reading = Reading {
+            markers,
+            normal: &normal,
+            tangential: tangential.then_some(along.as_slice()),
+            indentation: indentation_std.map(|std| Measured { value, std }),
+        };
+        let problem = Problem::new(self, half_space, &reading).ok()?;
+        if problem.is_estimated[0] || tangential && problem.is_estimated[1] {
+            return None;
+        }
+        let [smaller, larger] = contact.relative_curvatures;
+        let [low, high] = [libm::log(smaller), libm::log(larger)];
+        let (sine, cosine) = libm::sincos(axis);
+        let state = State {
+            log: Vector3::new(
+                low * cosine * cosine + high * sine * sine,
+                (low - high) * sine * cosine,
+                low * sine * sine + high * cosine * cosine,
+            ),
+            place: markers.skin().place(at),
+            indentation: value,
+        };
+        let stds = Stds::new(&problem.fit_at(state).ok()?.0.hessian)?;
+        let mean = 0.5 * (smaller + larger);
+        let across = axis + std::f64::consts::FRAC_PI_2;
+        let mean_std = stds.mean([larger, smaller], [across, axis]);
+        // Equal curvatures have no axis, and the larger and the smaller one are no smooth functions of the unknowns.
+        let principal = (high > low).then(|| {
+            let axis_std = stds.turn(axis) / (high - low);
+            [
+                larger * stds.along(across),
+                smaller * stds.along(axis),
+                axis_std,
+            ]
+        });
+        Some(Bounds {
+            relative_curvature: mean * mean_std,
+            indentation: stds.indentation(),
+            contact_radius: stds.contact_radius(contact, mean_std),
+            principal,
+        })
+    }
+}
+
+/// Standard deviations, to first order, by the covariance of the unknowns.
+struct Stds(Square);
+
+impl Stds {
+    /// `None` if the readings do not determine all unknowns.
+    fn new(hessian: &Square) -> Option<Self> {
+        let inverse = hessian.try_inverse()?;
+        let is_finite = inverse.iter().all(|part| part.is_finite());
+        let is_positive = (0..UNKNOWNS).all(|index| inverse[(index, index)] > 0.0);
+        (is_finite && is_positive).then_some(Self(inverse))
+    }
+
+    /// Of a sum of the tensor's xx, xy and yy with these weights.
+    fn tensor(&self, weights: &Vector3<f64>) -> f64 {
+        let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
+        weights.dot(&(tensor * weights)).max(0.0).sqrt()
+    }
+
+    /// Of the logarithm of the curvature in a direction.
+    fn along(&self, angle: f64) -> f64 {
+        self.tensor(&along(angle))
+    }
+
+    /// Of the tensor's component across a principal direction.
+    fn turn(&self, angle: f64) -> f64 {
+        let (sine, cosine) = libm::sincos(2.0 * angle);
+        self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
+    }
+
+    /// Of the mean of both relative curvatures in these directions, relative to it.
+    fn mean(&self, [larger, smaller]: [f64; 2], angles: [f64; 2]) -> f64 {
+        let [first, second] = angles.map(along);
+        self.tensor(&((first * larger + second * smaller) / (larger + smaller)))
+    }
+
+    fn place(&self) -> [f64; 2] {
+        [3, 4].map(|index| self.0[(index, index)].sqrt())
+    }
+
+    fn indentation(&self) -> f64 {
+        self.0[(INDENTATION, INDENTATION)].sqrt()
+    }
+
+    /// a² ∝ δ/C: the error of the indentation and that of the mean curvature, as if independent.
+    fn contact_radius(&self, contact: &EllipticContact, mean_std: f64) -> f64 {
+        0.5 * contact.radius() * libm::hypot(mean_std, self.indentation() / contact.indentation)
     }
 }
 
@@ -317,12 +424,7 @@ impl<'a> Problem<'a> {
 
     fn outcome(&self, best: &Fit) -> Result<PressEstimate, PressError> {
         let what = "the markers do not determine both curvatures";
-        let covariance = best
-            .hessian
-            .try_inverse()
-            .filter(|inverse| inverse.iter().all(|part| part.is_finite()))
-            .filter(|inverse| (0..UNKNOWNS).all(|index| inverse[(index, index)] > 0.0))
-            .ok_or(PressError::Undetermined { what })?;
+        let stds = Stds::new(&best.hessian).ok_or(PressError::Undetermined { what })?;
         let uses_tangential = self.reading.tangential.is_some();
         let is_estimated = self.is_estimated[0] || uses_tangential && self.is_estimated[1];
         let freedom = self.readings() + usize::from(self.reading.indentation.is_some()) - UNKNOWNS;
@@ -333,17 +435,9 @@ impl<'a> Problem<'a> {
         };
         let (contact, axis) = self.contact(&best.state)?;
         let skin = self.reading.markers.skin();
-        if contact.semi_axes[0] >= skin.radius() {
-            return Err(PressError::TooWide {
-                radius: contact.semi_axes[0],
-                limit: skin.radius(),
-                what: "the sensor's radius",
-            });
-        }
-        let [long, short] = contact.semi_axes;
-        let radius = (long * short).sqrt();
+        skin.holds_contact(contact.semi_axes[0])?;
+        let radius = contact.radius();
         self.reading.markers.see(&best.state.place, radius)?;
-        let tensor: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
         let ([larger, smaller], angle) = principal(&best.state.log);
         let own = skin.curvature();
         let own_log = libm::log(own);
@@ -351,26 +445,31 @@ impl<'a> Problem<'a> {
             let what = "a needle of any sharpness explains the readings";
             return Err(PressError::Undetermined { what });
         }
-        let std = |slopes: &Vector3<f64>| slopes.dot(&(tensor * slopes)).max(0.0).sqrt();
         let mut bounds = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
         for direction in 0..DIRECTIONS {
-            let slopes = along(angle + std::f64::consts::PI * direction as f64 / DIRECTIONS as f64);
-            let (value, width) = (slopes.dot(&best.state.log), limit * std(&slopes));
+            let angle = angle + std::f64::consts::PI * direction as f64 / DIRECTIONS as f64;
+            let value = along(angle).dot(&best.state.log);
+            let width = limit * stds.along(angle);
             let ends = [value - width, value + width];
             // The larger curvature is at least, and the smaller at most, the one in any direction.
             bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
-        let across = {
-            let (sine, cosine) = libm::sincos(2.0 * angle);
-            std(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
-        };
+        let across = stds.turn(angle);
         // Noise separates the eigenvalues of a tensor: the second-order bias of both.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
+        // An angle off the axis by Δ is in the 95 % interval if the tensor's component across it, gap sin(2Δ)/2, is within its limit.
+        let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
+        let sine = 2.0 * limit * across / gap;
+        let axis_std = if sine < 1.0 {
+            0.5 * libm::asin(sine) / limit
+        } else {
+            unknown
+        };
         let finite = |log: f64| (log - own_log < MAX_LOG).then(|| libm::exp(log) - own);
         let curvature = |log: f64, bias: f64, angle: f64, [low, high]: [f64; 2]| {
-            let std = std(&along(angle));
+            let std = stds.along(angle);
             // The readings are nearly linear in the radius, so that the curvature has the bias of 1/x.
             let value = (log - bias - libm::log1p(std * std)).clamp(low, high);
             Estimated {
@@ -382,15 +481,13 @@ impl<'a> Problem<'a> {
                 },
             }
         };
-        let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
-        let root = |index: usize| covariance[(index, index)].sqrt();
         let [mean, mean_std] = {
             let [larger, smaller] = [
                 libm::exp(larger - repulsion),
                 libm::exp(smaller + repulsion),
             ];
-            let slopes = (along(angle) * larger + along(axis) * smaller) / (larger + smaller);
-            [0.5 * (larger + smaller), std(&slopes)]
+            let mean_std = stds.mean([larger, smaller], [angle, axis]);
+            [0.5 * (larger + smaller), mean_std]
         };
         let half_width = libm::exp(limit * mean_std);
         let interval = Interval {
@@ -419,21 +516,19 @@ impl<'a> Problem<'a> {
                     curvature(smaller, -repulsion, axis, bounds[1]),
                 ],
                 axis: half_turn(axis),
-                axis_std: (across / gap).min(unknown),
-                semi_axes: contact.semi_axes,
-                pressure_per_young: contact.pressure_per_young(),
+                axis_std,
+                contact,
             }),
-            indentation: Estimated::normal(best.state.indentation, root(INDENTATION), limit)
+            indentation: Estimated::normal(best.state.indentation, stds.indentation(), limit)
                 .positive(),
-            // a² ∝ δ/C: the error of the indentation and that of the curvature, as if independent.
             contact_radius: Estimated::normal(
                 radius,
-                0.5 * radius * libm::hypot(mean_std, root(INDENTATION) / best.state.indentation),
+                stds.contact_radius(&contact, mean_std),
                 limit,
             )
             .positive(),
             contact: skin.chart(best.state.place.direction.as_ref()),
-            contact_std: [root(3), root(4)],
+            contact_std: stds.place(),
             baseline: None,
             gain: None,
             wrong_markers: Vec::new(),

@@ -2,7 +2,7 @@
 
 use strum::IntoStaticStr;
 
-use crate::{GoodnessOfFit, PressError, within_object};
+use crate::{EllipticContact, GoodnessOfFit, PressError, within_object};
 
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,22 +118,8 @@ pub struct PrincipalCurvatures {
     pub axis: f64,
     /// Standard deviation of that angle, at most π/√12, which is that of an unknown axis.
     pub axis_std: f64,
-    /// Semi-axes of the contact, the longer first, length.
-    pub semi_axes: [f64; 2],
-    pub(crate) pressure_per_young: f64,
-}
-
-impl PrincipalCurvatures {
-    /// Force between the bodies for a Young's modulus of the soft one, 2π ab p₀/3, in the unit of the modulus times length².
-    pub fn force(&self, young: f64) -> f64 {
-        let [long, short] = self.semi_axes;
-        2.0 / 3.0 * std::f64::consts::PI * long * short * self.peak_pressure(young)
-    }
-
-    /// Pressure in the middle of the contact for a Young's modulus, in its unit.
-    pub fn peak_pressure(&self, young: f64) -> f64 {
-        young * self.pressure_per_young
-    }
+    /// The contact.
+    pub contact: EllipticContact,
 }
 
 /// An object's curvature from one press.
@@ -220,7 +206,7 @@ impl PressEstimate {
     pub fn within_object(&self) -> Result<(), PressError> {
         // The shorter semi-axis lies across the larger curvature.
         let (curvature, radius) = match self.principal {
-            Some(principal) => (principal.curvatures[0], principal.semi_axes[1]),
+            Some(principal) => (principal.curvatures[0], principal.contact.semi_axes[1]),
             None => (self.object_curvature(), self.contact_radius.value),
         };
         within_object(curvature.interval.low.unwrap_or_default(), radius)

@@ -74,6 +74,9 @@ pub struct Bounds {
     pub indentation: f64,
     /// Bound for the contact's radius, length.
     pub contact_radius: f64,
+    /// Bounds for the larger and the smaller principal curvature, 1/length, and for the axis, radians; `None` if only one
+    /// curvature is fitted, or both are equal.
+    pub principal: Option<[f64; 3]>,
 }
 
 /// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
@@ -187,6 +190,7 @@ impl ForwardFit {
             relative_curvature: contact.relative_curvature * stds.log_curvature,
             indentation: stds.indentation,
             contact_radius: stds.contact_radius,
+            principal: None,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
-use crate::{Body, Contact, ContactRegime, PressError};
+use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
 /// Lengths whose products of a few factors stay in the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
@@ -121,13 +121,30 @@ impl Skin {
         object_curvature: f64,
         indentation: f64,
     ) -> Result<Contact<'b>, PressError> {
-        let relative_curvature = self.curvature() + object_curvature;
-        match ContactRegime::of(self.curvature(), object_curvature) {
-            ContactRegime::Conforming => return Err(PressError::Conforming { relative_curvature }),
-            ContactRegime::Edge => return Err(PressError::EdgeContact { relative_curvature }),
-            ContactRegime::Convex | ContactRegime::Flat | ContactRegime::Concave => {}
-        }
+        let relative_curvature = self.relative_curvature(object_curvature)?;
         self.press(body, relative_curvature, indentation)
+    }
+
+    /// The contact of a half-space with an object of these principal curvatures, the smaller first.
+    ///
+    /// # Errors
+    /// Those of [`Skin::contact`], and [`PressError::TooWide`] where the contact is too wide for the larger curvature.
+    pub fn elliptic_contact(
+        &self,
+        poisson: f64,
+        [smaller, larger]: [f64; 2],
+        indentation: f64,
+    ) -> Result<EllipticContact, PressError> {
+        let relative = [self.relative_curvature(smaller)?, self.curvature() + larger];
+        self.holds_indentation(indentation)?;
+        let contact = EllipticContact::new(poisson, relative, indentation);
+        let contact = contact.map_err(|error| match error {
+            PressError::BadSetting(_) => PressError::OutOfRange,
+            other => other,
+        })?;
+        self.holds_contact(contact.semi_axes[0])?;
+        within_object(larger, contact.semi_axes[1])?;
+        Ok(contact)
     }
 
     /// The contact at this relative curvature.
@@ -137,6 +154,26 @@ impl Skin {
         relative_curvature: f64,
         indentation: f64,
     ) -> Result<Contact<'b>, PressError> {
+        self.holds_indentation(indentation)?;
+        let contact = body.press(relative_curvature, indentation)?;
+        self.holds_contact(contact.radius)?;
+        Ok(contact)
+    }
+
+    /// The sum of the skin's curvature and an object's, where there is a contact at one point.
+    fn relative_curvature(&self, object_curvature: f64) -> Result<f64, PressError> {
+        let relative_curvature = self.curvature() + object_curvature;
+        match ContactRegime::of(self.curvature(), object_curvature) {
+            ContactRegime::Conforming => Err(PressError::Conforming { relative_curvature }),
+            ContactRegime::Edge => Err(PressError::EdgeContact { relative_curvature }),
+            ContactRegime::Convex | ContactRegime::Flat | ContactRegime::Concave => {
+                Ok(relative_curvature)
+            }
+        }
+    }
+
+    /// Rejects an indentation that reaches the sensor's centre.
+    fn holds_indentation(&self, indentation: f64) -> Result<(), PressError> {
         if indentation >= self.radius {
             return Err(PressError::TooDeep {
                 indentation,
@@ -144,15 +181,19 @@ impl Skin {
                 what: "the sensor's radius",
             });
         }
-        let contact = body.press(relative_curvature, indentation)?;
-        if contact.radius >= self.radius {
+        Ok(())
+    }
+
+    /// Rejects a contact that is wider than the sensor.
+    pub(crate) fn holds_contact(&self, radius: f64) -> Result<(), PressError> {
+        if radius >= self.radius {
             return Err(PressError::TooWide {
-                radius: contact.radius,
+                radius,
                 limit: self.radius,
                 what: "the sensor's radius",
             });
         }
-        Ok(contact)
+        Ok(())
     }
 
     /// The direction from the centre that lies this far along the skin from a place; the lengths, not both zero, go

@@ -129,7 +129,10 @@ pub(super) fn force_and_pressure(
         return Ok([None, None]);
     };
     let [force, pressure] = match &estimate.principal {
-        Some(principal) => [principal.force(young), principal.peak_pressure(young)].map(Some),
+        Some(principal) => {
+            let contact = principal.contact;
+            [contact.force(young), contact.pressure(young)].map(Some)
+        }
         None => {
             let (curvature, indentation) = (estimate.relative_curvature, estimate.indentation);
             let contact = body.press(curvature.value, indentation.value)?;

@@ -139,7 +139,7 @@ impl PressReport {
                 curvature_min: value(principal.curvatures[1], Unit::PerLength),
                 axis_deg: principal.axis.to_degrees(),
                 axis_std_deg: principal.axis_std.to_degrees(),
-                semi_axes: principal.semi_axes,
+                semi_axes: principal.contact.semi_axes,
             }),
             regime: ContactRegime::of(estimate.sensor_curvature, most_likely.value).name(),
             verdict: estimate.verdict.name(),

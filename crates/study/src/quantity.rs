@@ -24,6 +24,8 @@ pub enum Unit {
     LengthSquared,
     /// Share, without a unit.
     One,
+    /// Degree of an angle.
+    Degree,
     /// Turn of the hue circle.
     Turn,
     /// Pixel.
@@ -48,6 +50,7 @@ impl Unit {
             Self::PerLengthSquared => of_length("1/m^2", "1/cm^2", "1/mm^2", "1/um^2", "1/unit^2"),
             Self::LengthSquared => of_length("m^2", "cm^2", "mm^2", "um^2", "unit^2"),
             Self::One => "1",
+            Self::Degree => "deg",
             Self::Turn => "turn",
             Self::Pixel => "px",
             Self::PixelSquared => "px^2",
@@ -152,6 +155,12 @@ quantities! {
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
     /// Radius of the object that is pressed on, negative where concave.
     OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["press"];
+    /// Larger principal curvature of the object at the contact, positive where convex.
+    PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["press"];
+    /// Smaller principal curvature of the object at the contact.
+    PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["press"];
+    /// Direction of the smaller principal curvature, such as the axis of a cylinder, from the x axis at the contact.
+    AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["press"];
     /// Greatest strain of folding a skin from its flat pattern.
     GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured, &["fingertip"];
     /// Root of the mean square of the strain of folding.

@@ -167,7 +167,7 @@ fn rolls(scene: Scene) -> Result<Computation> {
 /// A contact and the displacements of the markers.
 fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
     let (body, markers) = (body(config, model)?, markers(config)?);
-    let object_curvature = curvature(config);
+    let object_curvature = curvature(config)?;
     let indentation = config.motion.indentation;
     Ok(Box::new(move || {
         let contact = markers

@@ -251,7 +251,7 @@ fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels
         _ => bail!("the model is not auto"),
     };
     let distances = distances(config)?;
-    let object_curvature = curvature(config);
+    let object_curvature = curvature(config)?;
     let indentation = config.motion.indentation;
     let truth = ParaboloidPress::new(reference, radius.recip() + object_curvature, indentation)?;
     let truth = truth.displacements(marker_depth, &distances)?;
@@ -310,13 +310,16 @@ pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<pre
     })
 }
 
-/// The object's curvature.
-pub(super) fn curvature(config: &PressConfig) -> f64 {
-    match config.object {
+/// Curvature of a round object.
+pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
+    Ok(match config.object {
         PressObjectConfig::Sphere { radius } => radius.recip(),
         PressObjectConfig::Dish { radius } => -radius.recip(),
         PressObjectConfig::Plane {} => 0.0,
-    }
+        PressObjectConfig::Cylinder { .. } | PressObjectConfig::Ellipsoid { .. } => {
+            bail!("only presses on round objects are compared")
+        }
+    })
 }
 
 /// Markers of the published sensor.

@@ -145,6 +145,11 @@ estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02
             r#"kind = "sphere", radius = 4.0"#,
             "scene.object.curvature of 0.25 per mm (they have -0.0165 to 0.2 per mm)",
         ),
+        (
+            r#"kind = "plane""#,
+            r#"kind = "cylinder", radius = 20.0"#,
+            "random scenes have no scene.object.kind of \"cylinder\" (they have \"ball\"); scene.object.radius of 20 mm (they have none)",
+        ),
     ];
     let name = "half-space, indentation stated, normal displacements, noise stated";
     check(text, name, &changes, &others);

@@ -112,10 +112,10 @@ fn the_force_on_a_ball_is_that_of_a_round_contact() {
     let round = markers.skin().contact(&body, 0.05, 1.4).unwrap();
     let readings = Readings::of(&markers, &round, at(12.0, 200.0));
     let found = elliptic(None).estimate(&readings.reading(&markers, None));
-    let found = found.unwrap().principal.unwrap();
+    let found = found.unwrap().principal.unwrap().contact;
     let pairs = [
         (found.force(0.3), round.force(0.3)),
-        (found.peak_pressure(0.3), round.peak_pressure(0.3)),
+        (found.pressure(0.3), round.peak_pressure(0.3)),
     ];
     for (found, round) in pairs {
         assert!(

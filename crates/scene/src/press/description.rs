@@ -12,7 +12,7 @@ use palpate_study::config::{
 
 use super::reading::PressNoise;
 use super::trial::{PressCase, PressEstimator, PressScene};
-use super::truth::TruePress;
+use super::truth::{TrueContact, TruePress};
 use crate::scene::Need;
 
 /// Warning that displacements along the skin have no noise, although normal displacements have.
@@ -65,10 +65,24 @@ impl PressScene {
             ContactRegime::Concave => ": the object is hollow, but less curved than the sensor",
             ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
         };
-        let mut needs = vec![Need::from(format!("{} contact{shape}", regime.name()))];
+        let ellipse = match truth.geometry.object.principal {
+            Some(_) => "; it is an ellipse, because the object has two different curvatures",
+            None => "",
+        };
+        let text = format!("{} contact{shape}{ellipse}", regime.name());
+        let mut needs = vec![Need::from(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
-        let relative = skin.curvature() + object;
-        let large = large_contact_warning(relative, radius, skin.radius(), is_layer);
+        // The longer semi-axis lies along the smaller curvature.
+        let own = skin.curvature();
+        let extents = match self.body.contact(&self.markers, &self.geometry) {
+            Ok(TrueContact::Elliptic(contact, _)) => {
+                std::iter::zip(contact.relative_curvatures, contact.semi_axes).collect()
+            }
+            _ => vec![(own + object, radius)],
+        };
+        let large = extents.into_iter().find_map(|(relative, radius)| {
+            large_contact_warning(relative, radius, skin.radius(), is_layer)
+        });
         needs.extend(large.map(Need::from));
         if shift.abs() > radius {
             let numbers = [("shift", shift), ("contact_radius", radius)];

@@ -8,7 +8,7 @@ use palpate_estimators::{
     body_error, departure_stds, within, within_sensor,
 };
 use palpate_press::{
-    Body, Bounds, Contact, ForwardFit, MarkerDisplacement, Markers, PressError, Skin,
+    Body, Bounds, EllipticContact, ForwardFit, MarkerDisplacement, Markers, PressError, Skin,
 };
 use palpate_sensing::GaussianError;
 use palpate_statistics::Number;
@@ -21,7 +21,7 @@ use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::reading::{CameraPressSensor, PressNoise, PressSensor};
 use super::trial::{PressCase, PressEstimator, PressScene, given_indentation_std};
-use super::truth::{DiscMarkers, PressGeometry, SoftBody, TruePress};
+use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress};
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
@@ -63,7 +63,7 @@ impl PressScene {
         };
         let contact = body.contact(&markers, &geometry).and_then(|contact| {
             let place = markers.skin().place(geometry.at);
-            markers.see(&place, contact.radius).map(|()| contact)
+            markers.see(&place, contact.radius()).map(|()| contact)
         });
         let case = match &contact {
             Ok(contact) => setup.case(contact, camera)?,
@@ -142,7 +142,7 @@ impl PressSetup<'_> {
     /// The true press of a contact and its sensor, or the reason why there is no press.
     fn case(
         &self,
-        contact: &Contact<'_>,
+        contact: &TrueContact<'_>,
         camera: Option<(&CameraConfig, bool)>,
     ) -> Result<PressCase, FieldError> {
         let discs = camera.map(|camera| {
@@ -257,11 +257,12 @@ impl PressSetup<'_> {
         Ok(Some(ImageEstimator::new(fit, rest.collect())))
     }
 
-    /// Cramér–Rao bounds of a fit with the true body; `None` for a Gaussian, which is not the true body.
+    /// Cramér–Rao bounds of a fit with the true body; `None` for a fit that does not contain the true press: of a Gaussian, or
+    /// of one curvature if the object has two.
     fn bounds(
         &self,
         noise: &PressNoise,
-        contact: &Contact<'_>,
+        contact: &TrueContact<'_>,
         has_tangential: bool,
     ) -> Option<Bounds> {
         let estimator = &self.config.estimator;
@@ -276,8 +277,27 @@ impl PressSetup<'_> {
         };
         let indentation_std = given_indentation_std(estimator)
             .map(|std| drawn(noise.indentation.error).unwrap_or(std));
-        let at = self.geometry.at;
-        fit.bounds(self.markers, contact, at, has_tangential, indentation_std)
+        let (at, markers) = (self.geometry.at, self.markers);
+        let is_elliptic = matches!(estimator, PressEstimatorConfig::Elliptic { .. });
+        let of_ellipse = |contact: &EllipticContact, axis| {
+            let place = (at, axis);
+            fit.elliptic_bounds(markers, contact, place, has_tangential, indentation_std)
+        };
+        match contact {
+            TrueContact::Round(contact) if is_elliptic => {
+                let curvatures = [contact.relative_curvature; 2];
+                let (poisson, _) = self.body.sideways?;
+                let contact = EllipticContact::new(poisson, curvatures, contact.indentation);
+                of_ellipse(&contact.ok()?, 0.0)
+            }
+            TrueContact::Round(contact) => {
+                fit.bounds(markers, contact, at, has_tangential, indentation_std)
+            }
+            TrueContact::Elliptic(contact, _) => {
+                let axis = self.geometry.object.principal?.axis;
+                is_elliptic.then(|| of_ellipse(contact, axis))?
+            }
+        }
     }
 }
 

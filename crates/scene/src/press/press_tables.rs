@@ -6,11 +6,12 @@ use palpate_study::{Column, MapTable, Table, Unit};
 
 use super::PressFailure;
 use super::trial::PressScene;
+use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
 /// Number of points of a profile.
 const PLACES: u32 = 121;
-/// Length of a profile from the contact's centre, in contact radii.
+/// Length of a profile from the contact's centre, in contact radii; of an ellipse, along its longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {
@@ -101,7 +102,7 @@ impl PressScene {
         let estimated = self.estimated_displacement(trial);
         for place in 0..PLACES {
             let share = f64::from(place) / f64::from(PLACES - 1);
-            let position = REACH * contact.radius * share;
+            let position = REACH * contact.radius() * share;
             let estimate = match &estimated {
                 Ok(displacement) => displacement(position),
                 Err(_) => [None, None],
@@ -124,10 +125,13 @@ impl PressScene {
     ) -> Result<impl Fn(f64) -> [Option<f64>; 2], PressFailure> {
         let estimate = self.estimate(&self.reading(Some(trial))?)?;
         let body = &self.estimator.fit()?.body;
-        let contact = body.press(
-            estimate.relative_curvature.value,
-            estimate.indentation.value,
-        )?;
+        let contact = match (&estimate.principal, self.body.sideways) {
+            (Some(principal), Some((_, depth))) => TrueContact::Elliptic(principal.contact, depth),
+            _ => TrueContact::Round(body.press(
+                estimate.relative_curvature.value,
+                estimate.indentation.value,
+            )?),
+        };
         let moves_tangentially = body.moves_tangentially();
         // A Gaussian's gain is its amplitude; the gain of other bodies belongs to the sensor.
         let amplitude = estimate

@@ -1,10 +1,10 @@
 //! A press that is ready to run, and its trials.
 
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 use palpate_estimators::{ImageEstimator, MarkerImages};
 use palpate_press::{
-    Bounds, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate, Reading,
+    Bounds, Estimated, ForwardFit, Interval, Markers, Measured, PressError, PressEstimate, Reading,
 };
 use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
 use palpate_study::config::{
@@ -22,35 +22,45 @@ use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
-/// Quantities of a press that is read directly.
-static DIRECT_QUANTITIES: [Quantity; 7] = [
-    Quantity::RELATIVE_CURVATURE,
-    Quantity::EFFECTIVE_RADIUS,
-    Quantity::OBJECT_CURVATURE,
-    Quantity::INDENTATION,
-    Quantity::CONTACT_RADIUS,
-    Quantity::R_SQUARED,
-    Quantity::OBJECT_RADIUS,
+/// Quantities of presses, in the order of the tables: of all presses, then those of a camera (errors of each tracked marker,
+/// the hue change and the shift of the marker under the contact, and the results of tracking), of an object with a radius,
+/// of an elliptic fit, and of an elliptic fit to an object with an axis.
+const QUANTITIES: [&[Quantity]; 5] = [
+    &[
+        Quantity::RELATIVE_CURVATURE,
+        Quantity::EFFECTIVE_RADIUS,
+        Quantity::OBJECT_CURVATURE,
+        Quantity::INDENTATION,
+        Quantity::CONTACT_RADIUS,
+        Quantity::R_SQUARED,
+    ],
+    &[
+        Quantity::NORMAL_DISPLACEMENT,
+        Quantity::TANGENTIAL_DISPLACEMENT,
+        Quantity::HUE_CHANGE,
+        Quantity::CENTROID_SHIFT,
+        Quantity::MARKERS_TRACKED,
+        Quantity::WRONG_MATCHES,
+        Quantity::PIXELS,
+    ],
+    &[Quantity::OBJECT_RADIUS],
+    &[
+        Quantity::PRINCIPAL_CURVATURE_MAX,
+        Quantity::PRINCIPAL_CURVATURE_MIN,
+    ],
+    &[Quantity::AXIS_DEG],
 ];
 
-/// Quantities of a press with a camera. It adds the errors of each tracked marker, the hue change and the shift of
-/// the marker under the contact, and the results of tracking.
-static CAMERA_QUANTITIES: [Quantity; 14] = [
-    Quantity::RELATIVE_CURVATURE,
-    Quantity::EFFECTIVE_RADIUS,
-    Quantity::OBJECT_CURVATURE,
-    Quantity::INDENTATION,
-    Quantity::CONTACT_RADIUS,
-    Quantity::R_SQUARED,
-    Quantity::NORMAL_DISPLACEMENT,
-    Quantity::TANGENTIAL_DISPLACEMENT,
-    Quantity::HUE_CHANGE,
-    Quantity::CENTROID_SHIFT,
-    Quantity::MARKERS_TRACKED,
-    Quantity::WRONG_MATCHES,
-    Quantity::PIXELS,
-    Quantity::OBJECT_RADIUS,
-];
+/// The quantities of each combination: bit n of the index stands for element n of [`QUANTITIES`].
+static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
+    let combination = |bits: usize| {
+        let some = QUANTITIES.iter().enumerate();
+        let some = some.filter(|(bit, _)| bits >> bit & 1 == 1);
+        some.flat_map(|(_, quantities)| quantities.iter().copied())
+            .collect()
+    };
+    (0..1 << QUANTITIES.len()).map(combination).collect()
+});
 
 /// A press that is ready to run: the truth, the sensor, the noise and the estimator of a cell.
 #[derive(Clone, Debug)]
@@ -204,6 +214,17 @@ impl PressScene {
             }
             Quantity::R_SQUARED => Some(1.0),
             Quantity::OBJECT_RADIUS => object.radius,
+            Quantity::PRINCIPAL_CURVATURE_MAX => Some(
+                object
+                    .principal
+                    .map_or(object.curvature, |both| both.larger),
+            ),
+            Quantity::PRINCIPAL_CURVATURE_MIN => Some(
+                object
+                    .principal
+                    .map_or(object.curvature, |both| both.smaller),
+            ),
+            Quantity::AXIS_DEG => Some(half_turn(object.principal?.axis.to_degrees())),
             _ => None,
         }
     }
@@ -248,6 +269,29 @@ impl PressScene {
                 ..Observation::plain(radius, truth)
             };
             report(Quantity::OBJECT_RADIUS, radius_outcome);
+        }
+        if let Some(principal) = &estimate.principal {
+            for (quantity, estimated) in [
+                (Quantity::PRINCIPAL_CURVATURE_MAX, principal.curvatures[0]),
+                (Quantity::PRINCIPAL_CURVATURE_MIN, principal.curvatures[1]),
+            ] {
+                if let Some(truth) = self.true_value(quantity) {
+                    report(quantity, outcome(&estimated, truth));
+                }
+            }
+            if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
+                let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
+                // Axes that differ by half a turn are the same.
+                let value = truth + half_turn(axis - truth);
+                let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
+                let interval = Interval { low, high };
+                let estimated = Estimated {
+                    value,
+                    std,
+                    interval,
+                };
+                report(Quantity::AXIS_DEG, outcome(&estimated, truth));
+            }
         }
         self.observe_camera(reading, observe);
     }
@@ -294,14 +338,21 @@ impl PressScene {
 
     /// Quantities that the trials of a config's press report.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
-        let all: &[Quantity] = match config.sensor.camera() {
-            None => &DIRECT_QUANTITIES,
-            Some(_) => &CAMERA_QUANTITIES,
-        };
-        match config.object {
-            PressObjectConfig::Plane {} => &all[..all.len() - 1],
-            PressObjectConfig::Sphere { .. } | PressObjectConfig::Dish { .. } => all,
-        }
+        let is_elliptic = matches!(config.estimator, PressEstimatorConfig::Elliptic { .. });
+        let is_plane = matches!(config.object, PressObjectConfig::Plane {});
+        let is_round = config.object.is_round();
+        let applies = [
+            true,
+            config.sensor.camera().is_some(),
+            is_round && !is_plane,
+            is_elliptic,
+            is_elliptic && !is_round,
+        ];
+        let bits = applies.iter().enumerate();
+        let index: usize = bits
+            .map(|(bit, &applies)| usize::from(applies) << bit)
+            .sum();
+        &COMBINATIONS[index]
     }
 }
 
@@ -367,6 +418,9 @@ impl Trials for PressScene {
             }
             Quantity::INDENTATION => bounds.indentation,
             Quantity::CONTACT_RADIUS => bounds.contact_radius,
+            Quantity::PRINCIPAL_CURVATURE_MAX => bounds.principal?[0],
+            Quantity::PRINCIPAL_CURVATURE_MIN => bounds.principal?[1],
+            Quantity::AXIS_DEG => bounds.principal?[2].to_degrees(),
             _ => return None,
         })
     }
@@ -417,6 +471,11 @@ fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let one_std = end.map_or(std, |end| (end - value).abs() / NORMAL_95);
     let [narrowest, narrow, _] = HALF_WIDTHS.map(|width| (truth - value).abs() <= width * one_std);
     [narrowest, narrow, interval.holds(truth)]
+}
+
+/// An axis's angle in degrees, from −90 to 90.
+fn half_turn(degrees: f64) -> f64 {
+    degrees - 180.0 * (degrees / 180.0).round()
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -1,8 +1,13 @@
 //! The true values of a press: its geometry, its contact, and the displacements of markers and discs.
 
+use std::f64::consts::FRAC_PI_2;
+
 use palpate_chromatouch::{DiscMotion, MarkerMotion};
 use palpate_estimators::{MarkerSphere, body_error, sensor_body, within_sensor};
-use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError, within_object};
+use palpate_press::{
+    Body, Contact, Displacement, EllipticContact, MarkerDisplacement, Markers, PressError,
+    within_object,
+};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{PressConfig, PressModelConfig, PressObjectConfig};
@@ -26,13 +31,13 @@ impl TruePress {
         body: &SoftBody,
         markers: &Markers,
         geometry: &PressGeometry,
-        contact: &Contact<'_>,
+        contact: &TrueContact<'_>,
         discs: Option<&DiscMarkers<'_>>,
     ) -> Result<Self, PressError> {
         let motions = discs.map(|discs| discs.motions(geometry));
         Ok(Self {
             geometry: *geometry,
-            contact_radius: contact.radius,
+            contact_radius: contact.radius(),
             markers: body.displacements_by(contact, markers, geometry)?,
             discs: motions.transpose()?.unwrap_or_default(),
         })
@@ -42,27 +47,60 @@ impl TruePress {
 /// The properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TouchedObject {
-    /// 1/R_o, positive where convex.
+    /// 1/R_o, positive where convex; the mean of two different curvatures.
     pub(super) curvature: f64,
-    /// R_o, negative for a dish; `None` for a plane.
+    /// R_o, negative for a dish; `None` for a plane and if there are two curvatures.
     pub(super) radius: Option<f64>,
+    /// The principal curvatures, if they differ.
+    pub(super) principal: Option<UnequalCurvatures>,
+}
+
+/// Two different principal curvatures of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct UnequalCurvatures {
+    pub(super) smaller: f64,
+    pub(super) larger: f64,
+    /// Angle of the direction of the smaller one to the x axis at the contact, radians.
+    pub(super) axis: f64,
 }
 
 impl TouchedObject {
     const PLANE: Self = Self {
         curvature: 0.0,
         radius: None,
+        principal: None,
     };
 
     fn new(config: &PressObjectConfig) -> Self {
         let round = |radius: f64| Self {
             curvature: radius.recip(),
             radius: Some(radius),
+            principal: None,
+        };
+        let unequal = |smaller: f64, larger: f64, axis: f64| Self {
+            curvature: 0.5 * smaller + 0.5 * larger,
+            radius: None,
+            principal: Some(UnequalCurvatures {
+                smaller,
+                larger,
+                axis,
+            }),
         };
         match *config {
             PressObjectConfig::Sphere { radius } => round(radius),
             PressObjectConfig::Dish { radius } => round(-radius),
             PressObjectConfig::Plane {} => Self::PLANE,
+            PressObjectConfig::Cylinder {
+                radius,
+                direction_deg,
+            } => unequal(0.0, radius.recip(), direction_deg.to_radians()),
+            PressObjectConfig::Ellipsoid {
+                semi_axes: [x, y, z],
+            } => match ((z / x) / x, (z / y) / y) {
+                _ if x == y => round(x * (x / z)),
+                (along_x, along_y) if along_x < along_y => unequal(along_x, along_y, 0.0),
+                (along_x, along_y) => unequal(along_y, along_x, FRAC_PI_2),
+            },
         }
     }
 }
@@ -121,12 +159,45 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
     Ok([distance * cosine, distance * sine])
 }
 
+/// A true contact of an object with the sensor's soft body.
+#[derive(Clone, Debug)]
+pub(super) enum TrueContact<'b> {
+    /// Of an object of one curvature.
+    Round(Contact<'b>),
+    /// Of an object of two curvatures, with the depth of the points.
+    Elliptic(EllipticContact, f64),
+}
+
+impl TrueContact<'_> {
+    /// Radius of the contact; of an ellipse the geometric mean of the semi-axes.
+    pub(super) fn radius(&self) -> f64 {
+        match self {
+            Self::Round(contact) => contact.radius,
+            Self::Elliptic(contact, _) => contact.radius(),
+        }
+    }
+
+    /// Displacement of the skin at a distance from the middle; of an ellipse, along its longer axis.
+    pub(super) fn displacement(&self, distance: f64) -> Displacement {
+        match self {
+            Self::Round(contact) => contact.displacement(distance),
+            Self::Elliptic(contact, depth) => {
+                let moved = contact.displacement(distance, 0.0, *depth);
+                Displacement {
+                    normal: moved.normal,
+                    radial: moved.along[0],
+                }
+            }
+        }
+    }
+}
+
 /// A model of the sensor's soft body. It computes the displacements of points at one depth under the skin.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
     /// Poisson's ratio, and the depth of the points in the model; `None` if the model has no sideways displacements.
-    sideways: Option<(f64, f64)>,
+    pub(super) sideways: Option<(f64, f64)>,
 }
 
 impl SoftBody {
@@ -155,27 +226,42 @@ impl SoftBody {
         &self,
         markers: &Markers,
         geometry: &PressGeometry,
-    ) -> Result<Contact<'_>, PressError> {
+    ) -> Result<TrueContact<'_>, PressError> {
+        if let Some(principal) = geometry.object.principal {
+            let what = "a layer has no model of an object with two different curvatures";
+            let half_space = self.sideways.ok_or(PressError::Undetermined { what });
+            let (poisson, depth) = half_space?;
+            let curvatures = [principal.smaller, principal.larger];
+            let skin = markers.skin();
+            let contact = skin.elliptic_contact(poisson, curvatures, geometry.indentation)?;
+            return Ok(TrueContact::Elliptic(contact, depth));
+        }
         let object = geometry.object.curvature;
         let contact = markers
             .skin()
             .contact(&self.body, object, geometry.indentation)?;
         within_object(object, contact.radius)?;
-        Ok(contact)
+        Ok(TrueContact::Round(contact))
     }
 
     /// Displacements of the markers by this contact and by the object's sideways shift, during which the skin sticks to
     /// the object.
     fn displacements_by(
         &self,
-        contact: &Contact<'_>,
+        contact: &TrueContact<'_>,
         markers: &Markers,
         geometry: &PressGeometry,
     ) -> Result<Vec<MarkerDisplacement>, PressError> {
         let PressGeometry { at, shift, .. } = *geometry;
-        let mut moved = markers.displacements(contact, at);
+        let axis = geometry.object.principal.map_or(0.0, |both| both.axis);
+        let mut moved = match contact {
+            TrueContact::Round(contact) => markers.displacements(contact, at),
+            TrueContact::Elliptic(contact, depth) => {
+                markers.elliptic_displacements(contact, at, axis, *depth)
+            }
+        };
         if let Some((poisson, depth)) = self.sideways.filter(|_| shift != 0.0) {
-            let sideways = markers.shifted(poisson, depth, contact.radius, at, shift)?;
+            let sideways = markers.shifted(poisson, depth, contact.radius(), at, shift)?;
             for (moved, more) in moved.iter_mut().zip(sideways) {
                 moved.normal += more.normal;
                 moved.tangential =

@@ -102,6 +102,147 @@ fn without_noise_every_object_is_found() {
     }
 }
 
+const ELLIPTIC: &str = "estimator = { kind = \"elliptic\", indentation_std = 0.02 }\n";
+
+fn cylinder(radius: f64, direction_deg: f64) -> String {
+    format!("{{ kind = \"cylinder\", radius = {radius:?}, direction_deg = {direction_deg:?} }}")
+}
+
+fn ellipsoid(semi_axes: [f64; 3]) -> String {
+    format!("{{ kind = \"ellipsoid\", semi_axes = {semi_axes:?} }}")
+}
+
+#[test]
+fn without_noise_both_curvatures_and_the_axis_are_found() {
+    for (object, larger, smaller, axis) in [
+        (cylinder(10.0, 30.0), 0.1, 0.0, 30.0),
+        (cylinder(40.0, 260.0), 0.025, 0.0, 80.0),
+        // z/x² and z/y².
+        (ellipsoid([20.0, 10.0, 16.0]), 0.16, 0.04, 0.0),
+        (ellipsoid([10.0, 20.0, 16.0]), 0.16, 0.04, 90.0),
+    ] {
+        for contact in ["", ", contact_deg = [12, 200]"] {
+            let text = text(&object, ELLIPTIC)
+                .replace("indentation = 1.0", &format!("indentation = 1.0{contact}"));
+            let scene = scene_of(&text);
+            let outcomes = outcomes(&scene, 0).unwrap();
+            let mean = 0.5 * (larger + smaller);
+            for (name, truth) in [
+                ("object_curvature", mean),
+                ("relative_curvature", 0.05 + mean),
+                ("principal_curvature_max", larger),
+                ("principal_curvature_min", smaller),
+            ] {
+                let (_, outcome) = outcomes.iter().find(|(known, _)| *known == name).unwrap();
+                assert!((outcome.truth - truth).abs() <= 1e-15, "{name} {outcome:?}");
+                assert!(
+                    (outcome.estimate - truth).abs() < 1e-5,
+                    "{name} {outcome:?}"
+                );
+            }
+            let (name, outcome) = outcomes.last().unwrap();
+            assert_eq!(
+                (*name, scene.quantities().len()),
+                ("axis_deg", outcomes.len())
+            );
+            assert!((outcome.truth.abs() - axis).abs() < 1e-12, "{outcome:?}");
+            assert!(
+                (outcome.estimate - outcome.truth).abs() < 1e-3,
+                "{outcome:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_press_on_a_cylinder_has_the_golden_displacements() {
+    let line = r#"layout = { kind = "line", markers = 3, length = 4.0 } }"#;
+    let text = text(&cylinder(8.0, 0.0), "").replace(
+        "marker_depth = 2.0 }",
+        &format!("marker_depth = 2.0, {line}"),
+    );
+    let trace = press(&text).trace(None, LengthUnit::Mm).unwrap();
+    let rows = numbers(&trace.contacts);
+    // The first row of press/tests/it/elliptic-half-space.csv.
+    assert!((rows[1][4] - 0.78384711507).abs() < 1e-9, "{rows:?}");
+    assert!(rows[1][5].abs() < 1e-9 && rows[1][6].abs() < 1e-9);
+    let radius = (4.89968578679_f64 * 2.13762746926).sqrt();
+    let scene = scene_of(&text);
+    assert!((scene.truth(4).unwrap() - radius).abs() < 1e-9);
+}
+
+#[test]
+fn an_ellipsoid_of_equal_axes_is_a_ball() {
+    let both = [BALL.to_owned(), ellipsoid([80.0; 3])].map(|object| {
+        let layer = "model = { kind = \"bonded-layer\", thickness = 8.0 }\n";
+        outcomes(&scene_of(&text(&object, &format!("{NOISE}{layer}"))), 3).unwrap()
+    });
+    assert_eq!(both[0], both[1]);
+    // A ball has two equal curvatures and no axis.
+    let scene = scene_of(&text(BALL, &format!("{NOISE}{ELLIPTIC}")));
+    let names: Vec<&str> = scene.quantities().iter().map(|one| one.name).collect();
+    let ends = [
+        "object_radius",
+        "principal_curvature_max",
+        "principal_curvature_min",
+    ];
+    assert!(names.ends_with(&ends), "{names:?}");
+    let (place, outcomes) = (names.len() - 1, outcomes(&scene, 0).unwrap());
+    assert_eq!(
+        [scene.truth(place), scene.truth(place - 1)],
+        [Some(1.0 / 80.0); 2]
+    );
+    assert_eq!(
+        [scene.std_bound(place), scene.std_bound(place - 1)],
+        [None; 2]
+    );
+    for (_, outcome) in &outcomes[7..] {
+        assert!(outcome.interval_holds.unwrap()[2], "{outcome:?}");
+    }
+}
+
+#[test]
+fn both_curvatures_and_the_axis_reach_their_bounds() {
+    let noise = NOISE.replace("0.07", "0.02");
+    // The axis is at the end of its range, where estimates are on both sides of a quarter turn.
+    let text = text(&cylinder(10.0, 89.0), &format!("{noise}{ELLIPTIC}"));
+    let scene = scene_of(&text.replace("indentation = 1.0 }", "indentation = 2.0 }"));
+    let (trials, names) = (
+        60,
+        [
+            "principal_curvature_max",
+            "principal_curvature_min",
+            "axis_deg",
+        ],
+    );
+    let (mut squares, mut held) = ([0.0; 3], [0; 3]);
+    for trial in 0..trials {
+        let outcomes = outcomes(&scene, trial).unwrap();
+        for (index, name) in names.into_iter().enumerate() {
+            let (_, outcome) = outcomes.iter().find(|(known, _)| *known == name).unwrap();
+            squares[index] += (outcome.estimate - outcome.truth).powi(2);
+            held[index] += u32::from(outcome.interval_holds.unwrap()[2]);
+        }
+    }
+    for (index, name) in names.into_iter().enumerate() {
+        let rms = (squares[index] / trials as f64).sqrt();
+        let place = scene.quantities().iter().position(|one| one.name == name);
+        let bound = scene.std_bound(place.unwrap()).unwrap();
+        assert!(
+            rms > 0.75 * bound && rms < 1.3 * bound,
+            "{name}: {rms} {bound}"
+        );
+        assert!(held[index] >= 52, "{name}: {held:?}");
+    }
+    // One curvature does not describe the press, so its estimate has no bound.
+    let round = "estimator = { kind = \"half-space\" }\n";
+    let scene = scene_of(&self::text(
+        &cylinder(10.0, 0.0),
+        &format!("{noise}{round}"),
+    ));
+    assert_eq!(scene.std_bound(0), None);
+}
+
 #[test]
 fn hertz_displacements_at_the_surface_are_the_closed_form() {
     let lines = "model = { kind = \"hertz\" }\n";
@@ -318,6 +459,11 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         (r#"{ kind = "dish", radius = 20.5 }"#, "5.0", "too-wide"),
         (r#"{ kind = "sphere", radius = 2 }"#, "3.0", "too-wide"),
         (PLANE, "1e-300", "out-of-range"),
+        (&cylinder(2.0, 0.0), "4.0", "too-wide"),
+        (&cylinder(1e-9, 0.0), "1.0", "out-of-range"),
+        (&cylinder(10.0, 0.0), "20.0", "too-deep"),
+        (&ellipsoid([1.0, 2.0, 1.0]), "3.0", "too-wide"),
+        (&ellipsoid([1e-300, 1.0, 1e300]), "1.0", "out-of-range"),
     ] {
         let text = text(object, NOISE)
             .replace("indentation = 1.0 }", &format!("indentation = {motion} }}"));
@@ -472,6 +618,25 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             with("model = { kind = \"bonded-layer\", thickness = 1.5 }"),
             "scene.probe.marker_depth: the markers lie below the layer: must be at most `scene.model.thickness`",
+        ),
+        (
+            text(
+                &cylinder(9.0, 0.0),
+                "model = { kind = \"bonded-layer\", thickness = 9 }",
+            ),
+            "scene.object: a layer has no model of an object with two different curvatures: let the object be round, or the model a half-space",
+        ),
+        (
+            text(
+                &ellipsoid([9.0, 8.0, 9.0]),
+                "model = { kind = \"auto\", thickness = 9 }",
+            ),
+            "scene.object: a layer has no model",
+        ),
+        (
+            text(&cylinder(9.0, 0.0), "")
+                .replace("indentation = 1.0", "indentation = 1.0, shift = 0.1"),
+            "scene.motion.shift: sideways movement is modelled only for a circle of contact: must be 0, or the object round",
         ),
         (
             with("model = { kind = \"bonded-layer\", thickness = 21 }"),

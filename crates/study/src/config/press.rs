@@ -54,6 +54,18 @@ impl PressConfig {
         }
         self.check_sensor()?;
         self.check_strain()?;
+        if !self.object.is_round() && of_model.is_some() {
+            return Err((
+                "scene.object",
+                "a layer has no model of an object with two different curvatures: let the object be round, or the model a half-space",
+            ));
+        }
+        if !self.object.is_round() && self.motion.shift != 0.0 {
+            return Err((
+                "scene.motion.shift",
+                "sideways movement is modelled only for a circle of contact: must be 0, or the object round",
+            ));
+        }
         if self.motion.shift != 0.0 && of_model.is_some() {
             return Err((
                 "scene.motion.shift",
@@ -171,6 +183,34 @@ pub enum PressObjectConfig {
     },
     /// A plane.
     Plane {},
+    /// The outside of a circular cylinder, touched along its side. Only on a half-space.
+    Cylinder {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+        /// Angle of its axis from the x axis of the skin at the contact.
+        #[serde(default)]
+        direction_deg: f64,
+    },
+    /// An ellipsoid, touched at the end of its third semi-axis. Only on a half-space, unless the first two are equal.
+    Ellipsoid {
+        /// Semi-axes along the x axis and the y axis of the skin at the contact, and along the normal.
+        #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
+        semi_axes: [f64; 3],
+    },
+}
+
+impl PressObjectConfig {
+    /// Whether both principal curvatures at the contact are equal.
+    pub fn is_round(&self) -> bool {
+        match *self {
+            Self::Sphere { .. } | Self::Dish { .. } | Self::Plane {} => true,
+            Self::Cylinder { .. } => false,
+            Self::Ellipsoid {
+                semi_axes: [x, y, _],
+            } => x == y,
+        }
+    }
 }
 
 /// Indentation, and place of the contact on the skin.

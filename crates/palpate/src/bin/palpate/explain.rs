@@ -230,6 +230,7 @@ fn in_words(unit: Unit) -> &'static str {
         Unit::PerLengthSquared => "1/length^2",
         Unit::LengthSquared => "length^2",
         Unit::One => "number",
+        Unit::Degree => "deg",
         Unit::Turn => "turn",
         Unit::Pixel => "px",
         Unit::PixelSquared => "px^2",
