@@ -203,6 +203,7 @@ fn scenes(
         if is_late && matches!(cell.config.scene, SceneConfig::Press(_)) {
             Scene::of(
                 &with_ideal_sensor(&cell.config.scene),
+                cell.config.length_unit,
                 cell.config.seed,
                 &parts,
             )
@@ -274,7 +275,10 @@ fn groups(
         group.needless = needless(&one.trial, &one.config.scene, taken);
         group.rungs = match ladder {
             Some(ladder) => {
-                let times = neighbour_times((&scene, one.config.seed), &ladder, deadline, clock);
+                let times = {
+                    let scene = (&scene, one.config.length_unit, one.config.seed);
+                    neighbour_times(scene, &ladder, deadline, clock)
+                };
                 measured.push((scene, has_camera, cell));
                 Rungs::Measured {
                     cell,

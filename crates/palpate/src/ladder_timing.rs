@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
-use palpate_study::config::SceneConfig;
+use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
 /// Time for which the measurement of a rung is repeated.
@@ -34,13 +34,13 @@ impl EvaluationTime {
 /// Rungs of a scene's ladder from the next usable one below the chosen rung to the next usable one above it, with their
 /// computing times if they are measured before `deadline`.
 pub(crate) fn neighbour_times(
-    (scene, seed): (&SceneConfig, u64),
+    scene: (&SceneConfig, LengthUnit, u64),
     ladder: &Ladder,
     deadline: Duration,
     clock: &Clock<'_>,
 ) -> Vec<(usize, Option<EvaluationTime>)> {
     let time = |place: usize| match clock() < deadline {
-        true => evaluation_time(scene, seed, &ladder.rungs[place], clock),
+        true => evaluation_time(scene, &ladder.rungs[place], clock),
         false => None,
     };
     // The chosen rung comes first, because the others are compared with it.
@@ -62,14 +62,13 @@ fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
 
 /// Measured time of the scene on a rung; `None` if the rung cannot compute the scene.
 fn evaluation_time(
-    scene: &SceneConfig,
-    seed: u64,
+    (scene, unit, seed): (&SceneConfig, LengthUnit, u64),
     rung: &Rung,
     clock: &Clock<'_>,
 ) -> Option<EvaluationTime> {
     rung.accuracy.error()?;
     let config = scene.with_model(&rung.model)?;
-    let set_up = || Scene::new(&config, seed).ok();
+    let set_up = || Scene::new(&config, unit, seed).ok();
     // The first set-up fills caches and tables, and is not measured.
     let scene = set_up()?;
     let Scene::Roll(roll) = &scene else {

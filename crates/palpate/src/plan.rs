@@ -158,7 +158,7 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
 /// set up or its trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let scene = with_tolerance(&config.scene, tolerance)?;
-    let scene = Scene::new(&with_ideal_sensor(&scene), config.seed).ok()?;
+    let scene = Scene::new(&with_ideal_sensor(&scene), config.length_unit, config.seed).ok()?;
     let quantities = scene.quantities();
     let mut values = Vec::new();
     let mut truths = vec![0.0_f64; quantities.len()];

@@ -23,6 +23,8 @@ pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyM
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
     PressOptions::from_study(study, unit, |config| {
-        Ok(PressScene::new(config, study.seed, &SharedModels::default())?.stated_stds())
+        let models = SharedModels::default();
+        let scene = PressScene::new(config, study.length_unit, study.seed, &models)?;
+        Ok(scene.stated_stds())
     })
 }

@@ -177,12 +177,13 @@ fn has_spaces(header: &str, row: &str) -> bool {
 
 /// Units from the row after the header, without brackets, if that row has only units.
 fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
-    const MEASURES: [Measure; 5] = [
+    const MEASURES: [Measure; 6] = [
         Measure::Length,
         Measure::Angle,
         Measure::Time,
         Measure::Turn,
         Measure::Pixel,
+        Measure::Force,
     ];
     let bare = |field: &str| {
         let field = tidy(field);

@@ -394,6 +394,7 @@ fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         Measure::Angle,
         Measure::Time,
         Measure::Pixel,
+        Measure::Force,
     ];
     if let [_, .., last] = words[..]
         && !is_unit(last)

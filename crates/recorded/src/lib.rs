@@ -6,7 +6,7 @@
 //! | rows to columns of numbers in one unit | `header`, `decimal`, `reading_table` |
 //! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
 //! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
-//! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate` |
+//! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate`, `load_curve` |
 //! | warnings | `roll_warnings`, `glide_warnings`, `press_warnings`, with the words of `misfit_warning` |
 //! | frames to tracked markers | `frame_pair`, `overlay` |
 //! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the pictures |
@@ -34,6 +34,7 @@ mod header;
 mod image_estimate;
 mod json_lines;
 mod layout_matching;
+mod load_curve;
 mod misfit_warning;
 mod nominal_sensor;
 mod overlay;
@@ -69,6 +70,7 @@ pub use glide_estimate::{GlideFitResult, estimate_glide};
 pub use glide_options::{GlideOptions, TipReports};
 pub use glide_recording::{GlideRecording, parse_glide};
 pub use glide_report::{GlideEstimate, GlideMap};
+pub use load_curve::{LoadCurve, LoadEstimate, LoadOptions, estimate_force, parse_load_curve};
 pub use overlay::overlay;
 pub use palpate_ep1::ReadingNoise;
 pub use palpate_ep2::{Curvature, MapPoint};

@@ -289,12 +289,14 @@ fn estimator(
                 "without setting `thickness`, because the Poisson ratio of a layer is always 0.5",
             );
         }
-        (Some(given), None) => {
-            with_settings(&PressModelConfig::BondedLayer { thickness: 1.0 }, &given)?
-        }
-        (None, Some(given)) => {
-            with_settings(&PressModelConfig::HalfSpace { poisson: 0.5 }, &given)?
-        }
+        (Some(given), None) => with_settings(
+            &PressModelConfig::BondedLayer {
+                thickness: 1.0,
+                modulus_kpa: None,
+            },
+            &given,
+        )?,
+        (None, Some(given)) => with_settings(&PressModelConfig::default(), &given)?,
     };
     Ok((estimator, model))
 }

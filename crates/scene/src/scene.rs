@@ -83,23 +83,30 @@ pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> 
 }
 
 impl Scene {
-    /// Builds the scene of a config; `seed` seeds its random numbers.
+    /// Builds the scene of a config with lengths in this unit; `seed` seeds its random numbers.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
-    pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, FieldError> {
-        Self::of(config, seed, &SharedModels::default())
+    pub fn new(config: &SceneConfig, unit: LengthUnit, seed: u64) -> Result<Self, FieldError> {
+        Self::of(config, unit, seed, &SharedModels::default())
     }
 
-    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `models`.
+    /// Does the same as [`Scene::new`]; other scenes may share `models`.
     ///
     /// # Errors
     /// Errors of [`Scene::new`].
-    pub fn of(config: &SceneConfig, seed: u64, models: &SharedModels) -> Result<Self, FieldError> {
+    pub fn of(
+        config: &SceneConfig,
+        unit: LengthUnit,
+        seed: u64,
+        models: &SharedModels,
+    ) -> Result<Self, FieldError> {
         match config {
             SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Self::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Self::Glide),
-            SceneConfig::Press(press) => PressScene::new(press, seed, models).map(Self::Press),
+            SceneConfig::Press(press) => {
+                PressScene::new(press, unit, seed, models).map(Self::Press)
+            }
             SceneConfig::Fingertip(sensor) => MeasuredSensor::new(sensor).map(Self::Sensor),
         }
     }
@@ -167,7 +174,8 @@ pub trait Scenes {
 impl Scenes for Study {
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
         let config = self.cell(cell)?.config;
-        Scene::new(&config.scene, config.seed).map_err(|error| located(self, cell, error))
+        Scene::new(&config.scene, config.length_unit, config.seed)
+            .map_err(|error| located(self, cell, error))
     }
 
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
@@ -181,7 +189,7 @@ impl Scenes for Study {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError> {
         let config = &cell.config;
-        let scene = Scene::of(&config.scene, config.seed, models);
+        let scene = Scene::of(&config.scene, config.length_unit, config.seed, models);
         let is_estimable = |scene: Scene| scene.estimable().map(|()| scene);
         scene
             .and_then(is_estimable)
@@ -194,7 +202,8 @@ impl Scenes for Study {
             let message = format!("{} is not a model of this kind of scene", rung.name);
             return Err(self.error_at(cell, "scene.model", message));
         };
-        Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))
+        Scene::new(&scene, config.length_unit, config.seed)
+            .map_err(|error| located(self, cell, error))
     }
 
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {

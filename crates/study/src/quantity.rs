@@ -26,6 +26,8 @@ pub enum Unit {
     One,
     /// Degree of an angle.
     Degree,
+    /// Newton.
+    Newton,
     /// Turn of the hue circle.
     Turn,
     /// Pixel.
@@ -51,6 +53,7 @@ impl Unit {
             Self::LengthSquared => of_length("m^2", "cm^2", "mm^2", "um^2", "unit^2"),
             Self::One => "1",
             Self::Degree => "deg",
+            Self::Newton => "N",
             Self::Turn => "turn",
             Self::Pixel => "px",
             Self::PixelSquared => "px^2",
@@ -161,6 +164,8 @@ quantities! {
     PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["press"];
     /// Direction of the smaller principal curvature, such as the axis of a cylinder, from the x axis at the contact.
     AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["press"];
+    /// Force between the sensor and the object.
+    FORCE = "force", "force", Newton, Estimated, &["press"];
     /// Greatest strain of folding a skin from its flat pattern.
     GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured, &["fingertip"];
     /// Root of the mean square of the strain of folding.

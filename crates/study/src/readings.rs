@@ -20,6 +20,8 @@ pub enum Measure {
     Turn,
     /// Length in an image, px.
     Pixel,
+    /// Force, read in newtons.
+    Force,
     /// Number or direction without a unit.
     Plain,
 }
@@ -97,6 +99,10 @@ impl Measure {
             (Self::Turn, "deg" | "degree" | "degrees" | "\u{b0}") => Factor(1.0 / 360.0),
             (Self::Turn, "rad") => Factor(1.0 / TAU),
             (Self::Pixel, "px" | "pixel" | "pixels") => Factor(1.0),
+            // Units are compared in lower case, so mN is not MN.
+            (Self::Force, "n" | "newton" | "newtons") => Factor(1.0),
+            (Self::Force, "mn") => Factor(1e-3),
+            (Self::Force, "kn") => Factor(1e3),
             (Self::Plain, "" | "-" | "1") => Factor(1.0),
             _ => return None,
         };
@@ -111,6 +117,7 @@ impl Measure {
             Self::Time => "s, ms, us, ns, min",
             Self::Turn => "turns, deg, rad",
             Self::Pixel => "px",
+            Self::Force => "N, mN, kN",
             Self::Plain => "none",
         }
     }
@@ -123,6 +130,7 @@ impl Measure {
             Self::Time => Some("s"),
             Self::Turn => Some("turns"),
             Self::Pixel => Some("px"),
+            Self::Force => Some("n"),
         }
     }
 }
@@ -235,6 +243,12 @@ pub const PRESSES: [Column; 5] = [
 pub const PRESS_ROW: [Column; 2] = [
     Column::of("radial_position", Measure::Length),
     Column::of("normal_displacement", Measure::Length),
+];
+
+/// Columns of a load curve.
+pub const LOADS: [Column; 2] = [
+    Column::of("indentation", Measure::Length),
+    Column::of("force_n", Measure::Force),
 ];
 
 /// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has some of

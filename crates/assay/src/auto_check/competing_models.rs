@@ -301,9 +301,11 @@ fn distances(config: &PressConfig) -> Result<Vec<f64>> {
 pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<press::Body> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     Ok(match *model {
-        PressModelConfig::Hertz { poisson } => press::Body::hertz(poisson)?,
-        PressModelConfig::HalfSpace { poisson } => press::Body::half_space(poisson, marker_depth)?,
-        PressModelConfig::BondedLayer { thickness } => {
+        PressModelConfig::Hertz { poisson, .. } => press::Body::hertz(poisson)?,
+        PressModelConfig::HalfSpace { poisson, .. } => {
+            press::Body::half_space(poisson, marker_depth)?
+        }
+        PressModelConfig::BondedLayer { thickness, .. } => {
             press::Body::solved_layer(thickness, marker_depth)?
         }
         PressModelConfig::Auto { .. } => bail!("auto is not a rung"),

@@ -240,6 +240,9 @@ fn claims_exactness(json: &Value) -> bool {
     }
 }
 
+/// A load curve with noise.
+const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
+
 /// No flag accepts a non-finite number. With the value 1e300, no flag leads to a standard error of 0.
 #[test]
 fn every_number_has_bounds() {
@@ -252,6 +255,7 @@ fn every_number_has_bounds() {
             "estimate press",
             "r.csv --sensor-radius 20 --depth 2",
         ),
+        (LOAD, "estimate force", "r.csv --modulus-kpa 500"),
         ("", "sensor track", "a.png b.png --out o"),
         ("", "sensor calibrate", "a.png b.png --out c.toml"),
     ] {

@@ -12,6 +12,7 @@ fn every_command_shows_an_example() {
         "estimate roll",
         "estimate glide",
         "estimate press",
+        "estimate force",
         "sensor",
         "sensor pattern",
         "sensor calibrate",

@@ -14,7 +14,8 @@ use palpate_sensing::GaussianError;
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
-    CameraConfig, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig,
+    CameraConfig, LengthUnit, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig,
+    PressModelConfig,
 };
 
 use super::camera_calibration::RestFrames;
@@ -35,7 +36,13 @@ impl PressScene {
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
-    pub fn new(config: &PressConfig, seed: u64, models: &SharedModels) -> Result<Self, FieldError> {
+    pub fn new(
+        config: &PressConfig,
+        unit: LengthUnit,
+        seed: u64,
+        models: &SharedModels,
+    ) -> Result<Self, FieldError> {
+        let young = young(&config.model, unit)?;
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
         let geometry = PressGeometry::new(config, sphere.radius)?;
@@ -89,8 +96,20 @@ impl PressScene {
             geometry,
             markers,
             body,
+            young,
         })
     }
+}
+
+/// Young's modulus of the soft body, N over the square of the unit of lengths, if it is stated.
+fn young(model: &PressModelConfig, unit: LengthUnit) -> Result<Option<f64>, FieldError> {
+    let Some(modulus_kpa) = model.modulus_kpa() else {
+        return Ok(None);
+    };
+    let message = "a force needs a unit of lengths: set `length_unit`, or leave out the modulus";
+    let refuse = || FieldError::at("scene.model.modulus_kpa", message);
+    let metres = unit.to(LengthUnit::M).ok_or_else(refuse)?;
+    Ok(Some(modulus_kpa * 1e3 * metres * metres))
 }
 
 /// The markers of a sensor, and their chart coordinates.
@@ -403,10 +422,20 @@ impl PressRungs {
     ) -> Result<Vec<(PressModelConfig, Accuracy)>, FieldError> {
         let poisson = self.requested.poisson();
         let layer = self.requested.thickness();
-        let layer = layer.map(|thickness| PressModelConfig::BondedLayer { thickness });
+        let modulus_kpa = self.requested.modulus_kpa();
+        let layer = layer.map(|thickness| PressModelConfig::BondedLayer {
+            thickness,
+            modulus_kpa,
+        });
         let models = [
-            PressModelConfig::Hertz { poisson },
-            PressModelConfig::HalfSpace { poisson },
+            PressModelConfig::Hertz {
+                poisson,
+                modulus_kpa,
+            },
+            PressModelConfig::HalfSpace {
+                poisson,
+                modulus_kpa,
+            },
         ];
         let models: Vec<PressModelConfig> = models.into_iter().chain(layer).collect();
         let bodies: Vec<Vec<SoftBody>> = models

@@ -24,8 +24,8 @@ use crate::trace::{Trace, TraceError};
 
 /// Quantities of presses, in the order of the tables: of all presses, then those of a camera (errors of each tracked marker,
 /// the hue change and the shift of the marker under the contact, and the results of tracking), of an object with a radius,
-/// of an elliptic fit, and of an elliptic fit to an object with an axis.
-const QUANTITIES: [&[Quantity]; 5] = [
+/// of an elliptic fit, of an elliptic fit to an object with an axis, and of a body whose modulus is stated.
+const QUANTITIES: [&[Quantity]; 6] = [
     &[
         Quantity::RELATIVE_CURVATURE,
         Quantity::EFFECTIVE_RADIUS,
@@ -49,6 +49,7 @@ const QUANTITIES: [&[Quantity]; 5] = [
         Quantity::PRINCIPAL_CURVATURE_MIN,
     ],
     &[Quantity::AXIS_DEG],
+    &[Quantity::FORCE],
 ];
 
 /// The quantities of each combination: bit n of the index stands for element n of [`QUANTITIES`].
@@ -79,6 +80,8 @@ pub struct PressScene {
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
     pub(super) bounds: Option<Bounds>,
+    /// Young's modulus of the body, N/length², if the config states it.
+    pub(super) young: Option<f64>,
     /// Estimate from readings without noise, computed on first use.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
@@ -224,6 +227,10 @@ impl PressScene {
                     .principal
                     .map_or(object.curvature, |both| both.smaller),
             ),
+            Quantity::FORCE => {
+                let (truth, _) = self.case.press().ok()?;
+                finite(truth.force_per_young? * self.young?)
+            }
             Quantity::AXIS_DEG => Some(half_turn(object.principal?.axis.to_degrees())),
             _ => None,
         }
@@ -293,7 +300,22 @@ impl PressScene {
                 report(Quantity::AXIS_DEG, outcome(&estimated, truth));
             }
         }
+        let force = self.young.and_then(|young| self.force(estimate, young));
+        if let (Some(truth), Some(force)) = (self.true_value(Quantity::FORCE), force) {
+            report(Quantity::FORCE, Observation::plain(force, truth));
+        }
         self.observe_camera(reading, observe);
+    }
+
+    /// Force of an estimated press, by the body that its fit assumes. A Gaussian has none.
+    fn force(&self, estimate: &PressEstimate, young: f64) -> Option<f64> {
+        if let Some(principal) = &estimate.principal {
+            return finite(principal.contact.force(young));
+        }
+        let body = &self.estimator.fit().ok()?.body;
+        let (curvature, indentation) = (estimate.most_likely_curvature, estimate.indentation);
+        let contact = body.press(curvature, indentation.value).ok()?;
+        contact.force(young)
     }
 
     /// Reports the quantities that a camera adds, after a successful estimate.
@@ -347,6 +369,7 @@ impl PressScene {
             is_round && !is_plane,
             is_elliptic,
             is_elliptic && !is_round,
+            config.model.modulus_kpa().is_some(),
         ];
         let bits = applies.iter().enumerate();
         let index: usize = bits

@@ -19,6 +19,8 @@ use crate::cache::SharedModels;
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,
     pub(super) contact_radius: f64,
+    /// Force over Young's modulus of the body, length²; `None` if it is not finite.
+    pub(super) force_per_young: Option<f64>,
     /// Displacements of the markers, midway between their discs.
     pub(super) markers: Vec<MarkerDisplacement>,
     /// Motions of the discs of each marker; empty without a camera.
@@ -38,6 +40,7 @@ impl TruePress {
         Ok(Self {
             geometry: *geometry,
             contact_radius: contact.radius(),
+            force_per_young: contact.force(1.0),
             markers: body.displacements_by(contact, markers, geometry)?,
             discs: motions.transpose()?.unwrap_or_default(),
         })
@@ -177,6 +180,14 @@ impl TrueContact<'_> {
         }
     }
 
+    /// Force for a Young's modulus of the soft body, in its unit times length², if it is finite.
+    fn force(&self, young: f64) -> Option<f64> {
+        match self {
+            Self::Round(contact) => contact.force(young),
+            Self::Elliptic(contact, _) => Some(contact.force(young)).filter(|one| one.is_finite()),
+        }
+    }
+
     /// Displacement of the skin at a distance from the middle; of an ellipse, along its longer axis.
     pub(super) fn displacement(&self, distance: f64) -> Displacement {
         match self {
@@ -212,8 +223,8 @@ impl SoftBody {
             within_sensor("scene.model.thickness", thickness, radius)?;
         }
         let sideways = match model.reference() {
-            PressModelConfig::HalfSpace { poisson } => Some((poisson, depth)),
-            PressModelConfig::Hertz { poisson } => Some((poisson, 0.0)),
+            PressModelConfig::HalfSpace { poisson, .. } => Some((poisson, depth)),
+            PressModelConfig::Hertz { poisson, .. } => Some((poisson, 0.0)),
             PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
         };
         let body =
@@ -453,7 +464,7 @@ mod tests {
     }
 
     fn half_space(depth: f64) -> SoftBody {
-        let model = PressModelConfig::HalfSpace { poisson: 0.5 };
+        let model = PressModelConfig::default();
         SoftBody::new(&model, 20.0, depth, Body::bonded_layer).unwrap()
     }
 

@@ -202,6 +202,54 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
 }
 
 #[test]
+fn the_force_is_in_newtons() {
+    // Young's modulus of 600 kPa: E* = 800 kPa, and a kPa mm² is a mN.
+    let force = |object: &str, model: &str, estimator: &str, unit: &str| {
+        let lines = format!("model = {{ {model}, modulus_kpa = 600 }}\n{estimator}");
+        let lines = text(object, &lines).replace("seed = 3", &format!("length_unit = \"{unit}\""));
+        let scene = scene_of(&lines);
+        let place = scene.quantities().len() - 1;
+        let quantity = scene.quantities()[place];
+        assert_eq!(
+            (quantity.name, quantity.unit),
+            ("force", palpate_study::Unit::Newton)
+        );
+        let truth = scene.truth(place).unwrap();
+        let outcomes = outcomes(&scene, 0).unwrap();
+        let (name, outcome) = outcomes.last().unwrap();
+        assert_eq!((*name, outcome.truth), ("force", truth));
+        assert!((outcome.estimate / truth - 1.0).abs() < 1e-4, "{outcome:?}");
+        truth
+    };
+    let half_space = "kind = \"half-space\"";
+    // 4/3 E* √R δ^(3/2) with R = 16 mm and δ = 1 mm; lengths in metres are 1000 times as long.
+    let closed = 4.0 / 3.0 * 800.0 * 4.0 * 1e-3;
+    for (unit, factor) in [("mm", 1.0), ("m", 1e6), ("um", 1e-6)] {
+        let force = force(BALL, half_space, "", unit);
+        assert!(
+            (force / (factor * closed) - 1.0).abs() < 1e-12,
+            "{unit} {force}"
+        );
+    }
+    // 2/3 π a b p₀ with the golden values of press/tests/it/elliptic-half-space.csv.
+    let golden = 2.0 / 3.0 * std::f64::consts::PI * 4.89968578679 * 2.13762746926;
+    let golden = golden * 0.205202786617 * 0.8;
+    let ellipse = force(&cylinder(8.0, 0.0), half_space, ELLIPTIC, "mm");
+    assert!((ellipse / golden - 1.0).abs() < 1e-9, "{ellipse}");
+    // A layer that is thick beside the contact is nearly a half-space.
+    let layer = force(
+        BALL,
+        "kind = \"bonded-layer\", thickness = 19.9",
+        "estimator = { kind = \"bonded-layer\" }\n",
+        "mm",
+    );
+    assert!(layer > closed && layer < 1.5 * closed, "{layer}");
+    let without_unit = text(PLANE, "model = { kind = \"hertz\", modulus_kpa = 9.0 }");
+    let message = "scene.model.modulus_kpa: a force needs a unit of lengths: set `length_unit`, or leave out the modulus";
+    assert_eq!(refused(&without_unit), message);
+}
+
+#[test]
 fn both_curvatures_and_the_axis_reach_their_bounds() {
     let noise = NOISE.replace("0.07", "0.02");
     // The axis is at the end of its range, where estimates are on both sides of a quarter turn.

@@ -247,6 +247,10 @@ pub enum PressModelConfig {
         #[serde(default = "millionth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
+        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        modulus_kpa: Option<f64>,
     },
     /// Hertz contact with displacements at the skin's surface, also for markers below it.
     Hertz {
@@ -254,6 +258,10 @@ pub enum PressModelConfig {
         #[serde(default = "half")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
+        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        modulus_kpa: Option<f64>,
     },
     /// Hertz contact on an elastic half-space, in closed form at the markers' depth.
     HalfSpace {
@@ -261,12 +269,20 @@ pub enum PressModelConfig {
         #[serde(default = "half")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
+        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        modulus_kpa: Option<f64>,
     },
     /// An incompressible layer bonded to a rigid core; the contact is computed numerically.
     BondedLayer {
         /// Thickness of the layer, at most the radius of the sensor.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: f64,
+        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        modulus_kpa: Option<f64>,
     },
 }
 
@@ -280,7 +296,10 @@ fn half() -> f64 {
 
 impl Default for PressModelConfig {
     fn default() -> Self {
-        Self::HalfSpace { poisson: half() }
+        Self::HalfSpace {
+            poisson: half(),
+            modulus_kpa: None,
+        }
     }
 }
 
@@ -288,7 +307,7 @@ impl PressModelConfig {
     /// Thickness of the layer, if there is one.
     pub fn thickness(&self) -> Option<f64> {
         match *self {
-            Self::BondedLayer { thickness } => Some(thickness),
+            Self::BondedLayer { thickness, .. } => Some(thickness),
             Self::Auto { thickness, .. } => thickness,
             Self::Hertz { .. } | Self::HalfSpace { .. } => None,
         }
@@ -297,10 +316,20 @@ impl PressModelConfig {
     /// Poisson's ratio of the soft body.
     pub fn poisson(&self) -> f64 {
         match *self {
-            Self::Auto { poisson, .. } | Self::Hertz { poisson } | Self::HalfSpace { poisson } => {
-                poisson
-            }
+            Self::Auto { poisson, .. }
+            | Self::Hertz { poisson, .. }
+            | Self::HalfSpace { poisson, .. } => poisson,
             Self::BondedLayer { .. } => half(),
+        }
+    }
+
+    /// Young's modulus of the soft body, kPa, if it is stated.
+    pub fn modulus_kpa(&self) -> Option<f64> {
+        match *self {
+            Self::Auto { modulus_kpa, .. }
+            | Self::Hertz { modulus_kpa, .. }
+            | Self::HalfSpace { modulus_kpa, .. }
+            | Self::BondedLayer { modulus_kpa, .. } => modulus_kpa,
         }
     }
 
@@ -310,9 +339,20 @@ impl PressModelConfig {
         match *self {
             Self::Auto {
                 thickness: Some(thickness),
+                modulus_kpa,
                 ..
-            } => Self::BondedLayer { thickness },
-            Self::Auto { poisson, .. } => Self::HalfSpace { poisson },
+            } => Self::BondedLayer {
+                thickness,
+                modulus_kpa,
+            },
+            Self::Auto {
+                poisson,
+                modulus_kpa,
+                ..
+            } => Self::HalfSpace {
+                poisson,
+                modulus_kpa,
+            },
             ref named => named.clone(),
         }
     }

@@ -438,8 +438,8 @@ where
 /// ```
 /// use palpate_study::config::{PressModelConfig, in_unit};
 ///
-/// let layer = PressModelConfig::BondedLayer { thickness: 5.0 };
-/// assert_eq!(in_unit(&layer, 0.1), PressModelConfig::BondedLayer { thickness: 0.5 });
+/// let layer = |thickness| PressModelConfig::BondedLayer { thickness, modulus_kpa: None };
+/// assert_eq!(in_unit(&layer(5.0), 0.1), layer(0.5));
 /// ```
 pub fn in_unit<T>(table: &T, factor: f64) -> T
 where

@@ -20,7 +20,7 @@ use crate::output::Format;
 
 pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs, SensitivityArgs};
 pub(crate) use estimate_args::{
-    EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
+    EstimateForceArgs, EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
 };
 pub(crate) use form::FormArgs;
 pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};

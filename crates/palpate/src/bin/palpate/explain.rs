@@ -231,6 +231,7 @@ fn in_words(unit: Unit) -> &'static str {
         Unit::LengthSquared => "length^2",
         Unit::One => "number",
         Unit::Degree => "deg",
+        Unit::Newton => "N",
         Unit::Turn => "turn",
         Unit::Pixel => "px",
         Unit::PixelSquared => "px^2",

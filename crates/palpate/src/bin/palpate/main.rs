@@ -111,6 +111,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
         Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
+        Command::Estimate(Estimator::Force(args)) => estimate::force(&args),
         Command::Sensor(command) => sensor::sensor(&command),
         Command::Design(args) => answer_commands::design(&args),
         Command::Distinguish(args) => answer_commands::distinguish(&args),

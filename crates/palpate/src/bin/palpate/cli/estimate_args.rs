@@ -7,7 +7,7 @@ use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
 use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
 use super::form::FormArgs;
-use super::number::positive;
+use super::number::{not_negative, positive};
 use super::settings::Settings;
 
 /// Paragraph on tables that every help of them has.
@@ -108,7 +108,26 @@ Examples:
     /// Curvature of an object from one press of a soft sphere with markers.
     #[command(after_help = PRESS_HELP)]
     Press(EstimatePressArgs),
+    /// Effective radius of a contact from a load curve: force against indentation.
+    #[command(after_help = FORCE_HELP)]
+    Force(EstimateForceArgs),
 }
+
+const FORCE_HELP: &str = concat!("The readings have one row per indentation,
+  indentation_mm,force_N
+with forces that press as positive numbers. Indentations count from the first touch.
+
+", tables!(), "
+By Hertz the force is 4/3 E* sqrt(R) d^1.5 with the indentation d, the effective radius R = 1/(1/R_sensor + 1/R_object) and
+E* = E/(1 - nu^2). Without the modulus E, the curve determines `stiffness` = E* sqrt(R), but no radius. The intervals contain the
+noise of the forces and the standard deviation of the modulus. `exponent` is the power of the indentation that fits best; a
+warning other-body reports that it is not 1.5, so that the radius is wrong: a wrong point of first touch, a thin layer or an edge.
+
+The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
+
+Examples:
+  palpate estimate force examples/load-curve.csv
+  palpate estimate force examples/load-curve.csv --modulus-kpa 500 --modulus-std-kpa 25 --sensor-radius 20");
 
 const PRESS_HELP: &str = concat!("The readings have one row per marker,
   x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm
@@ -213,6 +232,38 @@ pub(crate) struct EstimatePressArgs {
     /// Multiply the positions of the markers by this factor.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub(crate) radial_scale: f64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimateForceArgs {
+    /// The recorded load curve, a CSV file or JSON with one object per line; - is standard input.
+    pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
+    /// Young's modulus of the soft body, kPa; without it there is no radius.
+    #[arg(
+        long,
+        visible_alias = "modulus",
+        value_name = "E",
+        value_parser = positive, allow_negative_numbers = true
+    )]
+    pub(crate) modulus_kpa: Option<f64>,
+    /// Standard deviation of the modulus, kPa; by default the modulus is exact.
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) modulus_std_kpa: Option<f64>,
+    /// Poisson's ratio of the soft body.
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 0.5, value_parser = not_negative, allow_negative_numbers = true
+    )]
+    pub(crate) poisson: f64,
+    /// Radius of the sensor, in the readings' length unit. With it the output has the curvature of the object.
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) sensor_radius: Option<f64>,
+    /// Standard deviation of each force, N; by default estimated from the residuals.
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) force_std_n: Option<f64>,
 }
 
 /// A soft sensor with markers, and the estimator of what is pressed on it.

@@ -1,0 +1,322 @@
+//! The effective radius of a contact from a load curve: its force against its indentation.
+//!
+//! By Hertz F = 4/3 E* √R δ^(3/2), linear in E*√R. Without the modulus E* = E/(1 − ν²), a curve determines no more than that.
+
+use palpate_estimators::large_contact_warning;
+use palpate_statistics::{GoodnessOfFit, NORMAL_95, Number, student_half_width};
+use palpate_study::config::{LengthUnit, SettingError};
+use palpate_study::readings::LOADS;
+use palpate_study::{Unit, Warning};
+use serde::Serialize;
+
+use super::RecordedFile;
+use super::error::RecordedError;
+use super::reading_table::{ReadingTable, header};
+use super::source::ReadingSource;
+use super::text_table::TextTable;
+use super::value::{FORMAT_VERSION, Value, finite};
+
+/// Least standard deviation of forces, relative to the largest force: rounding leaves more.
+const LEAST_NOISE: f64 = 1e-10;
+
+/// Probability with which readings of a Hertzian contact have no warning of another exponent.
+const LEVEL: f64 = 0.995;
+
+/// A recorded load curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadCurve {
+    source: ReadingSource,
+    /// Indentation in the unit of lengths, and force in N, of each reading.
+    readings: Vec<[f64; 2]>,
+    unit: Option<LengthUnit>,
+}
+
+/// Settings of an estimate from a load curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadOptions {
+    /// Young's modulus of the soft body, kPa.
+    pub modulus_kpa: Option<f64>,
+    /// Its standard deviation, kPa.
+    pub modulus_std_kpa: Option<f64>,
+    /// Poisson's ratio of the soft body.
+    pub poisson: f64,
+    /// Radius of the sensor, in the unit of lengths.
+    pub sensor_radius: Option<f64>,
+    /// Standard deviation of each force, N; by default estimated from the residuals.
+    pub force_std_n: Option<f64>,
+    /// Unit of lengths if the header does not state it.
+    pub length_unit: Option<LengthUnit>,
+}
+
+impl LoadOptions {
+    /// Rejects settings that are out of range or without effect.
+    ///
+    /// # Errors
+    /// [`SettingError`] with the setting.
+    pub fn check(&self) -> Result<(), SettingError> {
+        let positive = |key: &str, value: Option<f64>| match value {
+            Some(value) if !(value > 0.0 && value.is_finite()) => {
+                Err(SettingError::of_number(key, value, "finite and > 0"))
+            }
+            _ => Ok(()),
+        };
+        positive("modulus_kpa", self.modulus_kpa)?;
+        positive("modulus_std_kpa", self.modulus_std_kpa)?;
+        positive("sensor_radius", self.sensor_radius)?;
+        positive("force_std_n", self.force_std_n)?;
+        let needs = [
+            ("modulus_std_kpa", self.modulus_std_kpa),
+            ("sensor_radius", self.sensor_radius),
+        ];
+        let useless = needs.into_iter().find(|(_, given)| given.is_some());
+        match (self.modulus_kpa, useless) {
+            (None, Some((key, _))) => Err(SettingError::new(
+                key,
+                "is of use only with setting `modulus_kpa`",
+            )),
+            _ if !(0.0..=0.5).contains(&self.poisson) => {
+                let expected = "from 0 to 0.5";
+                Err(SettingError::of_number("poisson", self.poisson, expected))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The estimate from a load curve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoadEstimate {
+    format_version: u32,
+    readings: usize,
+    length_unit: &'static str,
+    /// E*√R.
+    stiffness: Value,
+    /// R; `None` without the modulus.
+    effective_radius: Option<Value>,
+    /// 1/R minus the sensor's curvature; `None` without the modulus and the sensor's radius.
+    object_curvature: Option<Value>,
+    /// Exponent of the indentation that fits the readings best, to first order; by Hertz 3/2.
+    exponent: Value,
+    /// Standard deviation of a force, stated or estimated, N.
+    force_std_n: f64,
+    /// Goodness of fit if the noise is stated.
+    p_value: Option<f64>,
+    warnings: Vec<Warning>,
+}
+
+/// Reads a load curve, one row per reading: indentation and force.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> {
+    let table = TextTable::of(&file)?;
+    header(&table, &LOADS)?;
+    let sheet = ReadingTable::read(&table, &LOADS, &[])?;
+    let rows = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
+    Ok(LoadCurve {
+        readings: rows,
+        unit: sheet.unit,
+        source: sheet.source,
+    })
+}
+
+/// Estimates the effective radius from a load curve. Indentations are exact; the forces have equal errors.
+///
+/// # Errors
+/// [`RecordedError::Readings`] if a setting is out of its range, the unit of lengths is not stated, or the readings do not
+/// determine a radius.
+pub fn estimate_force(
+    curve: &LoadCurve,
+    options: &LoadOptions,
+) -> Result<LoadEstimate, RecordedError> {
+    let source = &curve.source;
+    let fail = |message: String| Err(source.fail(message));
+    options
+        .check()
+        .map_err(|error| source.fail(error.to_string()))?;
+    let unit = source.unit(curve.unit, options.length_unit)?;
+    let Some(metres) = unit.to(LengthUnit::M) else {
+        return fail("the unit of the indentation is not stated; name the column indentation_mm, or give setting `length_unit`".to_owned());
+    };
+    let largest = |column: usize| {
+        let all = curve.readings.iter().map(|row| row[column].abs());
+        all.fold(0.0, f64::max)
+    };
+    let [deepest, strongest] = [largest(0), largest(1)];
+    let count = curve.readings.len();
+    let mut pressed: Vec<f64> = curve.readings.iter().map(|row| row[0]).collect();
+    pressed.retain(|indentation| *indentation > 0.0);
+    pressed.sort_by(f64::total_cmp);
+    pressed.dedup();
+    if pressed.len() < 3 {
+        let many = pressed.len();
+        return fail(format!(
+            "has {many} different indentations above 0; at least 3 are needed"
+        ));
+    }
+    // In units of the largest indentation and force: F = q u with u = δ^(3/2), 0 before the first touch.
+    let scaled = curve.readings.iter().map(|[indentation, force]| {
+        let depth = (indentation / deepest).max(0.0);
+        [depth * depth.sqrt(), depth, force / strongest]
+    });
+    let scaled: Vec<[f64; 3]> = scaled.collect();
+    let sum = |term: &dyn Fn(&[f64; 3]) -> f64| scaled.iter().map(term).sum::<f64>();
+    let information = sum(&|[load, ..]| load * load);
+    let slope = sum(&|[load, _, force]| load * force) / information;
+    if !(strongest > 0.0 && slope > 0.0) {
+        return fail(
+            "the force does not increase with the indentation; forces that press must be positive"
+                .to_owned(),
+        );
+    }
+    let left = sum(&|[load, _, force]| (force - slope * load).powi(2));
+    let found = (left / (count - 1) as f64).sqrt().max(LEAST_NOISE);
+    let stated = options.force_std_n;
+    let stated = stated.map(|std| (std / strongest).max(LEAST_NOISE));
+    let std = stated.unwrap_or(found);
+    let half_width = |probability: f64, unknowns: usize| {
+        let freedom = if stated.is_some() {
+            1_000_000
+        } else {
+            count - unknowns
+        };
+        student_half_width(probability, freedom)
+    };
+    let slope_std = std / information.sqrt();
+
+    // The exponent: the derivative of q δ^n by n, without its part along δ^(3/2).
+    let log = |[load, depth, _]: &[f64; 3]| {
+        if *depth > 0.0 {
+            load * libm::log(*depth)
+        } else {
+            0.0
+        }
+    };
+    let along = sum(&|row| log(row) * row[0]) / information;
+    let beside = |row: &[f64; 3]| log(row) - along * row[0];
+    let of_exponent = sum(&|row| beside(row).powi(2));
+    let change = sum(&|row| beside(row) * (row[2] - slope * row[0])) / of_exponent;
+    let explained = change * change * of_exponent;
+    let rest = ((left - explained).max(0.0) / (count - 2) as f64)
+        .sqrt()
+        .max(LEAST_NOISE);
+    let exponent_std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
+    let exponent = 1.5 + change / slope;
+
+    // F/(4/3 δ^(3/2)) in N per length^(3/2) to kPa √length.
+    let per_kpa = 4.0 / 3.0 * 1e3 * metres * metres;
+    let scale = strongest / per_kpa / deepest / deepest.sqrt();
+    let stiffness = Value {
+        unit: format!("kPa {}^0.5", unit.as_str()).into(),
+        ..Value::within(
+            slope * scale,
+            Some(slope_std * scale),
+            half_width(0.95, 1),
+            Unit::One,
+            unit,
+        )
+    };
+    let share = half_width(0.95, 1) * slope_std / slope;
+    let radius = options.modulus_kpa.map(|modulus| {
+        let root = slope * (scale / modulus) * (1.0 - options.poisson * options.poisson);
+        let of_modulus = options.modulus_std_kpa.unwrap_or(0.0) / modulus;
+        let (low, high) = quotient(share, NORMAL_95 * of_modulus);
+        let square = |factor: f64| (factor * root) * (factor * root);
+        Value {
+            interval95: Some([finite(square(low)), high.map(square).and_then(finite)]),
+            std: finite(2.0 * square(1.0) * libm::hypot(slope_std / slope, of_modulus)),
+            ..Value::bare(square(1.0), unit.as_str())
+        }
+    });
+    let lengths = radius
+        .iter()
+        .flat_map(|radius| [Some(radius.value), radius.std]);
+    let numbers = [
+        Some(stiffness.value),
+        stiffness.std,
+        Some(exponent),
+        Some(exponent_std),
+    ];
+    let is_sound = |number: Option<f64>| number.is_some_and(f64::is_finite);
+    if !numbers.into_iter().chain(lengths).all(is_sound)
+        || stiffness.value <= 0.0
+        || radius.as_ref().is_some_and(|radius| radius.value <= 0.0)
+    {
+        return fail("the numbers are too large or too small for an estimate".to_owned());
+    }
+    let curvature = radius
+        .as_ref()
+        .zip(options.sensor_radius)
+        .map(|(radius, sensor)| {
+            let less = |end: Option<f64>| {
+                Some(end?.recip() - sensor.recip()).filter(|one| one.is_finite())
+            };
+            let [low, high] = radius.interval95.unwrap_or_default();
+            Value {
+                std: radius
+                    .std
+                    .and_then(|std| finite(std / radius.value / radius.value)),
+                interval95: Some([
+                    high.map_or(Some(-sensor.recip()), |high| less(Some(high))),
+                    less(low),
+                ]),
+                ..Value::bare(
+                    radius.value.recip() - sensor.recip(),
+                    Unit::PerLength.of(unit),
+                )
+            }
+        });
+    let mut warnings = Vec::new();
+    if (exponent - 1.5).abs() > half_width(LEVEL, 2) * exponent_std {
+        let [power, std] = [exponent, exponent_std].map(Number::rounded);
+        let text = format!(
+            "the force grows with the power {power} of the indentation (standard deviation {std}), not 1.5: is the indentation 0 at first touch, and the body a thick half-space?"
+        );
+        warnings.push(Warning::new("other-body", text, [("exponent", exponent)]));
+    }
+    let goodness = stated.map(|std| GoodnessOfFit::new(left / (std * std), count - 1));
+    if let Some(poor) = goodness.filter(GoodnessOfFit::is_poor) {
+        let p_value = poor.p_value;
+        let text = format!(
+            "the residuals are larger than the stated noise explains (p-value {})",
+            Number::rounded(p_value)
+        );
+        warnings.push(Warning::new("poor-fit", text, [("p_value", p_value)]));
+    }
+    warnings.extend(
+        radius
+            .as_ref()
+            .zip(options.sensor_radius)
+            .and_then(|(radius, sensor)| {
+                let contact = (radius.value * deepest).sqrt();
+                large_contact_warning(radius.value.recip(), contact, sensor, false)
+            }),
+    );
+    Ok(LoadEstimate {
+        format_version: FORMAT_VERSION,
+        readings: count,
+        length_unit: unit.as_str(),
+        stiffness,
+        effective_radius: radius,
+        object_curvature: curvature,
+        exponent: Value::within(
+            exponent,
+            Some(exponent_std),
+            half_width(0.95, 2),
+            Unit::One,
+            unit,
+        ),
+        force_std_n: std * strongest,
+        p_value: goodness.map(|goodness| goodness.p_value),
+        warnings,
+    })
+}
+
+/// Ends of the 95 % interval of a quotient, relative to it, by Fieller's theorem. `above` and `below` are the relative half-widths
+/// of the intervals of the numerator and the denominator. The upper end is `None` if the denominator may be 0.
+fn quotient(above: f64, below: f64) -> (f64, Option<f64>) {
+    let [numerator, denominator] = [above, below].map(|share| 1.0 - share * share);
+    let root = (1.0 - numerator * denominator).max(0.0).sqrt();
+    let low = (numerator / (1.0 + root)).max(0.0);
+    (low, (below < 1.0).then(|| (1.0 + root) / denominator))
+}
