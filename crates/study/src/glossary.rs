@@ -152,7 +152,7 @@ subjects! {
         "outlier": "Warning: one reading contradicts the others. Its number among them, counted from 0, is in `numbers`. Markers of a press that contradict the others strongly are left out instead.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
-        "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the one in the readings.";
+        "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the one in the readings or the scene.";
         "not-round": "Warning about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
     }

@@ -203,6 +203,15 @@ fn check_prints_models_noise_and_estimator() {
 }
 
 #[test]
+fn check_compares_the_finger_distance_with_the_fingers() {
+    let warning = "warning: `inter_finger_distance` is 10, but fingers are 15 apart";
+    Desk::with(GLIDE).palpate("check c.toml").prints(warning);
+    let close = edited(GLIDE, "[-15.0, 0.0, 15.0]", "[10.0, -10.0, 0.0]");
+    let printed = Desk::with(&close).palpate("check c.toml").printed();
+    assert!(!printed.contains("inter_finger_distance"), "{printed}");
+}
+
+#[test]
 fn a_warning_names_cells_without_a_map() {
     // Normals in random directions fit no patch.
     let lost = edited(GLIDE, "values = [0, 0.05]", "values = [0, 1]").replace(

@@ -45,8 +45,9 @@ impl GlideScene {
         let models = models
             .chain([tip.map(|tip| tip_text(&tip, sensor.normals))])
             .chain([Some(method.description())]);
-        let warning = beyond(config).map(Need::from);
-        let needs = models.flatten().map(Need::from).chain(warning).collect();
+        let warnings = [finger_spacing(&config.motion), beyond(config)].into_iter();
+        let warnings = warnings.flatten().map(Need::from);
+        let needs = models.flatten().map(Need::from).chain(warnings).collect();
         Ok(Self {
             seed,
             config: config.clone(),
@@ -375,6 +376,25 @@ fn grid(
         places,
         thresholds,
     })
+}
+
+/// Relative difference between the stated and the true distance of fingers that is rounding.
+const SPACING_TOLERANCE: f64 = 1e-6;
+
+/// Warns if `inter_finger_distance` is not the distance between neighbouring fingers.
+fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
+    let stated = motion.inter_finger_distance;
+    let mut positions = motion.finger_positions.clone();
+    positions.sort_by(f64::total_cmp);
+    let gaps = positions.windows(2).map(|pair| pair[1] - pair[0]);
+    let is_other = |gap: &f64| (gap - stated).abs() > SPACING_TOLERANCE * stated;
+    let spacing = gaps.filter(|gap| gap.is_finite()).find(is_other)?;
+    let [shown, found] = [stated, spacing].map(Number::rounded);
+    let text = format!(
+        "`inter_finger_distance` is {shown}, but fingers are {found} apart; it scales `fraction_of_ifd` and the smoothing of two-pass"
+    );
+    let numbers = [("inter_finger_distance", stated), ("spacing", spacing)];
+    Some(Warning::new("stated-scale", text, numbers))
 }
 
 /// Warns if the grid extends beyond the contacts.
