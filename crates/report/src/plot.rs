@@ -5,6 +5,7 @@ mod captions;
 mod chart;
 mod class_grid;
 mod class_map;
+mod class_surface;
 mod contact_table;
 mod contacts;
 mod coverage_plot;
@@ -23,6 +24,7 @@ mod scale;
 mod selection;
 mod series;
 mod sheet;
+mod space;
 mod style;
 mod symbol;
 mod uncertainty;
@@ -48,7 +50,7 @@ pub(crate) use style::{DARK, hex, on_dark};
 /// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure: the
 /// relative rms error of the object's curvature over the first swept field, with a line per value of the second.
 ///
-/// Plots of kind `class-map` or `profile` show `map.csv`, plots of kind `contacts` show `trace.csv` and `readings.csv`.
+/// Plots of kind `class-map`, `class-surface` or `profile` show `map.csv`, plots of kind `contacts` show `trace.csv` and `readings.csv`.
 /// The bytes of an SVG depend only on the study's tables and `run.toml`.
 ///
 /// # Errors
@@ -116,6 +118,7 @@ fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportErr
     match kind {
         PlotKind::Lines => lines::figure(of),
         PlotKind::ClassMap => class_map::figure(of),
+        PlotKind::ClassSurface => class_surface::figure(of),
         PlotKind::Contacts => contacts::figure(of),
         PlotKind::Profile => profile::figure(of),
     }

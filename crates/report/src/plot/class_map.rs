@@ -140,7 +140,7 @@ fn key(lines: &[PanelRow<'_>]) -> Key {
     entries
 }
 
-fn colour(class: Class) -> Colour {
+pub(super) fn colour(class: Class) -> Colour {
     let known = class.and_then(|at| CLASSES.get(at));
     known.map_or(WHITE, |(_, colour)| *colour)
 }

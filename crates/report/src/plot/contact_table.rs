@@ -1,5 +1,6 @@
 //! `trace.csv` and `readings.csv` of a glide: true contacts of the fingers, and readings.
 
+use super::space::Vector;
 use crate::records::Records;
 use crate::{Files, ReportError};
 
@@ -12,9 +13,6 @@ const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
 /// Largest distance of two equal places, relative to the size of all contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
-
-/// A place or a direction.
-pub(crate) type Vector = [f64; 3];
 
 /// True contact.
 #[derive(Debug, Clone, Copy)]

@@ -1,31 +1,20 @@
 //! Figures of kind `contacts`: paths, normals and readings of gliding fingers in space.
 
 use super::captions;
-use super::contact_table::{self, Contacts, Finger, Touch, Vector};
-use super::drawing::{Drawing, Figure};
-use super::scale::{Scale, Spacing};
+use super::contact_table::{self, Contacts, Finger, Touch};
+use super::drawing::Figure;
+use super::scale::Scale;
 use super::selection::Request;
-use super::sheet::{self, Drawn, EDGE, HAIR, Key, Sample, Sheet, TEXT, WIDTH, dashed, letters};
-use super::style::{FAINT, FLOOR, GRID, INK, Marker, QUIET, Style, pale};
+use super::sheet::{self, Drawn, HAIR, Key, Sample, WIDTH, dashed};
+use super::space::{BELOW, Space, Vector, View, around, at};
+use super::style::{GRID, Marker, QUIET, Style, pale};
 use super::symbol::Symbol;
 use crate::{ReportError, phrases};
-use palpate_study::label::{spoken_unit, with_unit};
+use palpate_study::label::spoken_unit;
 use palpate_study::number;
-use plotters::chart::{ChartBuilder, ChartContext};
-use plotters::coord::cartesian::Cartesian3d;
-use plotters::coord::ranged1d::ValueFormatter;
 use plotters::element::{Circle, PathElement};
-use plotters::style::text_anchor::HPos;
-use plotters::style::{Color, TRANSPARENT};
+use plotters::style::Color;
 
-/// View direction, degrees: turned from +x to −y, then raised.
-const TURN: f64 = 62.0;
-const RAISE: f64 = 36.0;
-/// Room for the labels of the axes, to the left and right of the box and below it.
-const BESIDE: i32 = 198;
-const BELOW: i32 = 48;
-/// Largest height of the box.
-const TALLEST: i32 = 1860;
 /// Length of a stroke along a normal, as a share of the larger horizontal side of the contacts.
 const STROKE: f64 = 0.09;
 /// Length of a sample in the key.
@@ -33,12 +22,6 @@ const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
 const DOT: u32 = 15;
-/// Length of axis per tick, which determines the number of ticks.
-const APART: f64 = 192.0;
-
-/// A 3-D chart. Its x points right, y up and z away from the viewer, so y and z of the contacts are swapped.
-type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
-
 /// Draws the contacts of one pass.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let contacts = contact_table::read(of.study.files())?;
@@ -77,10 +60,6 @@ fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
         places.extend(touch.along_normal(stroke));
     }
     ([0, 1, 2].map(|axis| around(&places, axis)), stroke)
-}
-
-fn around(places: &[Vector], axis: usize) -> Scale {
-    Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
 /// Subtitle of the plot: the object, the numbers of fingers and contacts, and the error of the readings.
@@ -144,107 +123,6 @@ fn key(contacts: &Contacts) -> Key {
         entries.push((tip, "tip centre".to_owned()));
     }
     entries
-}
-
-/// An orthographic view from above, with the same scale along all axes.
-struct View {
-    /// Unit vectors to the right, up and towards the eye.
-    right: Vector,
-    up: Vector,
-    toward: Vector,
-    /// Side lengths of the box, px.
-    sides: Vector,
-    /// Height of the picture of the box, px.
-    high: i32,
-}
-
-impl View {
-    /// The view in which the box of these scales fills the available area.
-    fn of(scales: &[Scale; 3]) -> Self {
-        let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
-        let (sin, cos) = libm::sincos(RAISE.to_radians());
-        let right = [-sin_turn, cos_turn, 0.0];
-        let up = [-sin * cos_turn, -sin * sin_turn, cos];
-        let sides = [0, 1, 2].map(|axis| scales[axis].ends().1 - scales[axis].ends().0);
-        let extent = |direction: Vector| {
-            let parts = (0..3).map(|axis| direction[axis].abs() * sides[axis]);
-            parts.sum::<f64>()
-        };
-        let room = f64::from(WIDTH - 2 * (EDGE + BESIDE)) / extent(right);
-        let scale = room.min(f64::from(TALLEST) / extent(up));
-        Self {
-            right,
-            up,
-            toward: [cos * cos_turn, cos * sin_turn, sin],
-            sides: sides.map(|side| scale * side),
-            high: (scale * extent(up)) as i32,
-        }
-    }
-
-    /// The empty 3-D chart with its walls, below the content already on the sheet.
-    fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
-        let [x, y, z] = [0, 1, 2].map(|axis| {
-            let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
-            scales[axis].clone().with_ticks(about)
-        });
-        let middle = [f64::from(WIDTH / 2), f64::from(sheet.top + self.high / 2)];
-        let row = |direction: Vector, sign: f64, middle: f64| {
-            let along = |axis: usize| sign * direction[axis];
-            let centre = (0..3).map(|axis| along(axis) * self.sides[axis] / 2.0);
-            [along(0), along(2), along(1), middle - centre.sum::<f64>()]
-        };
-        let matrix = [
-            row(self.right, 1.0, middle[0]),
-            row(self.up, -1.0, middle[1]),
-            row(self.toward, -1.0, 0.0),
-            [0.0, 0.0, 0.0, 1.0],
-        ];
-        let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Plotters puts labels on the side of an axis that faces away from the middle of this area.
-        let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
-        let mut space =
-            ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
-        space.set_3d_pixel_range((wide, high, deep));
-        space.with_projection(|_| matrix.into());
-        space
-            .configure_axes()
-            .axis_panel_style(FLOOR.filled())
-            .bold_grid_style(FAINT.stroke_width(HAIR))
-            .light_grid_style(TRANSPARENT)
-            .label_style(letters(TEXT, INK, HPos::Center))
-            .tick_size(15)
-            .x_formatter(&|value| x.format_ext(value))
-            .y_formatter(&|value| z.format_ext(value))
-            .z_formatter(&|value| y.format_ext(value))
-            .draw()?;
-        Ok(space)
-    }
-
-    /// Writes the names of the axes.
-    fn name_axes(
-        &self,
-        space: &Space<'_>,
-        sheet: &Sheet,
-        unit: &str,
-        scales: &[Scale; 3],
-    ) -> Drawn {
-        let [x, y, z] = [0, 1, 2].map(|axis| scales[axis].ends());
-        let middle = |(low, high): (f64, f64)| low + (high - low) / 2.0;
-        for (name, place, (dx, dy), anchor) in [
-            ("x", [middle(x), y.0, z.0], (-108, 132), HPos::Center),
-            ("y", [x.1, middle(y), z.0], (156, 102), HPos::Left),
-            ("z", [x.0, y.0, z.1], (-30, -42), HPos::Right),
-        ] {
-            let (x, y) = space.plotting_area().map_coordinate(&at(place));
-            sheet.text(&with_unit(name, unit), (x + dx, y + dy), anchor, INK)?;
-        }
-        Ok(())
-    }
-}
-
-/// A point in the coordinates of the chart, which swap y and z.
-fn at([x, y, z]: Vector) -> (f64, f64, f64) {
-    (x, z, y)
 }
 
 /// The contacts, and the 3-D chart into which they are drawn.

@@ -1,6 +1,6 @@
 //! Class maps: their shapes and texts, and rejected input.
 
-use crate::fixture::{attribute, drawn, refused, shows};
+use crate::fixture::{attribute, count, drawn, refused, shows};
 use crate::glides::{cells, config, map, study};
 use palpate_report::Study;
 
@@ -103,4 +103,38 @@ fn many_cells_are_laid_out_without_leaving_the_picture() {
         let (x, y) = (attribute(line, "x") / 3.0, attribute(line, "y") / 3.0);
         assert!(x > 0.0 && x < width && y > 0.0 && y < height, "{line}");
     }
+}
+
+#[test]
+fn classes_are_drawn_on_the_fitted_surface() {
+    let plot = PLOT.replace("class-map", "class-surface");
+    let both = map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]);
+    let text = drawn(&made(&plot, &both));
+    shows(
+        &text,
+        &[
+            "two-pass · 77.8 % correct",
+            "penalised · 100 % correct",
+            "saddle ridge",
+            "x (mm)",
+            "z (mm)",
+        ],
+    );
+    // Squares of the class peak: one on the first surface, and its sample in the key.
+    assert_eq!(count(&text, "polygon", "#7A1F12"), 2);
+    let bare = both.replace("z_mm", "w_mm");
+    refused(&made(&plot, &bare), &["map.csv", "\"z\""]);
+    refused(
+        &made(&plot, &both.replace(",0,ridge", ",inf,ridge")),
+        &["z_mm", "inf"],
+    );
+    // A surface of any size and slope, and one of a single point.
+    for height in ["1e-300", "-5e99", "0.25"] {
+        let text = drawn(&made(
+            &plot,
+            &both.replace(",0,saddle", &format!(",{height},saddle")),
+        ));
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{height}");
+    }
+    assert!(drawn(&made(&plot, &map(&[("r", "r")]))).contains("100 % correct"));
 }

@@ -81,6 +81,8 @@ pub enum PlotKind {
     Lines,
     /// The shape classes of every cell's map, beside the true ones.
     ClassMap,
+    /// The shape classes of every cell's map on its fitted surface, in space.
+    ClassSurface,
     /// The contacts of the traced pass, in space.
     Contacts,
     /// The displacement under every cell's press along a radius, true and estimated.
@@ -98,7 +100,7 @@ impl PlotKind {
     fn output(self) -> (Output, &'static str) {
         match self {
             Self::Lines => (Output::Cells, "cells"),
-            Self::ClassMap | Self::Profile => (Output::Map, "map"),
+            Self::ClassMap | Self::ClassSurface | Self::Profile => (Output::Map, "map"),
             Self::Contacts => (Output::Trace, "trace"),
         }
     }
@@ -107,7 +109,7 @@ impl PlotKind {
     pub fn scene(self) -> Option<&'static str> {
         match self {
             Self::Lines => None,
-            Self::ClassMap | Self::Contacts => Some("glide"),
+            Self::ClassMap | Self::ClassSurface | Self::Contacts => Some("glide"),
             Self::Profile => Some("press"),
         }
     }
@@ -125,6 +127,7 @@ impl PlotKind {
                 "name, title, x, y, quantity, series, panels, where, scale, compare, marks, points",
             ),
             Self::ClassMap => ("class-map", "name, title, where, scale"),
+            Self::ClassSurface => ("class-surface", "name, title, where, scale"),
             Self::Contacts => ("contacts", "name, title, scale"),
             Self::Profile => (
                 "profile",
