@@ -64,9 +64,12 @@ pub struct Optics {
 pub struct SeenMarker {
     /// Centroid of the image with the weights of `size_px2`, px.
     pub centroid_px: [f64; 2],
-    /// Hue, as in HSV, of the summed light of the image, in turns, from 0 (red) to below 1. It is the mean hue, in
-    /// which each point has its chroma as weight. 0 if there is no chroma.
+    /// Hue, as in HSV, of the summed light of the image, in turns, from 0 (red) to below 1. Each point counts with
+    /// its chroma. 0 if there is no chroma.
     pub hue_turns: f64,
+    /// Mean of the hue over the area of the image, in turns, without unwrapping: red is both 0 and 1. Regions with a
+    /// saturation of at most 1/4 do not count; without others it is `hue_turns`.
+    pub mean_hue_turns: f64,
     /// Sum over the image of the absorbed shares of the white layer's green and blue light, px². A disc that absorbs all of
     /// one of them contributes its area.
     pub size_px2: f64,

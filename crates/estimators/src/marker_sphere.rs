@@ -4,7 +4,7 @@ use palpate_chromatouch::{DiscDepths, Discs, Layout, LayoutError, MarkerArray, O
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
-    DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
+    DiscColour, DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
 };
 
 /// Path of the layout in a config.
@@ -71,19 +71,22 @@ impl<'a> MarkerSphere<'a> {
 
     /// Depths of the two discs.
     pub fn disc_depths(&self) -> Result<DiscDepths, FieldError> {
-        let half = 0.5 * self.discs()?.separation;
+        let discs = self.discs()?;
+        let half = 0.5 * discs.separation;
         if half > self.marker_depth {
             let message = format!(
-                "the yellow discs would lie {} above the skin; the separation must be at most twice `scene.probe.marker_depth`, {}",
+                "the outer discs would lie {} above the skin; the separation must be at most twice `scene.probe.marker_depth`, {}",
                 half - self.marker_depth,
                 2.0 * self.marker_depth
             );
             return Err(FieldError::at("scene.probe.discs.separation", message));
         }
-        Ok(DiscDepths {
-            magenta: self.marker_depth + half,
-            yellow: self.marker_depth - half,
-        })
+        let (inner, outer) = (self.marker_depth + half, self.marker_depth - half);
+        let (magenta, yellow) = match discs.inner {
+            DiscColour::Magenta => (inner, outer),
+            DiscColour::Yellow => (outer, inner),
+        };
+        Ok(DiscDepths { magenta, yellow })
     }
 
     /// Standard deviation of each coordinate of a marker's misalignment: an angle at the sensor's centre, rad.

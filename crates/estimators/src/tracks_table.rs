@@ -3,7 +3,7 @@
 use palpate_study::{Column, Table, number};
 use palpate_tracking::Track;
 
-/// Table with one row per marker: its place and hue at rest (or pressed, if it is new), and their changes if it was
+/// Table with one row per marker: its place and hues at rest (or pressed, if it is new), and their changes if it was
 /// tracked. Values that were not measured stay empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let mut table = Table::new([
@@ -15,10 +15,13 @@ pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Tabl
         Column::number("dy_px", "px"),
         Column::number("dhue_turns", "turn"),
         Column::text("status"),
+        Column::number("mean_hue_turns", "turn"),
+        Column::number("dmean_hue_turns", "turn"),
     ]);
     for (marker, track) in tracks.enumerate() {
         let image = track.and_then(|track| track.rest.or(track.pressed));
         let change = track.and_then(Track::change);
+        let text = |one: Option<f64>| one.map_or_else(String::new, number);
         let numbers = [
             image.map(|image| image.centroid_px[0]),
             image.map(|image| image.centroid_px[1]),
@@ -29,8 +32,10 @@ pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Tabl
         ];
         let status = track.map_or("not-seen", |track| track.status.name());
         let mut row = vec![marker.to_string()];
-        row.extend(numbers.map(|one| one.map_or_else(String::new, number)));
+        row.extend(numbers.map(text));
         row.push(status.to_owned());
+        row.push(text(image.map(|image| image.mean_hue_turns)));
+        row.push(text(change.and_then(|_| track?.mean_hue_change())));
         table.rows.push(row);
     }
     table

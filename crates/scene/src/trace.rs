@@ -27,7 +27,8 @@ pub struct Trace {
 /// Camera readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraTrace {
-    /// The track of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
+    /// The track of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,
+    /// dmean_hue_turns`.
     pub markers: Table,
     /// The frames at rest and pressed, if they were rendered.
     pub frames: Option<[RgbImage; 2]>,

@@ -57,7 +57,7 @@ pub enum Channel {
     Misalignment = 11,
     /// Error of a pixel.
     Pixel = 12,
-    /// Error of a marker's mean hue.
+    /// Error of a marker's hue.
     Hue = 13,
     /// Error of a marker's centroid in the image.
     Centroid = 14,

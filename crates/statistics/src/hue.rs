@@ -1,5 +1,8 @@
 //! Hue of a colour.
 
+/// Smallest saturation, as in HSV, of a pixel that counts in a mean hue.
+const MIN_SATURATION: f64 = 0.25;
+
 /// Hue of a colour in turns, from 0 to below 1, by the hexagonal formula of HSV. A grey has the hue 0.
 ///
 /// ```
@@ -25,4 +28,20 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
     // A tiny negative number plus 1 rounds to a whole turn.
     if turns < 1.0 { turns } else { 0.0 }
+}
+
+/// Hue of a colour with a saturation, as in HSV, above 1/4; `None` for a paler colour. Only such colours count in a mean
+/// hue.
+///
+/// ```
+/// use palpate_statistics::saturated_hue;
+///
+/// assert_eq!(saturated_hue([1.0, 0.7, 0.7]), Some(0.0));
+/// assert_eq!(saturated_hue([1.0, 0.8, 0.8]), None);
+/// ```
+pub fn saturated_hue(colour: [f64; 3]) -> Option<f64> {
+    let [red, green, blue] = colour;
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    (chroma > MIN_SATURATION * most).then(|| hue_turns(colour))
 }

@@ -12,7 +12,7 @@ pub mod work;
 
 pub use bad_setting::BadSetting;
 pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
-pub use hue::hue_turns;
+pub use hue::{hue_turns, saturated_hue};
 pub use misfit::{Misfit, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::{Number, Percent};

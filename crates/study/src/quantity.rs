@@ -146,8 +146,10 @@ quantities! {
     NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
     /// Component of a marker's displacement along the skin, as a camera reads it.
     TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
-    /// Change of the mean hue of the marker under the contact.
+    /// Change of the hue of the summed light of the marker under the contact.
     HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
+    /// Change of the mean of the pixels' hues over the marker under the contact.
+    MEAN_HUE_CHANGE = "mean_hue_change", "change of the mean hue", Turn, Measured, &["press"];
     /// Path of the centroid of the marker under the contact in the image.
     CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured, &["press"];
     /// Number of markers that were tracked.

@@ -354,6 +354,7 @@ mod tests {
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,
+            mean_hue_turns: 0.9,
             size_px2: 500.0 * angle / libm::sin(angle),
             pixels: 500,
         };

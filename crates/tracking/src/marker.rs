@@ -8,9 +8,12 @@ use strum::IntoStaticStr;
 pub struct Marker {
     /// Centroid of the marker's contrast to the ground, px.
     pub centroid_px: [f64; 2],
-    /// Mean hue in turns, from 0 (red) to below 1: the HSV hue of the sum of its pixels' light. So each pixel is weighted by
-    /// its chroma.
+    /// Hue in turns, from 0 (red) to below 1: the HSV hue of the sum of its pixels' light. So each pixel is weighted by its
+    /// chroma.
     pub hue_turns: f64,
+    /// Mean of the HSV hues of its pixels, in turns, without unwrapping: red is both 0 and 1. Only pixels with a
+    /// saturation above 1/4 count; without any it is `hue_turns`.
+    pub mean_hue_turns: f64,
     /// Size as total contrast to the ground, px². On a bright ground it is the sum over the pixels of the absorbed shares of
     /// green and of blue light: a disc that absorbs all of one colour has its area. On a dark ground it is the sum of the
     /// shares of full scale that the marker adds to its strongest colour.
@@ -58,7 +61,7 @@ pub struct Track {
 pub struct Change {
     /// Shift of the centroid, px.
     pub shift_px: [f64; 2],
-    /// Change of the mean hue, turns, from -0.5 to below 0.5.
+    /// Change of the hue of the summed light, turns, from -0.5 to below 0.5.
     pub hue_turns: f64,
     /// Change of the logarithm of the marker's diameter: half the change of the logarithm of its size.
     pub growth: f64,
@@ -70,7 +73,7 @@ impl Track {
     /// ```
     /// use palpate_tracking::{Marker, Status, Track};
     ///
-    /// let rest = Marker { centroid_px: [10.0, 10.0], hue_turns: 0.95, size_px2: 100.0, pixels: 100 };
+    /// let rest = Marker { centroid_px: [10.0, 10.0], hue_turns: 0.95, mean_hue_turns: 0.95, size_px2: 100.0, pixels: 100 };
     /// let pressed = Marker { centroid_px: [13.0, 6.0], hue_turns: 0.05, ..rest };
     /// let track = Track { rest: Some(rest), pressed: Some(pressed), status: Status::Tracked };
     /// let change = track.change().ok_or("not tracked")?;
@@ -92,6 +95,13 @@ impl Track {
             growth: 0.5 * libm::log(pressed.size_px2 / rest.size_px2),
         };
         Some(change).filter(Change::is_finite)
+    }
+
+    /// Change of the mean hue of a tracked marker, turns, without unwrapping.
+    pub fn mean_hue_change(&self) -> Option<f64> {
+        let (rest, pressed) = self.rest.zip(self.pressed)?;
+        let change = pressed.mean_hue_turns - rest.mean_hue_turns;
+        (self.status == Status::Tracked && change.is_finite()).then_some(change)
     }
 }
 

@@ -36,6 +36,7 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
     (has_hue && finite && size_px2.is_finite()).then_some(Marker {
         centroid_px,
         hue_turns,
+        mean_hue_turns: sums.mean_hue.unwrap_or(hue_turns),
         size_px2,
         pixels: u32::try_from(pixels).unwrap_or(u32::MAX),
     })
@@ -70,7 +71,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// levels, from the fitted light of the ground, and from the pixel grid at the marker's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// Covariance of both coordinates of the centroid, px, the mean hue, turns, and the natural logarithm of the size.
+    /// Covariance of both coordinates of the centroid, px, the hue of the summed light, turns, and the natural logarithm of the size.
     pub covariance: [[f64; 4]; 4],
 }
 

@@ -30,7 +30,7 @@ const REACH: f64 = 1.5;
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};
 ///
-/// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, size_px2: 300.0, pixels: 300 };
+/// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, mean_hue_turns: 0.1, size_px2: 300.0, pixels: 300 };
 /// let rest = [20.0, 60.0, 100.0].map(marker);
 /// // Two move by 3 px; the third is lost.
 /// let pressed = [23.0, 63.0].map(marker);
@@ -287,6 +287,7 @@ fn combine(pieces: [Marker; 2]) -> Marker {
         centroid_px: [0, 1]
             .map(|axis| a.centroid_px[axis] + share * (b.centroid_px[axis] - a.centroid_px[axis])),
         hue_turns: (a.hue_turns + share * turn).rem_euclid(1.0),
+        mean_hue_turns: a.mean_hue_turns + share * (b.mean_hue_turns - a.mean_hue_turns),
         size_px2,
         pixels: a.pixels.saturating_add(b.pixels),
     }

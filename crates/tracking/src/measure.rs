@@ -2,6 +2,7 @@
 //! uneven light cause no bias.
 
 use image::RgbImage;
+use palpate_statistics::saturated_hue;
 
 use crate::Ground;
 use crate::lighting::{Lighting, Local};
@@ -11,6 +12,8 @@ use crate::shapes::{Shape, Window};
 const RING_PX: i32 = 4;
 /// A marker ends where its signal falls below this share of the markers' mean signal.
 const END_SIGNAL: f64 = 0.004;
+/// Distance from a shape within which saturated pixels belong to its marker, px.
+const HUE_REACH_PX: i32 = 2;
 /// Number of markers on which the reach is measured.
 const SAMPLE_SIZE: usize = 12;
 /// Smallest brightness of the ground by which light is divided, of 255.
@@ -32,6 +35,8 @@ pub(crate) struct Sums {
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright ground these are all pixels. On a dark
     /// ground they are the shape's pixels, because the others only add noise.
     pub(crate) hue_light: [f64; 3],
+    /// Mean hue of the saturated pixels, turns; `None` if there are none.
+    pub(crate) mean_hue: Option<f64>,
     /// Origin of the offsets, px.
     pub(crate) middle: [f64; 2],
     /// Errors of the summed pixels.
@@ -107,6 +112,7 @@ impl Scene<'_> {
         shrink(&mut offsets);
         for (at, (sums, offset)) in sums.iter_mut().zip(&offsets).enumerate() {
             sums.errors = self.errors(&patches[at], offset);
+            sums.mean_hue = self.mean_hue(&patches[at]);
             self.correct(sums, offset);
             sums.hue_light = match self.ground {
                 Ground::Bright => sums.light,
@@ -301,9 +307,31 @@ impl Scene<'_> {
             light: [sums[3], sums[4], sums[5]],
             moment: [0, 1, 2].map(|colour| [sums[6 + colour], sums[9 + colour]]),
             hue_light: [0.0; 3],
+            mean_hue: None,
             middle: patches[at].middle,
             errors: PixelErrors::default(),
         }
+    }
+
+    /// Plain mean of the hues of the saturated pixels in and around a shape.
+    fn mean_hue(&self, patch: &Patch) -> Option<f64> {
+        let width = self.frame.width() as usize;
+        let window = patch.hull.grown(HUE_REACH_PX, self.rows);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (row, &(first, last)) in (window.top..).zip(&window.rows) {
+            if first > last {
+                continue;
+            }
+            let line = &self.frame.as_raw()[row as usize * width * 3..][..width * 3];
+            let pixels = &line[first as usize * 3..(last + 1) as usize * 3];
+            for pixel in pixels.as_chunks::<3>().0 {
+                if let Some(hue) = saturated_hue(pixel.map(f64::from)) {
+                    sum += hue;
+                    count += 1.0;
+                }
+            }
+        }
+        (count > 0.0).then(|| sum / count)
     }
 
     /// The sums of the colours over the shape alone, and its number of pixels.

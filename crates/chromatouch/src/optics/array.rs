@@ -20,9 +20,9 @@ const MIN_HALF_WIDTH: f64 = 1e-9;
 /// Depths of the two discs of each marker under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
-    /// Depth of the inner disc, which is nearer to the camera; at least the depth of the yellow disc.
+    /// Depth of the magenta disc.
     pub magenta: f64,
-    /// Depth of the outer disc, at least 0.
+    /// Depth of the yellow disc.
     pub yellow: f64,
 }
 
@@ -36,14 +36,24 @@ pub struct DiscMotion {
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter by the strain of the skin; the disc remains a circle.
     pub stretch: f64,
+    /// Relative increase of lengths along the skin around the disc: a misalignment grows by it.
+    pub skin_stretch: f64,
+}
+
+impl DiscMotion {
+    /// Angles of a disc from its marker's place: those of its motion, and its misalignment, which the skin stretches.
+    #[inline]
+    pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
+    }
 }
 
 /// Displacements of the two discs of a marker in a press; 0 by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerMotion {
-    /// Displacement of the inner disc.
+    /// Displacement of the magenta disc.
     pub magenta: DiscMotion,
-    /// Displacement of the outer disc.
+    /// Displacement of the yellow disc.
     pub yellow: DiscMotion,
 }
 
@@ -102,7 +112,7 @@ impl MarkerArray {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `radius`, `magenta_diameter`, `yellow_diameter`; [`OpticsError::BadDepth`]
-    /// unless radius > magenta ≥ yellow ≥ 0; [`OpticsError::OffTheSkin`]; [`OpticsError::TooManyMarkers`];
+    /// unless each depth is at least 0 and less than the radius; [`OpticsError::OffTheSkin`]; [`OpticsError::TooManyMarkers`];
     /// [`OpticsError::DiscsOverlap`] if discs of two markers overlap in the view from the centre.
     pub fn new(
         sensor_radius: f64,
@@ -118,19 +128,14 @@ impl MarkerArray {
                 limit: MOST_MARKERS,
             });
         }
-        let bad_depth = |disc, depth, expected| OpticsError::BadDepth {
-            disc,
-            depth,
-            radius: sensor_radius,
-            expected,
-        };
-        if !(depths.magenta >= 0.0 && depths.magenta < sensor_radius) {
-            let expected = "it must be at least 0 and less than the radius";
-            return Err(bad_depth("magenta", depths.magenta, expected));
-        }
-        if !(depths.yellow >= 0.0 && depths.yellow <= depths.magenta) {
-            let expected = "it must be at least 0 and at most the depth of the magenta ones";
-            return Err(bad_depth("yellow", depths.yellow, expected));
+        for (disc, depth) in [("magenta", depths.magenta), ("yellow", depths.yellow)] {
+            if !(0.0..sensor_radius).contains(&depth) {
+                return Err(OpticsError::BadDepth {
+                    disc,
+                    depth,
+                    radius: sensor_radius,
+                });
+            }
         }
         let layer = |name, setting, diameter, depth| {
             let distance = sensor_radius - depth;
@@ -227,7 +232,6 @@ impl MarkerArray {
                     disc: layer.name,
                     depth: radius - distance,
                     radius,
-                    expected: "it must be at least 0 and less than the radius",
                 });
             }
             let half_width = layer.half_width * layer.distance / distance * (1.0 + wider);
@@ -310,7 +314,7 @@ impl Layer {
             return Err(libm::hypot(motion.tangential[0], motion.tangential[1]));
         }
         let half_width = self.stretched(motion)?;
-        let (x, y) = (x + offset[0], y + offset[1]);
+        let [x, y] = motion.moved_offset([x, y], offset);
         // Exponential map from the marker's place.
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
@@ -324,15 +328,16 @@ impl Layer {
     }
 
     /// Radius of a disc after a motion, relative to the disc's distance from the centre at rest. The error value is the
-    /// motion of the disc's edge if the stretch is impossible.
+    /// motion of the disc's edge if a stretch is impossible.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
-        let is_disc = motion.stretch.abs() < 1.0;
-        if is_disc {
-            Ok(self.half_width * (1.0 + motion.stretch))
-        } else {
-            Err(motion.stretch * self.half_width * self.distance)
+        for stretch in [motion.stretch, motion.skin_stretch] {
+            let is_possible = stretch.abs() < 1.0;
+            if !is_possible {
+                return Err(stretch * self.half_width * self.distance);
+            }
         }
+        Ok(self.half_width * (1.0 + motion.stretch))
     }
 
     /// Image of a disc for a camera outside the centre, from its image at the centre. It is the circular cap of the

@@ -1,5 +1,7 @@
 //! Colours of the sensor's parts, and the contribution of each region of a marker to its features.
 
+use palpate_statistics::saturated_hue;
+
 use super::OpticsError;
 
 /// Colours in linear light: red, green, blue.
@@ -37,6 +39,8 @@ pub(super) struct Contrast {
     pub(super) absorbed: f64,
     /// Chroma: red − (green + blue)/2 and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
+    /// Hue, turns; `None` for a pale colour, which does not count in the mean hue.
+    pub(super) hue_turns: Option<f64>,
 }
 
 /// Contrasts of the three regions of a marker: covered by the magenta disc only, by the yellow disc only, by both.
@@ -75,6 +79,7 @@ impl Colours {
                     red - 0.5 * (green + blue),
                     0.5 * 3.0_f64.sqrt() * (green - blue),
                 ],
+                hue_turns: saturated_hue([red, green, blue]),
             }
         };
         let both = std::array::from_fn(|channel| self.magenta[channel] * self.yellow[channel]);

@@ -35,7 +35,7 @@ pub enum OpticsError {
     },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
     #[error(
-        "the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}",
+        "the {disc} discs would lie {depth} under a skin of radius {radius}; it must be at least 0 and less than the radius",
         depth = Number(*depth), radius = Number(*radius)
     )]
     BadDepth {
@@ -45,8 +45,6 @@ pub enum OpticsError {
         depth: f64,
         /// Radius of the skin, length.
         radius: f64,
-        /// Allowed depths, in words.
-        expected: &'static str,
     },
     /// A marker would lie half a turn or more from the apex, or its place is not finite.
     #[error("marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",

@@ -233,9 +233,14 @@ fn features(
         (&contrasts.overlap, shared, 0.0),
     ];
     let (mut size, mut moment, mut chroma) = (0.0, [0.0; 2], [0.0; 2]);
+    let (mut hued_area, mut hue_sum) = (0.0, 0.0);
     for (contrast, image, without) in regions {
         let area = image.area + without * shared.area;
         size += contrast.absorbed * area;
+        if let Some(hue) = contrast.hue_turns {
+            hued_area += area;
+            hue_sum += hue * area;
+        }
         for axis in 0..2 {
             moment[axis] +=
                 contrast.absorbed * (image.moment[axis] + without * shared.moment[axis]);
@@ -247,9 +252,15 @@ fn features(
         return None;
     }
     let centre = camera.centre_px();
+    let hue_turns = hue(chroma);
     Some(SeenMarker {
         centroid_px: [0, 1].map(|axis| centre[axis] + moment[axis] / size),
-        hue_turns: hue(chroma),
+        hue_turns,
+        mean_hue_turns: if hued_area > 0.0 {
+            hue_sum / hued_area
+        } else {
+            hue_turns
+        },
         size_px2: size,
     })
 }

@@ -89,7 +89,7 @@ impl Layer {
         turns: &[Matrix3<f64>; 3],
     ) -> SightSlopes {
         let aside = [0, 1].map(|axis| motion.tangential[axis] / self.distance);
-        let [x, y] = [0, 1].map(|axis| aside[axis] + offset[axis]);
+        let [x, y] = motion.moved_offset(aside, offset);
         let (normal, by_angles) = stand.towards(x, y);
         let away = self.distance - motion.normal;
         let ray = normal * away - pose.place;

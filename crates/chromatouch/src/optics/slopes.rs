@@ -144,7 +144,8 @@ impl Shared<'_> {
         let mut slopes = MarkerSlopes {
             seen,
             by_departure: SMatrix::zeros(),
-            by_misalignment: yellow.fixed_columns::<2>(X) * array.layers()[1].distance,
+            by_misalignment: yellow.fixed_columns::<2>(X)
+                * (array.layers()[1].distance * (1.0 + motion.yellow.skin_stretch)),
             by_motion: [magenta, yellow].map(|by| by.fixed_columns::<3>(INWARD).into()),
         };
         self.by_departure(&mut slopes, [&magenta, &yellow]);

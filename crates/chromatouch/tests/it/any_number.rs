@@ -59,6 +59,7 @@ fn motion(moves: &[f64; 6], radius: f64) -> MarkerMotion {
     let disc = |at: usize| DiscMotion {
         normal: moves[at] * radius,
         tangential: [moves[at + 1] * radius, moves[at + 2] * radius],
+        skin_stretch: moves[at + 1],
         ..DiscMotion::default()
     };
     MarkerMotion {
@@ -72,6 +73,7 @@ fn is_sound(seen: &SeenMarker) -> bool {
     (x + y + seen.size_px2).is_finite()
         && seen.size_px2 > 0.0
         && (0.0..1.0).contains(&seen.hue_turns)
+        && (-1e-9..1.0).contains(&seen.mean_hue_turns)
 }
 
 proptest! {

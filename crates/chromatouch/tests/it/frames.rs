@@ -56,6 +56,7 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     SeenMarker {
         centroid_px: moment.map(|sum| sum / size),
         hue_turns: hue_of_a_red(colour),
+        mean_hue_turns: 0.0,
         size_px2: size,
     }
 }

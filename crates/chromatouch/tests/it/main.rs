@@ -3,6 +3,7 @@
 
 mod any_number;
 mod frames;
+mod mean_hue;
 mod odd_lens;
 mod optics;
 mod optics_limits;

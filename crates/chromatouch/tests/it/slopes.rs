@@ -58,6 +58,7 @@ impl Scene {
             normal,
             tangential: [x, y],
             stretch: 0.01,
+            skin_stretch: 0.02,
         };
         let marker = |[magenta, yellow]: &[[f64; 3]; 2]| {
             Some(MarkerMotion {

@@ -5,7 +5,7 @@ use image::{DynamicImage, Rgb, RgbImage};
 use super::desk::{Desk, assert_close};
 use super::frames::{DISTANCE, PX_PER_RAD, SIDE, frame, places, png, png_header, write};
 
-const MARKERS: [&str; 8] = [
+const MARKERS: [&str; 10] = [
     "marker",
     "x_px",
     "y_px",
@@ -14,6 +14,8 @@ const MARKERS: [&str; 8] = [
     "dy_px",
     "dhue_turns",
     "status",
+    "mean_hue_turns",
+    "dmean_hue_turns",
 ];
 
 /// Displacement in mm at a depth of 2 mm in an incompressible half-space. A sensor of radius 20 mm is pressed 1 mm onto

@@ -26,7 +26,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Reading of a marker's picture by the tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Both coordinates of the centroid, px; mean hue, turns; natural logarithm of the size in px².
+    /// Both coordinates of the centroid, px; hue of the summed light, turns; natural logarithm of the size in px².
     pub picture: [f64; 4],
     /// Covariance of the errors of these numbers, positive definite.
     pub covariance: Matrix4<f64>,

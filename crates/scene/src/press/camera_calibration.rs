@@ -271,24 +271,26 @@ impl CalibrationFrames {
 
 /// The mean of several images of a marker.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
-    // Sums of the differences from the first image: centroid, hue, size.
-    let mut sums = [0.0; 4];
+    // Sums of the differences from the first image: centroid, hue, mean hue, size.
+    let mut sums = [0.0; 5];
     for marker in others {
         let turn = marker.hue_turns - first.hue_turns;
         let differences = [
             marker.centroid_px[0] - first.centroid_px[0],
             marker.centroid_px[1] - first.centroid_px[1],
             turn - (turn + 0.5).floor(),
+            marker.mean_hue_turns - first.mean_hue_turns,
             marker.size_px2 - first.size_px2,
         ];
         for (sum, difference) in sums.iter_mut().zip(differences) {
             *sum += difference;
         }
     }
-    let [x, y, hue, size] = sums.map(|sum| sum / (1.0 + others.len() as f64));
+    let [x, y, hue, mean_hue, size] = sums.map(|sum| sum / (1.0 + others.len() as f64));
     Marker {
         centroid_px: [first.centroid_px[0] + x, first.centroid_px[1] + y],
         hue_turns: (first.hue_turns + hue).rem_euclid(1.0),
+        mean_hue_turns: first.mean_hue_turns + mean_hue,
         size_px2: first.size_px2 + size,
         ..first
     }

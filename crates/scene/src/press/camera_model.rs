@@ -43,7 +43,7 @@ pub(super) enum CameraModel {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
-    /// Error of the mean hue, turns.
+    /// Error of both hues, turns.
     hue: GaussianError,
     /// Error of each coordinate of the centroid, px.
     centroid: GaussianError,
@@ -283,6 +283,7 @@ impl SimulatedCamera {
         let exact = |image: SeenMarker| Marker {
             centroid_px: image.centroid_px,
             hue_turns: image.hue_turns,
+            mean_hue_turns: image.mean_hue_turns,
             size_px2: image.size_px2,
             pixels: 0,
         };
@@ -300,6 +301,7 @@ impl SimulatedCamera {
             Some(Marker {
                 centroid_px: [0, 1].map(|axis| image.centroid_px[axis] + centroid[axis]),
                 hue_turns: (image.hue_turns + hue).rem_euclid(1.0),
+                mean_hue_turns: image.mean_hue_turns + hue,
                 size_px2: image.size_px2 * libm::exp(size),
                 ..image
             })

@@ -290,8 +290,10 @@ pub(super) struct CameraPressSensor {
 /// Change of a marker's image in a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerChange {
-    /// Change of its mean hue, turns.
+    /// Change of the hue of its summed light, turns.
     pub(super) hue_turns: f64,
+    /// Change of its mean hue, turns.
+    pub(super) mean_hue_turns: f64,
     /// Shift of its centroid, in pixels at the scale of the image centre.
     pub(super) shift_px: f64,
 }
@@ -430,10 +432,12 @@ fn true_change(
 
 impl MarkerChange {
     fn new(camera: &SimulatedCamera, tracks: &MarkerTracks, marker: usize) -> Option<Self> {
-        let change = camera.lens.change(tracks.tracks.get(marker)?.as_ref()?)?;
+        let track = tracks.tracks.get(marker)?.as_ref()?;
+        let change = camera.lens.change(track)?;
         let [x, y] = change.shift_px;
         Some(Self {
             hue_turns: change.hue_turns,
+            mean_hue_turns: track.mean_hue_change()?,
             shift_px: Some(libm::hypot(x, y))
                 .filter(|&shift| shift > ROUNDING_PX)
                 .unwrap_or(0.0),

@@ -38,6 +38,7 @@ const QUANTITIES: [&[Quantity]; 6] = [
         Quantity::NORMAL_DISPLACEMENT,
         Quantity::TANGENTIAL_DISPLACEMENT,
         Quantity::HUE_CHANGE,
+        Quantity::MEAN_HUE_CHANGE,
         Quantity::CENTROID_SHIFT,
         Quantity::MARKERS_TRACKED,
         Quantity::WRONG_MATCHES,
@@ -347,6 +348,8 @@ impl PressScene {
         if let (Some(read), Some(exact)) = (sensor.central_change(tracks), sensor.true_change) {
             let hue = Observation::plain(read.hue_turns, exact.hue_turns);
             report(Quantity::HUE_CHANGE, hue);
+            let mean = Observation::plain(read.mean_hue_turns, exact.mean_hue_turns);
+            report(Quantity::MEAN_HUE_CHANGE, mean);
             let shift = Observation::plain(read.shift_px, exact.shift_px);
             report(Quantity::CENTROID_SHIFT, shift);
         }

@@ -10,7 +10,7 @@ use palpate_press::{
 };
 use palpate_statistics::Number;
 use palpate_study::FieldError;
-use palpate_study::config::{PressConfig, PressModelConfig, PressObjectConfig};
+use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObjectConfig};
 
 use crate::cache::SharedModels;
 
@@ -298,8 +298,9 @@ struct Discs {
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour, and their relative widening if the skin strains them.
-type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<f64>>);
+/// Displacements of the discs of one colour and, if the skin strains, the relative widening of each disc and of the skin
+/// around it.
+type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {
     fn displacements(
@@ -317,14 +318,16 @@ impl Discs {
 /// Combines the displacements of the magenta and of the yellow discs into one motion per marker.
 pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
     let [magenta, yellow] = discs.map(|(moved, widened)| {
-        moved
-            .into_iter()
-            .enumerate()
-            .map(move |(marker, moved)| DiscMotion {
+        moved.into_iter().enumerate().map(move |(marker, moved)| {
+            let widened = widened.as_ref().map(|widened| widened[marker]);
+            let [stretch, skin_stretch] = widened.unwrap_or_default();
+            DiscMotion {
                 normal: moved.normal,
                 tangential: moved.tangential,
-                stretch: widened.as_ref().map_or(0.0, |widened| widened[marker]),
-            })
+                stretch,
+                skin_stretch,
+            }
+        })
     });
     magenta
         .zip(yellow)
@@ -353,10 +356,11 @@ impl<'a> DiscMarkers<'a> {
         let layer = |thickness, depth| models.layer(thickness, depth);
         let body = |depth: f64| SoftBody::new(model, sphere.radius, depth, layer);
         let deepest = model.thickness().unwrap_or(sphere.radius);
-        let share = sphere.discs.map_or(0.0, |discs| discs.strain);
-        let discs = |depth| {
-            let strain = (share > 0.0)
-                .then(|| DiscStrain::new(share, depth, (sphere.radius, deepest), body));
+        let strains = sphere.discs.and_then(DiscsConfig::strains);
+        let discs = |depth, colour: usize| {
+            let strain = strains.map(|shares| {
+                DiscStrain::new(shares[colour], depth, (sphere.radius, deepest), body)
+            });
             Ok(Discs {
                 strain: strain.transpose()?,
                 body: body(depth)?,
@@ -365,8 +369,8 @@ impl<'a> DiscMarkers<'a> {
         Ok(Self {
             markers,
             midway,
-            magenta: discs(depths.magenta)?,
-            yellow: discs(depths.yellow)?,
+            magenta: discs(depths.magenta, 0)?,
+            yellow: discs(depths.yellow, 1)?,
         })
     }
 
@@ -425,18 +429,21 @@ impl DiscStrain {
         })
     }
 
-    /// Relative widening of each disc in a press. An incompressible skin that is compressed along its normal widens in
+    /// Relative widening of each disc in a press, and of the skin around it. An incompressible skin that is compressed along its normal widens in
     /// both tangential directions by half that strain.
     fn stretches(
         &self,
         markers: &Markers,
         geometry: &PressGeometry,
-    ) -> Result<Vec<f64>, PressError> {
+    ) -> Result<Vec<[f64; 2]>, PressError> {
         let above = self.above.displacements(markers, geometry)?;
         let below = self.below.displacements(markers, geometry)?;
         let squeezed = above.iter().zip(&below);
         Ok(squeezed
-            .map(|(above, below)| 0.5 * self.share * (above.normal - below.normal) / self.apart)
+            .map(|(above, below)| {
+                let skin = 0.5 * (above.normal - below.normal) / self.apart;
+                [self.share * skin, skin]
+            })
             .collect())
     }
 }
@@ -481,16 +488,18 @@ mod tests {
             let strain = DiscStrain::new(1.0, depth, (20.0, 20.0), body).unwrap();
             let computed = strain.stretches(&on_skin(&places), &geometry).unwrap();
             let expected = widened(&places, depth, &geometry);
-            for (computed, expected) in computed.iter().zip(&expected) {
+            for ([computed, skin], expected) in computed.iter().zip(&expected) {
+                assert_eq!(computed, skin);
                 assert!(
                     (computed - expected).abs() < 1e-3,
                     "{depth}: {computed} {expected}"
                 );
             }
-            assert!(computed[0] > 0.02, "{computed:?}");
+            assert!(computed[0][0] > 0.02, "{computed:?}");
             let half = DiscStrain::new(0.5, depth, (20.0, 20.0), body).unwrap();
             let half = half.stretches(&on_skin(&places), &geometry).unwrap();
-            assert!((half[0] / computed[0] - 0.5).abs() < 1e-12);
+            assert!((half[0][0] / computed[0][0] - 0.5).abs() < 1e-12);
+            assert_eq!(half[0][1], computed[0][1]);
         }
     }
 }

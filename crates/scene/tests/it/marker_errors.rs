@@ -166,3 +166,46 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
         }
     }
 }
+
+/// In frames, the mean hue has the bias of mixed pixels at the edges. It shrinks with the pixels.
+#[test]
+fn mean_hues_of_frames_have_the_bias_of_their_edges() {
+    for (size_px, bias, scatter) in [(265, 0.003..0.008, 0.012), (1060, 0.001..0.003, 0.002)] {
+        let mut differences = Vec::new();
+        for offset in [0.2, 0.4, 0.8] {
+            let mut look = Look::new(size_px, 0.0, 0.0, [0.31, -0.44]);
+            look.optics = offset_discs(&look.optics, offset);
+            let found = look.found(0);
+            let seen = look.optics.project(&look.motions).expect("a projection");
+            for seen in seen.into_iter().flatten() {
+                let [x, y] = seen.centroid_px;
+                let (_, nearest) = beyond(&found, &[x, y, 0.0, 0.0]);
+                let measured = found.markers[nearest].mean_hue_turns;
+                differences.push(measured - seen.mean_hue_turns);
+            }
+        }
+        let count = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / count;
+        let squares = differences.iter().map(|one| (one - mean).powi(2));
+        let std = (squares.sum::<f64>() / count).sqrt();
+        assert_eq!(count, 3.0 * 77.0);
+        assert!(bias.contains(&mean), "{size_px}: {mean} {std}");
+        assert!(std < scatter, "{size_px}: {mean} {std}");
+    }
+}
+
+/// The sensor with discs at one depth, and the yellow ones displaced by a length, in another direction for each marker.
+fn offset_discs(optics: &Optics, offset: f64) -> Optics {
+    let (magenta, yellow) = (2.0, 2.0);
+    let depths = DiscDepths { magenta, yellow };
+    let places = optics.array().places();
+    let array = MarkerArray::new(20.0, places, Discs { magenta, yellow }, depths);
+    let (array, colours) = (array.expect("markers"), Colours::default());
+    let optics = Optics::new(array, *optics.camera(), colours, Blemishes::default());
+    let angle = offset / (20.0 - yellow);
+    let directions = (0..77).map(|marker| libm::sincos(2.4 * f64::from(marker)));
+    let offsets: Vec<[f64; 2]> = directions.map(|(y, x)| [angle * x, angle * y]).collect();
+    optics
+        .and_then(|optics| optics.misaligned(&offsets))
+        .expect("optics")
+}

@@ -68,6 +68,8 @@ fn plain(segments: &[&str]) -> String {
         ] => {
             format!("{leaf} of the two discs")
         }
+        ["probe", "discs", "inner"] => "inner discs".to_owned(),
+        ["probe", "discs", "yellow strain"] => "strain of the yellow discs".to_owned(),
         ["probe", "discs", leaf] => match leaf.strip_suffix(" diameter") {
             Some(colour) => format!("diameter of the {colour} discs"),
             None => format!("{leaf} of the discs"),

@@ -33,25 +33,59 @@ pub enum PressProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscsConfig {
-    /// Diameter of the magenta disc, the inner one.
+    /// Diameter of the magenta disc.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub magenta_diameter: f64,
-    /// Diameter of the yellow disc, the outer one.
+    /// Diameter of the yellow disc.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub yellow_diameter: f64,
-    /// Distance of the yellow disc above the magenta one; `marker_depth` is midway.
+    /// Distance between the two discs along the normal; `marker_depth` is midway.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub separation: f64,
+    /// Disc that is nearer to the camera.
+    #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
+    pub inner: DiscColour,
     /// Largest offset of the two discs of a marker along the skin, as a share of the yellow diameter; drawn once per seed.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
     /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. They stay circles
-    /// with the strained area. Only for an incompressible skin.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    /// with the strained area, and their misalignment strains with the skin. By default the skin's strain is not modelled. Only for
+    /// an incompressible skin.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
-    pub strain: f64,
+    pub strain: Option<f64>,
+    /// Share of the skin's strain that the yellow disc follows; by default that of `strain`, which is then of the magenta disc
+    /// alone.
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub yellow_strain: Option<f64>,
+}
+
+impl DiscsConfig {
+    /// Shares of the skin's strain that the magenta and the yellow disc follow; `None` if the strain is not modelled.
+    pub fn strains(&self) -> Option<[f64; 2]> {
+        let magenta = self.strain.or(self.yellow_strain.map(|_| 0.0))?;
+        Some([magenta, self.yellow_strain.unwrap_or(magenta)])
+    }
+}
+
+/// Disc of a marker.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiscColour {
+    /// The magenta one.
+    #[default]
+    Magenta,
+    /// The yellow one.
+    Yellow,
+}
+
+impl DiscColour {
+    // `skip_serializing_if` takes a reference.
+    #[allow(clippy::trivially_copy_pass_by_ref)]
+    fn is_magenta(&self) -> bool {
+        *self == Self::Magenta
+    }
 }
 
 /// Places of the markers along the skin: the name of a layout, or a table that makes one.
@@ -237,7 +271,7 @@ fn yes() -> bool {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Its mean hue, as in the 2020 paper: the difference between the displacements of its two discs.
+    /// The hue of its summed light: the difference between the displacements of its two discs.
     Hue,
     /// Its size: the displacement towards the camera.
     Size,

@@ -95,20 +95,20 @@ impl PressConfig {
     /// The discs may only strain if the strain of the skin is known.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
-        if discs.as_ref().is_none_or(|discs| discs.strain == 0.0) {
+        if discs.as_ref().is_none_or(|discs| discs.strains().is_none()) {
             return Ok(());
         }
         let refuse = |message| Err(("scene.probe.discs.strain", message));
         if self.model.poisson() != half() {
             return refuse(
-                "strains are those of an incompressible skin: must be 0, or `scene.model.poisson` 0.5",
+                "strains are those of an incompressible skin: leave it out, or let `scene.model.poisson` be 0.5",
             );
         }
         if self.noise.sensor.is_some()
             || matches!(self.estimator, PressEstimatorConfig::Image { .. })
         {
             return refuse(
-                "a fit of pictures knows rigid discs: must be 0, without `scene.noise.sensor` and an estimator of `image`",
+                "a fit of pictures assumes rigid discs: leave it out with `scene.noise.sensor` or an estimator of `image`",
             );
         }
         Ok(())
@@ -374,7 +374,7 @@ pub struct PressNoiseConfig {
     pub wrong_markers: Option<WrongMarkers>,
     /// Error of each colour of each pixel of a rendered frame, in levels; full light has 255.
     pub pixel: Option<ReadingNoise<Level>>,
-    /// Error of each marker's mean hue, turns; of a projected sensor.
+    /// Error of each marker's hue, turns; of a projected sensor. The hue of the summed light and the mean hue share it.
     pub hue: Option<ReadingNoise<Pure>>,
     /// Error of each coordinate of each marker's centroid, pixels; of a projected sensor.
     pub centroid: Option<ReadingNoise<Pure>>,

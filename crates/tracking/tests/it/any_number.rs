@@ -29,6 +29,7 @@ fn markers() -> impl Strategy<Value = Vec<Marker>> {
     let marker = marker.prop_map(|(centroid_px, hue_turns, size_px2, pixels)| Marker {
         centroid_px,
         hue_turns,
+        mean_hue_turns: hue_turns,
         size_px2,
         pixels,
     });
@@ -46,7 +47,8 @@ fn pair_within(most: f64) -> impl Strategy<Value = [f64; 2]> {
 
 fn is_sound(marker: &Marker) -> bool {
     let [x, y] = marker.centroid_px;
-    (x + y + marker.size_px2).is_finite() && (0.0..1.0).contains(&marker.hue_turns)
+    let hues = [marker.hue_turns, marker.mean_hue_turns];
+    (x + y + marker.size_px2).is_finite() && hues.iter().all(|hue| (0.0..1.0).contains(hue))
 }
 
 fn assert_line(line: &Line) {
@@ -70,6 +72,7 @@ fn what_is_no_place_does_not_shift() {
     let marker = |size_px2| Marker {
         centroid_px: [0.0; 2],
         hue_turns: 0.5,
+        mean_hue_turns: 0.5,
         size_px2,
         pixels: 1,
     };

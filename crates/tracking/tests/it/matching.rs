@@ -10,6 +10,7 @@ fn marker(place: [f64; 2], number: u32) -> Marker {
     Marker {
         centroid_px: place,
         hue_turns: 0.05,
+        mean_hue_turns: 0.1,
         size_px2: 300.0,
         pixels: number,
     }

@@ -65,7 +65,7 @@ Examples:
 
 const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
 is transparent. Writes to DIR
-  markers.csv     marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status
+  markers.csv     marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,dmean_hue_turns
   overlay.png     the pressed frame with a circle around each marker: blue tracked, red lost, orange merged,
                   violet split, cyan new, grey cut by the rim at rest; arrows are 5 times the shifts
   difference.png  where green light was lost magenta, where it was gained green
