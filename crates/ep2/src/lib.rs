@@ -10,6 +10,10 @@
 //! | [`TwoPass`] | the 1996 paper's: a smoothing spline, then another through the first and its tangents | no |
 //! | [`Penalised`] | one spline through heights and slopes, smoothed as much as the data ask for | yes, with the bias of smoothing |
 //!
+//! [`ShapeSettings`] fits planes, spheres and cylinders to contacts on any side of an object and chooses among them,
+//! without gross outliers ([`SoundContacts`]). [`IndependentFit`] fits a surface with the number of independent readings
+//! ([`EffectiveReadings`]), and [`stroke_curvature`] a single stroke.
+//!
 //! [`RoundTip`] computes the contacts of round fingertips from their centres or their lowest points.
 //!
 //! A [`Fit`] gives Gaussian and mean curvature anywhere ([`Fit::curvature_at`]), principal
@@ -39,9 +43,12 @@
 mod chebyshev;
 mod class;
 mod curvature;
+mod effective_readings;
 mod error;
 mod fit;
 mod frame;
+mod gross_outliers;
+mod independent_fit;
 mod knots;
 mod matrix;
 mod misfit;
@@ -49,19 +56,24 @@ mod noise;
 mod patch;
 mod penalised;
 mod posterior;
+mod primitive;
 mod quadric;
 mod regions;
 mod smoothing;
 mod spline;
 mod square_quadric;
+mod stroke;
 mod tip;
 mod two_pass;
 
 pub use class::SignClass;
 pub use curvature::{Curvature, Uncertainty};
+pub use effective_readings::{DistinctContacts, EffectiveReadings};
 pub use error::Ep2Error;
 pub use fit::{Fit, MapPoint, Method};
 pub use frame::PatchFrame;
+pub use gross_outliers::{Outlier, OutlierReason, SoundContacts};
+pub use independent_fit::IndependentFit;
 pub use knots::{Knots, MAX_DEGREE};
 pub use misfit::MisfitTest;
 pub use noise::{Noise, NoiseEstimate};
@@ -69,10 +81,12 @@ pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use patch::{Contact, Patch, Sample};
 pub use penalised::{Criterion, Penalised};
 pub use posterior::Posterior;
+pub use primitive::{Shape, ShapeError, ShapeFit, ShapeSettings, SizeEstimate};
 pub use quadric::Quadric;
 pub use regions::{Region, Regions, regions};
 pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};
 pub use spline::{Jet, TensorSpline};
+pub use stroke::{StrokeCurvature, stroke_curvature};
 pub use tip::{RoundTip, TipPoint};
 pub use two_pass::{Pass, Passes, TangentNormals, TwoPass, TwoPassFit};
 

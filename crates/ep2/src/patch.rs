@@ -189,7 +189,7 @@ pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error
     Ok(outward / outward.amax())
 }
 
-fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
+pub(crate) fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
     let with_normals = contacts.iter().any(|contact| contact.normal.is_some());
     for (index, contact) in contacts.iter().enumerate() {
         let normal = contact.normal.unwrap_or(Vector3::zeros());

@@ -62,6 +62,13 @@ impl Posterior {
         }
     }
 
+    /// Multiplies all variances.
+    pub(crate) fn widen(&mut self, factor: f64) {
+        for covariance in self.covariances.iter_mut().flatten() {
+            *covariance *= factor;
+        }
+    }
+
     /// The polynomials in u at several places.
     pub(crate) fn series(&self, u: Lanes) -> Series {
         let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());

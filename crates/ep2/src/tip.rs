@@ -43,6 +43,26 @@ pub struct RoundTip {
 }
 
 impl RoundTip {
+    /// The tip's centres, from readings of the reported point.
+    ///
+    /// # Errors
+    /// [`Ep2Error`]: `bad-setting` for the direction.
+    pub fn centres(
+        &self,
+        readings: &[Contact],
+        outward: &Vector3<f64>,
+    ) -> Result<Vec<Contact>, Ep2Error> {
+        let to_centre = match self.point {
+            TipPoint::Lowest => direction(outward)?.normalize() * self.radius,
+            TipPoint::Centre => Vector3::zeros(),
+        };
+        let centre = |contact: &Contact| Contact {
+            position: contact.position + to_centre,
+            ..*contact
+        };
+        Ok(readings.iter().map(centre).collect())
+    }
+
     /// The contacts, from readings of the reported point. The normals of the readings are those of the object. If there are no
     /// normals, those of the surface that `method` fits to the tip's centres are used, and the returned contacts have none.
     ///
@@ -63,17 +83,7 @@ impl RoundTip {
         if self.radius == 0.0 {
             return Ok(readings.to_vec());
         }
-        let to_centre = match self.point {
-            TipPoint::Lowest => up * self.radius,
-            TipPoint::Centre => Vector3::zeros(),
-        };
-        let centres: Vec<Contact> = readings
-            .iter()
-            .map(|contact| Contact {
-                position: contact.position + to_centre,
-                ..*contact
-            })
-            .collect();
+        let centres = self.centres(readings, outward)?;
         let has_normals = readings.iter().any(|contact| contact.normal.is_some());
         let normals: Vec<Vector3<f64>> = if has_normals {
             // A missing or invalid normal becomes 0: `Patch::new` rejects it later.

@@ -2,11 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
+mod drawn_shapes;
 mod fitpack;
 mod misfit;
 mod penalised;
 mod refusals;
 mod samples;
+mod shapes;
 mod smoothing;
 mod tips;
 mod two_pass;

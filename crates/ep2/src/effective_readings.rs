@@ -1,0 +1,267 @@
+//! How many independent readings a log holds: copies, rests and noise that is correlated along a stroke.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use crate::Contact;
+use crate::patch::FingerMap;
+
+/// Consecutive contacts of a finger within this share of its long steps are one reading.
+const REST_SHARE: f64 = 0.1;
+/// The quantile of the steps that counts as a long step.
+const LONG_STEP_QUANTILE: f64 = 0.9;
+/// Steps of a finger at rest are shorter than those of a moving finger by at least this factor.
+const MIN_STEP_GAP: f64 = 8.0;
+/// Smallest share of steps at rest for which rests are separated by the gap.
+const MIN_REST_SHARE: f64 = 0.02;
+/// A finger at rest stays within this multiple of its steps.
+const MAX_REST_EXTENT: f64 = 3.0;
+/// Largest number of gaps that are tried.
+const MAX_GAPS: usize = 4;
+/// Largest number of residuals from which the correlation is computed, and the largest lag.
+const MAX_RESIDUALS: usize = 60_000;
+const MAX_LAG: usize = 1000;
+/// Correlations are corrected for what the fit absorbed while it absorbed less than this share of the readings.
+const MAX_ABSORBED_SHARE: f64 = 0.3;
+
+/// Contacts in which copies and rests count once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistinctContacts {
+    /// The mean contact of each run, with its finger, in the order of the first rows.
+    pub contacts: Vec<Contact>,
+    /// Number of the run to which each row belongs.
+    pub run_of_row: Vec<usize>,
+}
+
+/// How many independent readings there are, and why not more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectiveReadings {
+    /// Contacts that are used, outliers left out.
+    pub contacts: usize,
+    /// Readings after copies and rests are merged.
+    pub distinct: usize,
+    /// Number of consecutive positions that count as one independent position, ≥ 1.
+    pub position_correlation: f64,
+    /// The same of normals.
+    pub normal_correlation: f64,
+}
+
+impl EffectiveReadings {
+    /// Effective number of independent contacts.
+    pub fn effective(&self) -> f64 {
+        self.distinct as f64 / self.position_correlation
+    }
+}
+
+impl DistinctContacts {
+    /// Merges exact copies, and rests that are separated from motion by a gap between the lengths of their steps. Lost
+    /// readings among the contacts do not matter.
+    pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
+        let distinct = merged(contacts, 0.0, true);
+        match rest_limit(&distinct.contacts) {
+            Some(limit) => distinct.again(limit),
+            None => distinct,
+        }
+    }
+
+    /// Merges also contacts within a tenth of a long step. Lost readings would make the steps long.
+    pub(crate) fn without_short_steps(self) -> Self {
+        let mut steps = steps(&self.contacts);
+        if steps.len() < 3 {
+            return self;
+        }
+        let place = ((steps.len() - 1) as f64 * LONG_STEP_QUANTILE) as usize;
+        let limit = REST_SHARE * *steps.select_nth_unstable_by(place, f64::total_cmp).1;
+        match steps.iter().any(|&step| step <= limit) {
+            true => self.again(limit),
+            false => self,
+        }
+    }
+
+    fn again(mut self, limit: f64) -> Self {
+        let again = merged(&self.contacts, limit, false);
+        for run in &mut self.run_of_row {
+            *run = again.run_of_row[*run];
+        }
+        self.contacts = again.contacts;
+        self
+    }
+}
+
+/// Merges exact copies and consecutive contacts of a finger at rest, without lost readings. The contacts of a finger are in
+/// the order in which it made them.
+pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
+    DistinctContacts::without_rests(contacts).without_short_steps()
+}
+
+/// Merges copies, if this is wanted, and consecutive contacts of a finger within `limit` of the first one of their run.
+fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
+    struct Run {
+        first: Contact,
+        sum: Vector3<f64>,
+        normal: Vector3<f64>,
+        count: f64,
+    }
+    let capacity = if with_copies { contacts.len() } else { 0 };
+    let mut copies = HashMap::with_capacity(capacity);
+    let mut runs: Vec<Run> = Vec::with_capacity(contacts.len());
+    let mut open: FingerMap<Option<usize>> = FingerMap::default();
+    let mut run_of_row = Vec::with_capacity(contacts.len());
+    for contact in contacts {
+        let position = contact.position;
+        let unit = contact.normal.map(|normal| normal / normal.amax());
+        let copied = with_copies.then(|| *copies.entry(bits_of(contact)).or_insert(runs.len()));
+        let copied = copied.filter(|&run| run < runs.len());
+        let rested = open
+            .entry(contact.finger)
+            .filter(|&run| (position - runs[run].first.position).norm() <= limit);
+        let run = match (copied, rested) {
+            // A copy adds nothing to the mean.
+            (Some(run), _) => run,
+            (None, Some(run)) => {
+                let rest = &mut runs[run];
+                rest.sum += position - rest.first.position;
+                rest.normal += unit.unwrap_or_default().normalize();
+                rest.count += 1.0;
+                run
+            }
+            (None, None) => {
+                runs.push(Run {
+                    first: *contact,
+                    sum: Vector3::zeros(),
+                    normal: unit.map_or(Vector3::zeros(), |unit| unit.normalize()),
+                    count: 1.0,
+                });
+                *open.entry(contact.finger) = Some(runs.len() - 1);
+                runs.len() - 1
+            }
+        };
+        run_of_row.push(run);
+    }
+    let mean = |run: Run| match run.count {
+        1.0 => run.first,
+        count => Contact {
+            position: run.first.position + run.sum / count,
+            normal: run
+                .first
+                .normal
+                .map(|first| run.normal.try_normalize(1e-6).unwrap_or(first)),
+            ..run.first
+        },
+    };
+    DistinctContacts {
+        contacts: runs.into_iter().map(mean).collect(),
+        run_of_row,
+    }
+}
+
+/// Bits of a contact's numbers; +0 and −0 are alike.
+fn bits_of(contact: &Contact) -> [u64; 6] {
+    let normal = contact.normal.unwrap_or_default();
+    let [x, y, z] = contact.position.into();
+    [x, y, z, normal.x, normal.y, normal.z].map(|number| (number + 0.0).to_bits())
+}
+
+/// Distances between consecutive contacts of a finger.
+fn steps(contacts: &[Contact]) -> Vec<f64> {
+    let mut last: FingerMap<Option<usize>> = FingerMap::default();
+    let mut steps = Vec::with_capacity(contacts.len());
+    for (index, contact) in contacts.iter().enumerate() {
+        if let Some(before) = last.entry(contact.finger).replace(index) {
+            steps.push((contact.position - contacts[before].position).norm());
+        }
+    }
+    steps
+}
+
+/// Distance within which a finger is at rest, if short and long steps are separated by a gap and the runs of short steps
+/// stay where they are.
+fn rest_limit(contacts: &[Contact]) -> Option<f64> {
+    let mut sorted = steps(contacts);
+    sorted.retain(|&step| step > 0.0);
+    sorted.sort_unstable_by(f64::total_cmp);
+    let from = 1.max((MIN_REST_SHARE * sorted.len() as f64).ceil() as usize);
+    let mut candidates = 0;
+    for place in from..sorted.len() {
+        let (short, long) = (sorted[place - 1], sorted[place]);
+        if long < MIN_STEP_GAP * short {
+            continue;
+        }
+        candidates += 1;
+        if candidates > MAX_GAPS {
+            break;
+        }
+        let limit = (short * long).sqrt();
+        let typical = sorted[place / 2];
+        let rests = merged(contacts, limit, false);
+        let extents = contacts
+            .iter()
+            .zip(&rests.run_of_row)
+            .map(|(contact, &run)| (contact.position - rests.contacts[run].position).norm());
+        if extents.fold(0.0, f64::max) <= MAX_REST_EXTENT * typical {
+            return Some(limit);
+        }
+    }
+    None
+}
+
+/// Number of consecutive residuals that count as one independent residual, ≥ 1: 1 + 2 Σ ρ, where the sum of the correlations
+/// ends at the first lag with ρ < 2/√N. `absorbed` is the number of unknowns that were fitted to the residuals.
+pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
+    let total: usize = strokes.iter().map(Vec::len).sum();
+    let (mut used, mut count) = (0, 0_usize);
+    for stroke in strokes {
+        if count < MAX_RESIDUALS {
+            used += 1;
+            count += stroke.len();
+        }
+    }
+    let strokes = &strokes[..used];
+    let covariance = |lag: usize| {
+        let (mut sum, mut pairs) = (0.0, 0_usize);
+        for stroke in strokes.iter().filter(|stroke| stroke.len() > lag) {
+            let end = stroke.len().min(MAX_RESIDUALS);
+            sum += (lag..end).map(|i| stroke[i] * stroke[i - lag]).sum::<f64>();
+            pairs += end.saturating_sub(lag);
+        }
+        (sum / pairs.max(1) as f64, pairs)
+    };
+    let (variance, _) = covariance(0);
+    if !(variance > 0.0 && variance.is_finite()) {
+        return 1.0;
+    }
+    let mut covariances = Vec::new();
+    let mut time: f64 = 1.0;
+    // The first pass finds whether there is correlation. Later ones add to all lags the variance that the fit absorbed if
+    // readings are correlated as in the last pass.
+    for pass in 0..4 {
+        let share = match pass {
+            0 => 0.0,
+            _ => time * absorbed as f64 / total as f64,
+        };
+        if share > MAX_ABSORBED_SHARE {
+            break;
+        }
+        let lost = variance * share / (1.0 - share);
+        let mut sum = 0.0;
+        for lag in 1..MAX_LAG {
+            if lag > covariances.len() {
+                covariances.push(covariance(lag));
+            }
+            let (one, pairs) = covariances[lag - 1];
+            let correlation = (one + lost) / (variance + lost);
+            if pairs < 3 || correlation < 2.0 / (pairs as f64).sqrt() {
+                break;
+            }
+            sum += correlation;
+        }
+        let next = 1.0 + 2.0 * sum;
+        let is_steady = next == 1.0 || (next - time).abs() < 0.01 * time;
+        time = next;
+        if is_steady {
+            break;
+        }
+    }
+    time.min(total as f64)
+}

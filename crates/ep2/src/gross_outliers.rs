@@ -1,0 +1,178 @@
+//! Contacts far from all others: lost readings that are written as one far number or as zeros, and other gross errors.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point3, Vector3};
+use strum::IntoStaticStr;
+
+use crate::effective_readings::{DistinctContacts, distinct_contacts};
+use crate::patch::check;
+use crate::{Contact, ShapeError};
+
+/// A contact is a gross outlier beyond this multiple of the median distance from the spatial median. Clean logs of strokes
+/// and caps lose less than 0.01 % of their contacts.
+const MAX_DISTANCE_RATIO: f64 = 6.0;
+/// Largest share of contacts that may be left out.
+pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
+/// Largest number of places from which the spatial median is computed.
+const MAX_PLACES: usize = 5000;
+/// Iterations for the spatial median. It need not be accurate.
+const MEDIAN_ITERATIONS: usize = 40;
+
+/// Why a contact is left out.
+#[derive(Clone, Copy, Debug, IntoStaticStr, PartialEq, Eq)]
+#[strum(serialize_all = "kebab-case")]
+pub enum OutlierReason {
+    /// The position is one far number in all three coordinates, or the same far point in several contacts.
+    Sentinel,
+    /// All three coordinates are 0, far from the other contacts.
+    Zeros,
+    /// The position is far from all others.
+    Far,
+    /// The contact contradicts the surface through the others.
+    Misfit,
+}
+
+/// A contact that is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outlier {
+    /// Number of the contact, counted from 0.
+    pub contact: usize,
+    /// Why it is left out.
+    pub reason: OutlierReason,
+}
+
+/// Position as a key; +0 and −0 are alike.
+fn key(position: &Point3<f64>) -> [u64; 3] {
+    [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
+}
+
+/// Contacts without gross outliers.
+#[derive(Clone, Debug)]
+pub struct SoundContacts {
+    /// The gross outliers.
+    pub outliers: Vec<Outlier>,
+    /// Numbers of the other contacts, counted from 0.
+    pub rows: Vec<usize>,
+    /// The other contacts, in which copies and rests count once.
+    pub distinct: DistinctContacts,
+}
+
+impl SoundContacts {
+    /// Finds the gross outliers among contacts.
+    ///
+    /// # Errors
+    /// [`ShapeError`] if a number is invalid, or if more than a fifth of the contacts are gross outliers.
+    pub fn new(contacts: &[Contact]) -> Result<Self, ShapeError> {
+        check(contacts)?;
+        let distinct = DistinctContacts::without_rests(contacts);
+        let outliers = gross_outliers(contacts, &distinct.contacts)?;
+        let mut rows: Vec<usize> = (0..contacts.len()).collect();
+        if outliers.is_empty() {
+            let distinct = distinct.without_short_steps();
+            return Ok(Self {
+                outliers,
+                rows,
+                distinct,
+            });
+        }
+        let mut gross = outliers.iter().map(|outlier| outlier.contact).peekable();
+        rows.retain(|row| gross.next_if_eq(row).is_none());
+        let kept: Vec<Contact> = rows.iter().map(|&row| contacts[row]).collect();
+        Ok(Self {
+            outliers,
+            rows,
+            distinct: distinct_contacts(&kept),
+        })
+    }
+}
+
+/// Finds gross outliers among contacts with finite numbers. `runs` are the mean contacts of copies and of rests, so that
+/// a long rest counts once.
+/// More than a fifth of them are an error.
+fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
+    let step = runs.len().div_ceil(MAX_PLACES).max(1);
+    let places: Vec<Vector3<f64>> = runs
+        .iter()
+        .step_by(step)
+        .map(|run| run.position.coords)
+        .collect();
+    let Some((centre, median)) = centre_and_distance(&places) else {
+        return Ok(Vec::new());
+    };
+    let ratio = |contact: &Contact| (contact.position - centre).norm() / median;
+    let far = contacts
+        .iter()
+        .enumerate()
+        .filter(|(_, contact)| ratio(contact) > MAX_DISTANCE_RATIO);
+    let mut counts: HashMap<[u64; 3], usize> = HashMap::new();
+    for (_, contact) in far.clone() {
+        *counts.entry(key(&contact.position)).or_default() += 1;
+    }
+    let outliers = far.map(|(index, contact)| {
+        let [x, y, z] = contact.position.into();
+        let is_repeated = counts[&key(&contact.position)] > 1;
+        let reason = if [x, y, z] == [0.0; 3] {
+            OutlierReason::Zeros
+        } else if is_repeated || (x == y && y == z) {
+            OutlierReason::Sentinel
+        } else {
+            OutlierReason::Far
+        };
+        Outlier {
+            contact: index,
+            reason,
+        }
+    });
+    let outliers = outliers.collect();
+    within_share(outliers, contacts.len())
+}
+
+/// The outliers, unless they are more than a fifth of the contacts.
+pub(crate) fn within_share(
+    outliers: Vec<Outlier>,
+    contacts: usize,
+) -> Result<Vec<Outlier>, ShapeError> {
+    if outliers.len() as f64 > MAX_OUTLIER_SHARE * contacts as f64 {
+        let outliers = outliers.iter().map(|outlier| outlier.contact).collect();
+        return Err(ShapeError::TooManyOutliers { contacts, outliers });
+    }
+    Ok(outliers)
+}
+
+/// The spatial median of places (Weiszfeld's iteration from the median of each coordinate), and the median distance from it;
+/// `None` if at least half of the places coincide.
+fn centre_and_distance(places: &[Vector3<f64>]) -> Option<(Point3<f64>, f64)> {
+    if places.len() < 3 {
+        return None;
+    }
+    let median = |values: &mut Vec<f64>| {
+        let middle = values.len() / 2;
+        *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let mut centre = Vector3::from_fn(|axis, _| {
+        let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+        median(&mut values)
+    });
+    let distance = |centre: &Vector3<f64>| {
+        let mut values: Vec<f64> = places.iter().map(|place| (place - centre).norm()).collect();
+        median(&mut values)
+    };
+    let near = 1e-6 * distance(&centre);
+    for _ in 0..MEDIAN_ITERATIONS {
+        let (mut sum, mut weights) = (Vector3::zeros(), 0.0);
+        for place in places {
+            let weight = 1.0 / (place - centre).norm().max(near).max(f64::MIN_POSITIVE);
+            sum += place * weight;
+            weights += weight;
+        }
+        let next = sum / weights;
+        let is_finite = next.iter().all(|x| x.is_finite());
+        if !is_finite || (next - centre).norm() < near {
+            break;
+        }
+        centre = next;
+    }
+    let median = distance(&centre);
+    (median > 0.0 && median.is_finite()).then(|| (centre.into(), median))
+}

@@ -1,0 +1,281 @@
+//! Fits to logs whose contacts are not independent: copies, rests, and noise that is correlated along a stroke.
+
+use nalgebra::Vector3;
+
+use crate::effective_readings::{
+    DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
+};
+use crate::patch::FingerMap;
+use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
+
+/// Smallest number of contacts of a finger from which correlation is estimated.
+const MIN_CONTACTS: usize = 60;
+/// Number of means along a stroke to which the first surface is fitted. Correlated noise changes it little.
+const FIRST_MEANS: usize = 30;
+/// Smallest number of means along the longest stroke.
+const MIN_MEANS: usize = 8;
+/// If the surface through means misses the contacts by more than this multiple of the residuals of a fit to all contacts,
+/// the residuals of the means are of the surface, not noise.
+const MAX_RESIDUAL_RATIO: f64 = 2.0;
+/// Largest ratio of correlations after which a fit to longer means is not worth it.
+const MAX_GROWTH: f64 = 1.3;
+
+/// Largest number of contacts from which a shape is fitted.
+const MAX_COMPARED: usize = 2000;
+
+/// A fit, and the contacts that it counts as independent.
+#[derive(Clone, Debug)]
+pub struct IndependentFit {
+    /// Contacts in which copies and rests count once, or means of correlated ones.
+    pub contacts: Vec<Contact>,
+    /// The patch of these contacts.
+    pub patch: Patch,
+    /// The surface. Its noise is that of one contact.
+    pub fit: Fit,
+    /// First of the given contacts that each contact of the patch represents.
+    pub rows: Vec<usize>,
+    /// How many independent readings there are.
+    pub readings: EffectiveReadings,
+    /// Ratios of the standard deviations of the patch's positions and normals to those of one contact.
+    pub noise_ratios: [f64; 2],
+}
+
+/// Contacts that count as independent, with the first row of each.
+struct Means {
+    contacts: Vec<Contact>,
+    rows: Vec<usize>,
+}
+
+/// Contacts without copies and rests, and how to fit them.
+struct Log<'a, M> {
+    method: &'a dyn Fn([f64; 2]) -> M,
+    outward: &'a Vector3<f64>,
+    count: usize,
+    distinct: DistinctContacts,
+    /// Indices of the distinct contacts of each finger.
+    strokes: Vec<Vec<usize>>,
+}
+
+impl IndependentFit {
+    /// Fits contacts. `method` returns the method with stated standard deviations of positions and normals multiplied by
+    /// these factors.
+    ///
+    /// # Errors
+    /// Errors of [`Patch::new`] and of the method; they name a contact by its number among the given contacts.
+    pub fn new<M: Method>(
+        method: impl Fn([f64; 2]) -> M,
+        contacts: &[Contact],
+        outward: &Vector3<f64>,
+    ) -> Result<Self, Ep2Error> {
+        crate::patch::check(contacts)?;
+        let distinct = distinct_contacts(contacts);
+        let mut strokes: FingerMap<Vec<usize>> = FingerMap::default();
+        for (index, contact) in distinct.contacts.iter().enumerate() {
+            strokes.entry(contact.finger).push(index);
+        }
+        let log = Log {
+            method: &method,
+            outward,
+            count: contacts.len(),
+            distinct,
+            strokes: strokes.iter().cloned().collect(),
+        };
+        log.fit()
+    }
+
+    /// Widens the intervals so that the curvature of a plane, a sphere or a cylinder is within one standard deviation, if the
+    /// contacts are of such a shape. A series is biased on them, by more than the noise of many contacts.
+    ///
+    /// # Errors
+    /// Errors of [`Fit::centre`].
+    pub fn widen_to_shape(&mut self, outward: &Vector3<f64>) -> Result<(), Ep2Error> {
+        let centre = self.fit.centre()?;
+        let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
+        let selection: Vec<Contact> = self.contacts.iter().copied().step_by(step).collect();
+        let settings = ShapeSettings {
+            outward: *outward,
+            ..ShapeSettings::default()
+        };
+        let shape = settings.fit(&selection).ok();
+        let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
+        let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
+        let Some((shape, stds)) = shape.zip(centre.curvature.uncertainty) else {
+            return Ok(());
+        };
+        let other = shape.point_at(&centre.position).curvature;
+        let of_mean = (other.mean - centre.curvature.mean) / stds.mean_std;
+        let of_gaussian = (other.gaussian - centre.curvature.gaussian) / stds.gaussian_std;
+        let factor = of_mean.abs().max(of_gaussian.abs()).powi(2);
+        if let Some(posterior) = self
+            .fit
+            .posterior
+            .as_mut()
+            .filter(|_| factor > 1.0 && factor.is_finite())
+        {
+            posterior.widen(factor);
+        }
+        Ok(())
+    }
+
+    /// Standard deviation of the distances of contacts from the surface, in the patch's unit, and the correlations of
+    /// distances and normals.
+    fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
+        let (mut distances, mut tilts) = (Vec::new(), Vec::new());
+        let (mut square, mut count) = (0.0, 0.0);
+        for stroke in &log.strokes {
+            let mut residuals = [const { Vec::new() }; 3];
+            for &index in stroke {
+                let contact = &log.distinct.contacts[index];
+                let place = self.fit.frame.point(&contact.position);
+                let jet = self.fit.spline.jet(place.x, place.y);
+                let steepness = (1.0 + jet.u * jet.u + jet.v * jet.v).sqrt();
+                let distance = (place.z - jet.w) / steepness;
+                residuals[0].push(distance);
+                square += distance * distance;
+                count += 1.0;
+                if let Some(normal) = contact.normal {
+                    let normal = self.fit.frame.direction(&normal.normalize());
+                    let expected = Vector3::new(-jet.u, -jet.v, 1.0) / steepness;
+                    residuals[1].push(normal.x - expected.x);
+                    residuals[2].push(normal.y - expected.y);
+                }
+            }
+            let [of_stroke, along, across] = residuals;
+            distances.push(of_stroke);
+            tilts.extend([along, across]);
+        }
+        // Positions and normals share the unknowns.
+        let kinds = if self.patch.has_normals() { 2.0 } else { 1.0 };
+        let absorbed = (self.fit.effective_unknowns / kinds) as usize;
+        let of_tilts = match self.patch.has_normals() {
+            true => correlation_time(&tilts, absorbed),
+            false => 1.0,
+        };
+        let times = [correlation_time(&distances, absorbed), of_tilts];
+        ((square / f64::max(count, 1.0)).sqrt(), times)
+    }
+
+    /// The fit with this correlation, and with intervals that are wider by `variance`.
+    fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
+        self.readings.position_correlation = position;
+        self.readings.normal_correlation = normal;
+        if let Some(posterior) = self.fit.posterior.as_mut().filter(|_| variance > 1.0) {
+            posterior.widen(variance);
+        }
+        self
+    }
+}
+
+impl<M: Method> Log<'_, M> {
+    fn fit(&self) -> Result<IndependentFit, Ep2Error> {
+        let longest = self.strokes.iter().map(Vec::len).max().unwrap_or(0);
+        let first = match longest >= MIN_CONTACTS {
+            true => self.of_means(longest.div_ceil(FIRST_MEANS), [1.0; 2]).ok(),
+            false => None,
+        };
+        // Without a posterior there are no intervals.
+        let first = first.filter(|first| first.fit.posterior.is_some());
+        let mut found = first.map_or([1.0; 2], |first| first.correlations(self).1);
+        let plain = self.of_means(1, [1.0; 2])?;
+        if found == [1.0; 2] {
+            return Ok(plain);
+        }
+        let largest = |times: [f64; 2]| times[0].max(times[1]);
+        let mut best = None;
+        for _ in 0..2 {
+            let block = (2.0 * largest(found)).ceil() as usize;
+            let block = block.min(longest / MIN_MEANS).max(1);
+            let Ok(fit) = self.of_means(block, found) else {
+                break;
+            };
+            let (residual, times) = fit.correlations(self);
+            let is_longer = largest(times) > MAX_GROWTH * largest(found);
+            best = Some((
+                fit.with(found, 2.0 * largest(found) / block as f64),
+                residual,
+            ));
+            if !is_longer {
+                break;
+            }
+            found = times;
+        }
+        let (residual, times) = plain.correlations(self);
+        Ok(match best {
+            Some((fit, of_means)) if of_means <= MAX_RESIDUAL_RATIO * residual => fit,
+            _ => plain.with(times, largest(times)),
+        })
+    }
+
+    /// The fit to means of `block` consecutive contacts of a finger.
+    fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
+        let means = self.means(block);
+        // Means over fewer contacts than are correlated have the noise of one contact.
+        let ratios = times.map(|time| (time / block as f64).min(1.0).sqrt());
+        let at_row = |error: Ep2Error| match error {
+            Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
+                contact: means.rows[contact],
+                angle_deg,
+            },
+            error => error,
+        };
+        let patch = Patch::new(&means.contacts, self.outward).map_err(at_row)?;
+        let mut fit = (self.method)(ratios).fit(&patch)?;
+        if let Some(noise) = &mut fit.noise {
+            noise.position_std /= ratios[0];
+            noise.normal_std_rad = noise.normal_std_rad.map(|std| std / ratios[1]);
+        }
+        let readings = EffectiveReadings {
+            contacts: self.count,
+            distinct: self.distinct.contacts.len(),
+            position_correlation: 1.0,
+            normal_correlation: 1.0,
+        };
+        Ok(IndependentFit {
+            contacts: means.contacts,
+            patch,
+            fit,
+            rows: means.rows,
+            readings,
+            noise_ratios: ratios,
+        })
+    }
+
+    fn means(&self, block: usize) -> Means {
+        let DistinctContacts {
+            contacts,
+            run_of_row,
+        } = &self.distinct;
+        let mut rows = vec![usize::MAX; contacts.len()];
+        for (row, &run) in run_of_row.iter().enumerate() {
+            rows[run] = rows[run].min(row);
+        }
+        if block <= 1 {
+            let contacts = contacts.clone();
+            return Means { contacts, rows };
+        }
+        let mut means = Means {
+            contacts: Vec::new(),
+            rows: Vec::new(),
+        };
+        for stroke in &self.strokes {
+            let blocks = (stroke.len() / block).max(1);
+            for index in 0..blocks {
+                let part = index * stroke.len() / blocks..(index + 1) * stroke.len() / blocks;
+                let part = &stroke[part];
+                let first = contacts[part[0]];
+                let share = 1.0 / part.len() as f64;
+                let others = || part.iter().map(|&one| contacts[one]);
+                let position = others().map(|one| (one.position - first.position) * share);
+                let normals = others().filter_map(|one| one.normal?.try_normalize(0.0));
+                let normal = normals.sum::<Vector3<f64>>().try_normalize(1e-6);
+                means.contacts.push(Contact {
+                    position: first.position + position.sum::<Vector3<f64>>(),
+                    normal: first.normal.map(|first| normal.unwrap_or(first)),
+                    ..first
+                });
+                means.rows.push(rows[part[0]]);
+            }
+        }
+        means
+    }
+}

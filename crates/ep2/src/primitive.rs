@@ -1,0 +1,624 @@
+//! Planes, spheres and cylinders through contacts: robust least squares on any side of the object, and the choice among
+//! them.
+
+mod cells;
+mod intervals;
+mod lack_of_fit;
+mod pose;
+mod robust_fit;
+mod shape_map;
+mod start;
+
+use nalgebra::{Matrix2, Matrix3, Point3, SMatrix, SymmetricEigen, Vector3};
+use strum::{IntoStaticStr, VariantArray};
+use thiserror::Error;
+
+use crate::effective_readings::EffectiveReadings;
+use crate::error::LARGEST;
+use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
+use crate::patch::direction;
+use crate::{Contact, Ep2Error, Noise, NoiseEstimate};
+use intervals::{CurvatureInterval, curvature_interval};
+use lack_of_fit::{LackOfFit, lack_of_fit};
+use pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
+use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
+
+/// Lack-of-fit p-value at which "none of these" is as probable as the best shape.
+const NONE_P_VALUE: f64 = 0.01;
+/// Mean normals shorter than this are of an object that was touched all round, which is convex.
+const MIN_MEAN_NORMAL: f64 = 0.5;
+/// Smallest cosine between the outward direction and the mean normal at which the direction fixes the outside.
+const MIN_OUTWARD_COSINE: f64 = 0.1;
+/// Ratio of the variance of places across a line to that of noise below which they are on the line.
+const MIN_SPREAD_RATIO: f64 = 10.0;
+/// Largest number of contacts from which the shape is chosen.
+const MAX_COMPARED: usize = 20_000;
+/// Iterations of a fit that starts near the best.
+const ITERATIONS: usize = 40;
+
+/// Reasons for which contacts give no shape.
+#[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
+pub enum ShapeError {
+    /// The contacts or the settings are invalid, or there are too few.
+    #[error(transparent)]
+    #[strum(serialize = "contacts")]
+    Contacts(#[from] Ep2Error),
+    /// More than a fifth of the contacts are outliers.
+    #[error(
+        "{} of {contacts} contacts are outliers, more than a fifth: they may be of two objects, or not of this shape",
+        outliers.len()
+    )]
+    TooManyOutliers {
+        /// Number of contacts given.
+        contacts: usize,
+        /// Numbers of the outliers, counted from 0.
+        outliers: Vec<usize>,
+    },
+}
+
+impl ShapeError {
+    /// The stable name of this kind of error.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Contacts(error) => error.name(),
+            Self::TooManyOutliers { .. } => self.into(),
+        }
+    }
+}
+
+/// A simple shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
+pub enum Shape {
+    /// A plane.
+    Plane,
+    /// A sphere.
+    Sphere,
+    /// A circular cylinder.
+    Cylinder,
+}
+
+impl Shape {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+}
+
+/// An estimate with its 95 % interval. An end is `None` where the interval is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeEstimate {
+    /// The estimate; `None` if the contacts do not resolve it.
+    pub value: Option<f64>,
+    /// Its standard error; `None` if the noise is undetermined or the size is not resolved.
+    pub std: Option<f64>,
+    /// The ends of the 95 % interval.
+    pub interval95: [Option<f64>; 2],
+}
+
+/// Fits shapes to contacts. The weights of contacts are ignored.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeSettings {
+    /// The shape; `None` chooses the most probable one.
+    pub shape: Option<Shape>,
+    /// Radius of a round tip, of which the contacts' positions are centres; 0 if they are on the object.
+    pub tip_radius: f64,
+    /// Direction out of the object for contacts without normals. Objects that are touched all round, or whose mean normal
+    /// is perpendicular to it, are assumed to be convex.
+    pub outward: Vector3<f64>,
+    /// Noise that is stated.
+    pub noise: Noise,
+}
+
+impl Default for ShapeSettings {
+    fn default() -> Self {
+        Self {
+            shape: None,
+            tip_radius: 0.0,
+            outward: Vector3::z(),
+            noise: Noise::default(),
+        }
+    }
+}
+
+/// A plane, a sphere or a cylinder through contacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeFit {
+    /// The fitted shape.
+    pub shape: Shape,
+    /// Probabilities of plane, sphere, cylinder and none of these; `None` if the shape was stated.
+    pub probabilities: Option<[f64; 4]>,
+    /// Curvature: of a sphere in all directions, of a cylinder across its axis; > 0 where convex, 1/length.
+    pub curvature: SizeEstimate,
+    /// Radius of the object, length. It is open above where the curvature may be 0.
+    pub radius: SizeEstimate,
+    /// Centre of a sphere, the point of a cylinder's axis nearest the contacts, or the point of a plane nearest their
+    /// middle; `None` if the size is not resolved.
+    pub place: Option<Point3<f64>>,
+    /// Standard errors of the coordinates of `place`.
+    pub place_std: Option<[f64; 3]>,
+    /// A point of the surface in the middle of the contacts, and the outward normal there.
+    pub foot: (Point3<f64>, Vector3<f64>),
+    /// Axis of a cylinder or normal of a plane.
+    pub direction: Option<Vector3<f64>>,
+    /// Standard error of the direction, rad: of the less certain of its two angles.
+    pub direction_std_rad: Option<f64>,
+    /// Root-mean-square distance of the contacts from the shape, outliers left out, length.
+    pub rms_misfit: f64,
+    /// Probability of a worse fit if the contacts are of the shape.
+    pub p_value: f64,
+    /// Noise of the contacts if the shape is right; `None` if there are too few contacts.
+    pub noise: Option<NoiseEstimate>,
+    /// How many independent readings there are.
+    pub readings: EffectiveReadings,
+    /// Contacts that are left out.
+    pub outliers: Vec<Outlier>,
+}
+
+impl ShapeFit {
+    /// Whether the contacts determine the size of a sphere or a cylinder.
+    pub fn is_resolved(&self) -> bool {
+        self.radius.value.is_some()
+    }
+
+    /// Number of fitted unknowns.
+    pub const fn unknowns(&self) -> usize {
+        match self.shape {
+            Shape::Plane => 3,
+            Shape::Sphere => 4,
+            Shape::Cylinder => 5,
+        }
+    }
+
+    /// Whether the most probable of the four answers is "none of these".
+    pub fn is_none_of_these(&self) -> bool {
+        self.probabilities.is_some_and(|[.., none]| none > 0.5)
+    }
+}
+
+/// Contacts in the unit of their spread, and how to convert them back.
+struct Scaled {
+    cloud: Cloud,
+    fingers: Vec<usize>,
+    centre: Point3<f64>,
+    scale: f64,
+}
+
+impl Scaled {
+    fn new(contacts: &[Contact]) -> Result<Self, Ep2Error> {
+        let anchor = contacts
+            .first()
+            .map_or(Point3::origin(), |one| one.position);
+        let count = contacts.len() as f64;
+        let mean = contacts.iter().map(|one| (one.position - anchor) / count);
+        let centre = anchor + mean.sum::<Vector3<f64>>();
+        let extent = contacts.iter().map(|one| (one.position - centre).amax());
+        let extent = extent.fold(0.0, f64::max);
+        if extent <= 1e-12 * centre.coords.amax() {
+            let contacts = contacts.len();
+            return Err(Ep2Error::Coincident { contacts, extent });
+        }
+        let squares = contacts
+            .iter()
+            .map(|one| ((one.position - centre) / extent).norm_squared());
+        let scale = extent * (squares.sum::<f64>() / count).sqrt();
+        let places = contacts.iter().map(|one| (one.position - centre) / scale);
+        let normals = contacts.iter().filter_map(|one| one.normal);
+        // A normal is scaled first, because the square of a large or small one leaves the range of doubles.
+        let normals = normals.map(|normal| (normal / normal.amax()).normalize());
+        Ok(Self {
+            cloud: Cloud {
+                places: places.collect(),
+                normals: normals.collect(),
+            },
+            fingers: contacts.iter().map(|one| one.finger).collect(),
+            centre,
+            scale,
+        })
+    }
+
+    fn point(&self, place: &Vector3<f64>) -> Point3<f64> {
+        self.centre + place * self.scale
+    }
+}
+
+/// A shape's fit to the contacts that are not outliers, with its test.
+struct Candidate {
+    solution: Solution,
+    lack: LackOfFit,
+}
+
+impl ShapeSettings {
+    /// Fits the shape, or the most probable shape.
+    ///
+    /// # Errors
+    /// [`ShapeError`] if a number is invalid, if there are too few contacts, or if more than a fifth of them are outliers.
+    pub fn fit(&self, contacts: &[Contact]) -> Result<ShapeFit, ShapeError> {
+        let is_good = (0.0..=LARGEST).contains(&self.tip_radius);
+        Ep2Error::unless_good(
+            "tip_radius",
+            self.tip_radius,
+            is_good,
+            ">= 0 and at most 1e150",
+        )?;
+        let outward = direction(&self.outward)?.normalize();
+        self.enough(contacts)?;
+        let SoundContacts {
+            mut outliers,
+            rows,
+            distinct,
+        } = SoundContacts::new(contacts)?;
+        self.enough(&distinct.contacts)?;
+        let large = distinct.contacts.len() > MAX_COMPARED;
+        if self.shape.is_none() && large {
+            return self.fit_chosen(contacts, &distinct.contacts);
+        }
+        let scaled = Scaled::new(&distinct.contacts)?;
+        let stated = self.stated(scaled.scale)?;
+        let cloud = &scaled.cloud;
+        let shapes = match &self.shape {
+            Some(shape) => std::slice::from_ref(shape),
+            None => Shape::VARIANTS,
+        };
+        let mut fits: Vec<RobustFit> = shapes
+            .iter()
+            .map(|&shape| robust_fit(shape, cloud, stated))
+            .collect();
+        let too_many = fits.iter().filter_map(|fit| fit.inliers_of_few.as_ref());
+        if too_many.clone().count() == fits.len()
+            && let Some(inliers) =
+                too_many.max_by_key(|inliers| inliers.iter().filter(|one| **one).count())
+        {
+            let runs = distinct.run_of_row.iter().zip(&rows);
+            let left = runs.filter(|(run, _)| !inliers[**run]).map(|(_, row)| *row);
+            return Err(ShapeError::TooManyOutliers {
+                contacts: contacts.len(),
+                outliers: left.collect(),
+            });
+        }
+        let by_noise = fits.iter().map(|fit| fit.solution.variances[0]);
+        let (best, _) = by_noise
+            .enumerate()
+            .min_by(|(_, one), (_, other)| one.total_cmp(other))
+            .unwrap_or_default();
+        let is_used = fits[best].is_used.clone();
+        let runs = distinct.run_of_row.iter().zip(&rows);
+        let misfits = runs.filter(|(run, _)| !is_used[**run]);
+        outliers.extend(misfits.map(|(_, row)| Outlier {
+            contact: *row,
+            reason: OutlierReason::Misfit,
+        }));
+        outliers.sort_by_key(|outlier| outlier.contact);
+        let outliers = within_share(outliers, contacts.len())?;
+        let used = cloud.selected(&is_used);
+        let fingers = scaled.fingers.iter().zip(&is_used);
+        let fingers: Vec<usize> = fingers
+            .filter_map(|(one, used)| used.then_some(*one))
+            .collect();
+        let candidates: Vec<Candidate> = fits
+            .drain(..)
+            .map(|fit| {
+                let solution = match fit.is_used == is_used {
+                    true => fit.solution,
+                    false => solve(fit.solution.pose, &used, stated, [1.0; 2], ITERATIONS),
+                };
+                let lack = lack_of_fit(&solution, &used, &fingers);
+                let solution = match lack.correlations == [1.0; 2] {
+                    true => solution,
+                    false => solve(solution.pose, &used, stated, lack.correlations, ITERATIONS),
+                };
+                Candidate { solution, lack }
+            })
+            .collect();
+        let (chosen, probabilities) = match self.shape {
+            Some(_) => (0, None),
+            None => choose(&candidates, stated, &used),
+        };
+        let candidate = &candidates[chosen];
+        let readings = EffectiveReadings {
+            contacts: contacts.len() - outliers.len(),
+            distinct: used.places.len(),
+            position_correlation: candidate.lack.correlations[0],
+            normal_correlation: candidate.lack.correlations[1],
+        };
+        let fit = self.reported(candidate, &scaled, &used, outward);
+        let fit = ShapeFit {
+            probabilities,
+            readings,
+            outliers,
+            ..fit.ok_or(Ep2Error::OutOfRange)?
+        };
+        Ok(fit)
+    }
+
+    /// Chooses the shape from an even selection of many contacts, and fits it to all of them.
+    fn fit_chosen(
+        &self,
+        contacts: &[Contact],
+        distinct: &[Contact],
+    ) -> Result<ShapeFit, ShapeError> {
+        let step = distinct.len().div_ceil(MAX_COMPARED);
+        let selection: Vec<Contact> = distinct.iter().copied().step_by(step).collect();
+        let chosen = self.fit(&selection)?;
+        let stated = Self {
+            shape: Some(chosen.shape),
+            ..*self
+        };
+        Ok(ShapeFit {
+            probabilities: chosen.probabilities,
+            ..stated.fit(contacts)?
+        })
+    }
+
+    /// An error unless the contacts can determine the unknowns.
+    fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
+        let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
+            3
+        } else {
+            1
+        };
+        let equations = per_contact * contacts.len();
+        let needed = match self.shape {
+            Some(Shape::Plane) => 4,
+            Some(Shape::Sphere) => 5,
+            Some(Shape::Cylinder) | None => 6,
+        };
+        if contacts.len() < 3 || equations < needed {
+            return Err(Ep2Error::TooFewContacts {
+                contacts: contacts.len(),
+                equations,
+                needed,
+            });
+        }
+        Ok(())
+    }
+
+    fn stated(&self, scale: f64) -> Result<StatedNoise, Ep2Error> {
+        let Noise {
+            position_std,
+            normal_std_rad,
+        } = self.noise;
+        for (name, std) in [
+            ("position_std", position_std),
+            ("normal_std_rad", normal_std_rad),
+        ] {
+            let value = std.unwrap_or(1.0);
+            let is_good = value > 0.0 && value <= LARGEST;
+            Ep2Error::unless_good(name, value, is_good, "> 0 and at most 1e150")?;
+        }
+        Ok([position_std.map(|std| std / scale), normal_std_rad])
+    }
+
+    /// The results in the unit of the contacts; `None` where they leave the range of doubles.
+    fn reported(
+        &self,
+        candidate: &Candidate,
+        scaled: &Scaled,
+        used: &Cloud,
+        outward: Vector3<f64>,
+    ) -> Option<ShapeFit> {
+        let Candidate { solution, lack } = candidate;
+        let scale = scaled.scale;
+        let interval = curvature_interval(solution, used, lack);
+        let is_reversed = used.normals.is_empty() && is_inside_out(&solution.pose, used, &outward);
+        let pose = if is_reversed {
+            solution.pose.reversed()
+        } else {
+            solution.pose
+        };
+        let shape = pose.shape;
+        let is_plane = shape == Shape::Plane;
+        let sign = if is_reversed { -1.0 } else { 1.0 };
+        let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
+        // Curvature of the surface of the tip's centres in the contacts' unit, and that of the object.
+        let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
+        let centres = pose.curvature / scale;
+        let ends = interval.map(|interval| {
+            let [low, high] = interval.ends.map(|end| sign * end / scale);
+            [low.min(high), low.max(high)]
+        });
+        let std = interval.map(|interval| interval.std / scale);
+        let is_tip_smaller = |curvature: f64| curvature * self.tip_radius < 1.0;
+        let ends_of_object = ends.map_or([None; 2], |ends| {
+            ends.map(|end| is_tip_smaller(end).then(|| of_object(end)))
+        });
+        let stretch = (1.0 - centres * self.tip_radius).powi(-2);
+        let curvature = match is_plane {
+            true => SizeEstimate {
+                value: Some(0.0),
+                std: None,
+                interval95: [Some(0.0); 2],
+            },
+            false => SizeEstimate {
+                value: is_tip_smaller(centres).then(|| of_object(centres)),
+                std: std
+                    .filter(|_| is_tip_smaller(centres))
+                    .map(|std| std * stretch),
+                interval95: ends_of_object,
+            },
+        };
+        let radius = radius(&curvature, is_resolved, ends_of_object);
+        let variance = |row: &SMatrix<f64, 3, UNKNOWNS>, interval: &CurvatureInterval| {
+            let spread: Matrix3<f64> = row * interval.covariance * row.transpose();
+            spread.diagonal().map(|x| x.max(0.0).sqrt() * scale).into()
+        };
+        let place = place(&solution.pose, is_resolved);
+        let foot = pose.based_at(&start::middle(used));
+        let tip = foot.axis(2) * self.tip_radius;
+        let place_std = place
+            .and(interval)
+            .map(|interval| variance(&place_derivative(&solution.pose), &interval));
+        let direction = match shape {
+            Shape::Plane => Some(pose.axis(2)),
+            Shape::Cylinder => Some(pose.axis(0)),
+            Shape::Sphere => None,
+        };
+        let direction_std_rad = direction.and(interval).map(|interval| {
+            let angles: [usize; 2] = if is_plane { [0, 1] } else { [1, 2] };
+            let [one, other] = angles.map(|angle| interval.covariance[(angle, angle)]);
+            one.max(other).max(0.0).sqrt()
+        });
+        let distances = used.places.iter().map(|place| pose.distance(place).powi(2));
+        let rms_misfit = scale * (distances.sum::<f64>() / used.places.len() as f64).sqrt();
+        let [position, normal] = solution.variances;
+        let bending = pose.curvature * pose.curvature * position;
+        let noise = solution.freedom.map(|_| NoiseEstimate {
+            position_std: position.sqrt() * scale,
+            normal_std_rad: (!used.normals.is_empty()).then(|| (normal - bending).max(0.0).sqrt()),
+        });
+        let place = place.map(|place| match shape {
+            Shape::Plane => scaled.point(&place) - tip,
+            Shape::Sphere | Shape::Cylinder => scaled.point(&place),
+        });
+        let foot = (scaled.point(&foot.point) - tip, foot.axis(2));
+        let numbers = [rms_misfit, foot.0.coords.sum(), foot.1.sum(), centres];
+        numbers
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(ShapeFit {
+                shape,
+                probabilities: None,
+                curvature,
+                radius,
+                place,
+                place_std,
+                foot,
+                direction,
+                direction_std_rad,
+                rms_misfit,
+                p_value: lack.p_value,
+                noise,
+                readings: EffectiveReadings {
+                    contacts: 0,
+                    distinct: 0,
+                    position_correlation: 1.0,
+                    normal_correlation: 1.0,
+                },
+                outliers: Vec::new(),
+            })
+    }
+}
+
+/// The radius from the object's curvature.
+fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
+    let value = curvature.value.filter(|_| is_resolved);
+    let size = |curvature: f64| curvature.abs().recip();
+    // The end with the larger magnitude of curvature bounds the radius below.
+    let largest = match ends {
+        [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
+        _ => None,
+    };
+    let smallest = match ends {
+        [Some(low), Some(high)] if is_resolved && low * high > 0.0 => {
+            Some(low.abs().min(high.abs()))
+        }
+        _ => None,
+    };
+    let std = curvature
+        .std
+        .zip(value)
+        .map(|(std, value)| std / (value * value));
+    SizeEstimate {
+        value: value.map(size),
+        std,
+        interval95: [
+            largest.map(size).filter(|x| x.is_finite()),
+            smallest.map(size),
+        ],
+    }
+}
+
+/// Whether the outside of a fit without normals must be exchanged with its inside.
+fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
+    let normals = cloud.places.iter().map(|place| pose.normal_at(place));
+    let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
+    let cosine = mean.dot(outward);
+    if mean.norm() < MIN_MEAN_NORMAL || cosine.abs() < MIN_OUTWARD_COSINE * mean.norm() {
+        return pose.curvature < 0.0;
+    }
+    cosine < 0.0
+}
+
+/// Centre of a sphere, point of a cylinder's axis or point of a plane.
+fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
+    match pose.shape {
+        Shape::Plane => Some(pose.point),
+        Shape::Sphere | Shape::Cylinder => {
+            is_resolved.then(|| pose.point - pose.axis(2) / pose.curvature)
+        }
+    }
+}
+
+/// Derivatives of [`place`] with respect to the unknowns.
+fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
+    let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
+    all.set_column(3, &pose.axis(2));
+    if pose.shape != Shape::Plane {
+        let radius = pose.curvature.recip();
+        // A turn about a moves the normal by −b, and one about b by a.
+        all.set_column(0, &(pose.axis(1) * radius));
+        all.set_column(1, &(-pose.axis(0) * radius));
+        all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
+    }
+    if pose.shape == Shape::Cylinder {
+        // Along the axis the point is fixed.
+        let along = pose.axis(0);
+        all -= along * (along.transpose() * all);
+    }
+    all
+}
+
+/// Whether the contacts vary in one direction along the surface only, but for noise.
+fn is_line(candidates: &[Candidate], used: &Cloud) -> bool {
+    let best = &candidates[Shape::Cylinder as usize].solution;
+    let pose = best.pose.based_at(&start::middle(used));
+    let mut spread = Matrix2::zeros();
+    for place in &used.places {
+        let q = (pose.axes * (place - pose.point)).xy();
+        spread += q * q.transpose() / used.places.len() as f64;
+    }
+    SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * best.variances[0]
+}
+
+/// The most probable shape, and the probabilities of plane, sphere, cylinder and none of these.
+///
+/// The shapes are compared by the Bayesian information criterion. "None of these" has the odds 0.01 / p to the best shape,
+/// where p is the p-value of its lack of fit.
+fn choose(
+    candidates: &[Candidate],
+    stated: StatedNoise,
+    used: &Cloud,
+) -> (usize, Option<[f64; 4]>) {
+    let correlations = [0, 1].map(|kind| {
+        let all = candidates.iter().map(|one| one.lack.correlations[kind]);
+        all.fold(f64::INFINITY, f64::min)
+    });
+    let criterion = |one: &Candidate| {
+        let counts = one.solution.equations.counts;
+        let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
+        let unknowns = one.solution.pose.unknowns() as f64;
+        one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
+    };
+    let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
+    // On one line, a sphere and a cylinder differ only by errors of places.
+    if is_line(candidates, used) {
+        let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
+        criteria[Shape::Sphere as usize] = best;
+        criteria[Shape::Cylinder as usize] = best;
+    }
+    let least = criteria.iter().copied().fold(f64::INFINITY, f64::min);
+    let chosen = criteria.iter().position(|&one| one == least).unwrap_or(0);
+    let weights: Vec<f64> = criteria
+        .iter()
+        .map(|one| libm::exp(0.5 * (least - one)))
+        .collect();
+    let none = NONE_P_VALUE / candidates[chosen].lack.p_value.max(f64::MIN_POSITIVE);
+    let total = weights.iter().sum::<f64>() + none;
+    let shares = weights.iter().map(|weight| weight / total);
+    let mut probabilities = [0.0; 4];
+    for (probability, share) in probabilities.iter_mut().zip(shares.chain([none / total])) {
+        *probability = share;
+    }
+    (chosen, Some(probabilities))
+}

@@ -1,0 +1,105 @@
+//! Cells of neighbouring contacts: residuals that agree within a cell are misfit, not noise.
+
+use nalgebra::Vector3;
+use palpate_statistics::ratio_tail;
+
+use super::pose::{Cloud, Equations, Gram, Row};
+use super::robust_fit::Solution;
+
+/// Largest number of cells, and the smallest number of contacts in a cell.
+const MAX_CELLS: usize = 32;
+const MIN_CONTACTS: usize = 5;
+/// Smallest number of cells.
+const MIN_CELLS: usize = 12;
+
+/// The cell of each contact.
+pub(super) struct Cells {
+    cell_of: Vec<usize>,
+    count: usize,
+}
+
+impl Cells {
+    /// Divides contacts into cells of equal counts; `None` if there are too few.
+    pub(super) fn new(cloud: &Cloud) -> Option<Self> {
+        let contacts = cloud.places.len();
+        let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);
+        if wanted < MIN_CELLS {
+            return None;
+        }
+        let mut cell_of = vec![0; contacts];
+        let mut order: Vec<usize> = (0..contacts).collect();
+        let mut count = 0;
+        divide(&cloud.places, &mut order, wanted, &mut |members| {
+            for &member in members {
+                cell_of[member] = count;
+            }
+            count += 1;
+        });
+        Some(Self { cell_of, count })
+    }
+
+    /// Probability that the means of noise in the cells are larger by chance. `correlation` neighbouring values count as one.
+    pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
+        let mut sums = vec![(0.0, 0.0); self.count];
+        for (value, &cell) in values.iter().zip(&self.cell_of) {
+            sums[cell].0 += value;
+            sums[cell].1 += 1.0;
+        }
+        let between: f64 = sums.iter().map(|(sum, count)| sum * sum / count).sum();
+        let total: f64 = values.iter().map(|value| value * value).sum();
+        let within = (total - between).max(0.0);
+        let freedom = (values.len() - self.count) as f64 / correlation;
+        let of_cells = self.count.saturating_sub(unknowns);
+        ratio_tail(
+            between / correlation,
+            of_cells,
+            within / correlation,
+            freedom.max(1.0) as usize,
+        )
+    }
+
+    /// Covariance of the unknowns with the residuals of a cell as one, and its degrees of freedom.
+    pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
+        let weights = solution.weights();
+        let mut sums = vec![Row::zeros(); self.count];
+        for (index, &cell) in self.cell_of.iter().enumerate() {
+            sums[cell] += Equations::gradient(&solution.pose, cloud, index, weights);
+        }
+        let freedom = self.count.saturating_sub(solution.pose.unknowns()).max(1);
+        let scale = self.count as f64 / freedom as f64;
+        let spread = sums
+            .iter()
+            .fold(Gram::zeros(), |all, sum| all + sum * sum.transpose());
+        (
+            solution.inverse * spread * solution.inverse * scale,
+            freedom,
+        )
+    }
+}
+
+/// Divides at quantiles along the longest side until the cells are as many as wanted.
+fn divide(
+    places: &[Vector3<f64>],
+    members: &mut [usize],
+    wanted: usize,
+    take: &mut dyn FnMut(&[usize]),
+) {
+    if wanted <= 1 || members.len() < 2 {
+        take(members);
+        return;
+    }
+    let (mut low, mut high) = (places[members[0]], places[members[0]]);
+    for &member in members.iter() {
+        low = low.inf(&places[member]);
+        high = high.sup(&places[member]);
+    }
+    let axis = (high - low).imax();
+    let first = wanted / 2;
+    let split = (members.len() * first / wanted).clamp(1, members.len() - 1);
+    members.select_nth_unstable_by(split, |&one, &other| {
+        places[one][axis].total_cmp(&places[other][axis])
+    });
+    let (before, after) = members.split_at_mut(split);
+    divide(places, before, first, take);
+    divide(places, after, wanted - first, take);
+}

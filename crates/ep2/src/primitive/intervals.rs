@@ -1,0 +1,66 @@
+//! Interval of the curvature of a shape, and of its radius.
+
+use palpate_statistics::student_half_width;
+
+use super::cells::Cells;
+use super::lack_of_fit::LackOfFit;
+use super::pose::{CURVATURE, Cloud, Gram};
+use super::robust_fit::Solution;
+
+/// Probability of the intervals.
+const PROBABILITY: f64 = 0.95;
+/// The curvature is resolved if the half-width of its interval is below this share of it. Larger ones are too narrow.
+const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
+/// Misfit below this p-value widens the interval.
+const MISFIT_P_VALUE: f64 = 0.01;
+/// Noise relative to the spread of the contacts above which the curvature is not resolved: errors of places along the
+/// surface make the fitted radius too small.
+const MAX_RELATIVE_NOISE: f64 = 0.1;
+
+/// Interval of the curvature, in the unit of the cloud.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CurvatureInterval {
+    pub(super) std: f64,
+    pub(super) ends: [f64; 2],
+    pub(super) is_resolved: bool,
+    /// Covariance of the unknowns.
+    pub(super) covariance: Gram,
+}
+
+/// The interval; `None` if there are no degrees of freedom left for the noise.
+pub(super) fn curvature_interval(
+    solution: &Solution,
+    cloud: &Cloud,
+    lack: &LackOfFit,
+) -> Option<CurvatureInterval> {
+    let freedom = solution.freedom?;
+    let grams = &solution.equations.grams;
+    let spread = grams[0] * (lack.correlations[0] / solution.variances[0])
+        + grams[1] * (lack.correlations[1] / solution.variances[1]);
+    let mut covariance = solution.inverse * spread * solution.inverse;
+    let mut half_width = student_half_width(PROBABILITY, freedom.clamp(1.0, 1e6) as usize);
+    if lack.p_value < MISFIT_P_VALUE
+        && let Some(cells) = Cells::new(cloud)
+    {
+        let (of_cells, freedom) = cells.covariance(solution, cloud);
+        let wide = student_half_width(PROBABILITY, freedom);
+        let variance = |covariance: &Gram| covariance[(CURVATURE, CURVATURE)];
+        if wide * wide * variance(&of_cells) > half_width * half_width * variance(&covariance) {
+            (covariance, half_width) = (of_cells, wide);
+        }
+    }
+    let std = covariance[(CURVATURE, CURVATURE)].max(0.0).sqrt();
+    let curvature = solution.pose.curvature;
+    let half = half_width * std;
+    let ends = [curvature - half, curvature + half];
+    let relative = half / curvature.abs();
+    let is_resolved = relative < MAX_RELATIVE_HALF_WIDTH
+        && solution.variances[0] < MAX_RELATIVE_NOISE * MAX_RELATIVE_NOISE;
+    let is_finite = std.is_finite() && ends.iter().all(|end| end.is_finite());
+    is_finite.then_some(CurvatureInterval {
+        std,
+        ends,
+        is_resolved,
+        covariance,
+    })
+}

@@ -1,0 +1,331 @@
+//! Whether the residuals of a shape are noise: a test against a smooth deviation, and the correlation that remains.
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use palpate_statistics::ratio_tail;
+
+use super::cells::Cells;
+use super::pose::{Cloud, Pose, UNKNOWNS};
+use super::robust_fit::Solution;
+use crate::effective_readings::correlation_time;
+
+/// Largest degree of the products of coordinates in the deviation.
+const MAX_DEGREE: usize = 4;
+/// A patch is a graph over its plane if all normals stay within 72 degrees of their mean.
+const MIN_GRAPH_COSINE: f64 = 0.3;
+/// A column of which less than this share is independent of earlier columns is skipped.
+const RANK_TOLERANCE: f64 = 1e-9;
+/// Largest number of contacts in the normal equations. Of more contacts an even selection is used.
+const MAX_CONTACTS: usize = 20_000;
+/// Number of contacts from which the coordinates' range is computed.
+const BASIS_CONTACTS: usize = 2000;
+/// Consecutive contacts in a block, of which an even selection gives the correlation.
+const BLOCK: usize = 2000;
+/// Number of equations per unknown for a degree.
+const MIN_EQUATIONS_RATIO: f64 = 1.5;
+
+/// Result of the test.
+#[derive(Clone, Debug)]
+pub(super) struct LackOfFit {
+    /// Probability of a worse fit by chance.
+    pub(super) p_value: f64,
+    /// Number of consecutive positions and normals that count as one.
+    pub(super) correlations: [f64; 2],
+}
+
+/// Products of coordinates of footpoints.
+struct Basis {
+    centre: Vector3<f64>,
+    scale: f64,
+    exponents: Vec<[usize; 3]>,
+}
+
+impl Basis {
+    fn new(pose: &Pose, cloud: &Cloud, equations: f64) -> Self {
+        let cloud = &cloud.thinned(cloud.places.len().div_ceil(BASIS_CONTACTS).max(1));
+        let normals = cloud.places.iter().map(|place| pose.normal_at(place));
+        let mean = normals.clone().sum::<Vector3<f64>>();
+        let is_graph = mean.try_normalize(1e-9).is_some_and(|mean| {
+            normals
+                .clone()
+                .all(|normal| normal.dot(&mean) > MIN_GRAPH_COSINE)
+        });
+        // Coordinates are along the axes of a pose whose normal is the mean one.
+        let centre = pose.axes * (super::start::middle(cloud) - pose.point);
+        let places = cloud
+            .places
+            .iter()
+            .map(|place| pose.axes * (place - pose.point) - centre);
+        let scale = places
+            .map(|place| place.amax())
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let exponents = |degree: usize| {
+            let depths = if is_graph { 0 } else { degree };
+            let mut all = Vec::new();
+            for total in 0..=degree {
+                for third in 0..=total.min(depths) {
+                    for second in 0..=total - third {
+                        all.push([total - third - second, second, third]);
+                    }
+                }
+            }
+            all
+        };
+        let degree = (2..=MAX_DEGREE).rev().find(|&degree| {
+            let count = exponents(degree).len() + UNKNOWNS;
+            equations >= MIN_EQUATIONS_RATIO * count as f64
+        });
+        Self {
+            centre,
+            scale,
+            exponents: degree.map_or(Vec::new(), exponents),
+        }
+    }
+
+    /// Values and gradients at a footpoint, in the axes of the pose.
+    fn at(&self, foot: &Vector3<f64>, values: &mut [f64], gradients: &mut [Vector3<f64>]) {
+        let place = (foot - self.centre) / self.scale;
+        let mut powers = [[1.0; MAX_DEGREE + 1]; 3];
+        for (axis, power) in powers.iter_mut().enumerate() {
+            for degree in 1..=MAX_DEGREE {
+                power[degree] = power[degree - 1] * place[axis];
+            }
+        }
+        for (index, exponents) in self.exponents.iter().enumerate() {
+            let parts: [f64; 3] = std::array::from_fn(|axis| powers[axis][exponents[axis]]);
+            values[index] = parts[0] * parts[1] * parts[2];
+            gradients[index] = Vector3::from_fn(|axis, _| {
+                let exponent = exponents[axis];
+                if exponent == 0 {
+                    return 0.0;
+                }
+                let others = (0..3).filter(|&other| other != axis);
+                let others: f64 = others.map(|other| parts[other]).product();
+                exponent as f64 * powers[axis][exponent - 1] * others / self.scale
+            });
+        }
+    }
+}
+
+/// Rows of one contact: of its distance and of the three components of its normal.
+struct Rows<'a> {
+    pose: &'a Pose,
+    cloud: &'a Cloud,
+    basis: Basis,
+    values: Vec<f64>,
+    gradients: Vec<Vector3<f64>>,
+}
+
+impl Rows<'_> {
+    fn columns(&self) -> usize {
+        UNKNOWNS + self.basis.exponents.len()
+    }
+
+    /// Fills the rows of a contact and returns its residuals.
+    fn fill(&mut self, index: usize, rows: &mut [Vec<f64>]) -> [f64; 4] {
+        let place = &self.cloud.places[index];
+        let normal = self.cloud.normals.get(index);
+        let one = self.pose.deviation(place, true);
+        let foot = self.pose.axes * (place - self.pose.point) - one.normal * one.distance;
+        self.basis.at(&foot, &mut self.values, &mut self.gradients);
+        rows[0][..UNKNOWNS].copy_from_slice((-one.distance_row).as_slice());
+        rows[0][UNKNOWNS..].copy_from_slice(&self.values);
+        let mut residuals = [one.distance, 0.0, 0.0, 0.0];
+        if let Some(normal) = normal {
+            let left = self.pose.in_axes(normal) - one.normal;
+            for axis in 0..3 {
+                residuals[1 + axis] = left[axis];
+                let row = rows[1 + axis].iter_mut().take(UNKNOWNS).enumerate();
+                row.for_each(|(unknown, value)| *value = one.normal_row(unknown)[axis]);
+                for (column, gradient) in self.gradients.iter().enumerate() {
+                    let tangent = gradient - one.normal * one.normal.dot(gradient);
+                    rows[1 + axis][UNKNOWNS + column] = -tangent[axis];
+                }
+            }
+        }
+        residuals
+    }
+}
+
+/// Tests the residuals of a fit; `fingers` are those of the contacts.
+pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
+    let first = tested(solution, cloud, fingers, [1.0; 2]);
+    if first.correlations == [1.0; 2] {
+        return first;
+    }
+    let again = tested(solution, cloud, fingers, first.correlations);
+    LackOfFit {
+        p_value: again.p_value,
+        ..first
+    }
+}
+
+fn tested(
+    solution: &Solution,
+    cloud: &Cloud,
+    fingers: &[usize],
+    correlations: [f64; 2],
+) -> LackOfFit {
+    let pose = &solution.pose;
+    let counts = solution.equations.counts;
+    let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
+    let basis = Basis::new(pose, cloud, equations);
+    let terms = basis.exponents.len();
+    let mut rows = Rows {
+        pose,
+        cloud,
+        basis,
+        values: vec![0.0; terms],
+        gradients: vec![Vector3::zeros(); terms],
+    };
+    let columns = rows.columns();
+    let weights: [f64; 2] =
+        std::array::from_fn(|kind| 1.0 / (solution.variances[kind] * correlations[kind]));
+    let kinds = if cloud.normals.is_empty() { 1 } else { 4 };
+    let mut filled = vec![vec![0.0; columns]; 4];
+    let mut gram = DMatrix::zeros(columns, columns);
+    let mut right = DVector::zeros(columns);
+    let mut total = 0.0;
+    let step = cloud.places.len().div_ceil(MAX_CONTACTS).max(1);
+    let mut used = 0.0;
+    for index in (0..cloud.places.len()).step_by(step) {
+        used += 1.0;
+        let residuals = rows.fill(index, &mut filled);
+        for (component, row) in filled.iter().enumerate().take(kinds) {
+            let weight = weights[component.min(1)];
+            total += weight * residuals[component] * residuals[component];
+            for (column, value) in row.iter().enumerate() {
+                let weighted = weight * value;
+                if weighted == 0.0 {
+                    continue;
+                }
+                right[column] += weighted * residuals[component];
+                for (other, value) in row[..=column].iter().enumerate() {
+                    gram[(column, other)] += weighted * value;
+                }
+            }
+        }
+    }
+    let solved = Sequential::new(&gram, &right);
+    let explained: f64 = solved.parts[UNKNOWNS..]
+        .iter()
+        .map(|part| part * part)
+        .sum();
+    let of_unknowns: f64 = solved.parts[..UNKNOWNS]
+        .iter()
+        .map(|part| part * part)
+        .sum();
+    let ranks = |range: std::ops::Range<usize>| range.filter(|&c| solved.is_kept[c]).count();
+    let extra = ranks(UNKNOWNS..columns);
+    let rank = ranks(0..columns);
+    let freedom = equations * used / cloud.places.len() as f64 - rank as f64;
+    let left = (total - explained - of_unknowns).max(0.0);
+    let by_series = match extra > 0 && freedom >= 1.0 {
+        true => ratio_tail(explained, extra, left, freedom as usize),
+        false => 1.0,
+    };
+    // Residuals of the flexible surface.
+    let coefficients = solved.coefficients();
+    let mut strokes: HashMap<usize, usize> = HashMap::new();
+    let mut distances: Vec<Vec<f64>> = Vec::new();
+    let mut normals: Vec<[Vec<f64>; 3]> = Vec::new();
+    for index in (0..cloud.places.len()).filter(|index| (index / BLOCK).is_multiple_of(step)) {
+        let residuals = rows.fill(index, &mut filled);
+        let left = |component: usize| {
+            let fitted: f64 = filled[component]
+                .iter()
+                .zip(&coefficients)
+                .map(|(a, b)| a * b)
+                .sum();
+            residuals[component] - fitted
+        };
+        let stroke = *strokes.entry(fingers[index]).or_insert_with(|| {
+            distances.push(Vec::new());
+            normals.push(Default::default());
+            distances.len() - 1
+        });
+        distances[stroke].push(left(0));
+        for component in 1..kinds {
+            normals[stroke][component - 1].push(left(component));
+        }
+    }
+    let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
+    // Positions and normals share the unknowns.
+    let absorbed = if kinds > 1 { rank / 2 } else { rank };
+    let found = [
+        correlation_time(&distances, absorbed),
+        if kinds > 1 {
+            correlation_time(&of_normals, absorbed)
+        } else {
+            1.0
+        },
+    ];
+    let thinned = cloud.thinned(step);
+    let by_cells = Cells::new(&thinned).map_or(1.0, |cells| {
+        let values = thinned.places.iter().map(|place| pose.distance(place));
+        cells.p_value(
+            &values.collect::<Vec<f64>>(),
+            pose.unknowns(),
+            correlations[0],
+        )
+    });
+    LackOfFit {
+        p_value: (2.0 * by_series.min(by_cells)).min(1.0),
+        correlations: found,
+    }
+}
+
+/// Cholesky's factor of normal equations in the order of their columns; columns that depend on earlier ones are skipped.
+struct Sequential {
+    factor: DMatrix<f64>,
+    parts: Vec<f64>,
+    is_kept: Vec<bool>,
+}
+
+impl Sequential {
+    fn new(gram: &DMatrix<f64>, right: &DVector<f64>) -> Self {
+        let size = right.len();
+        let mut factor = DMatrix::zeros(size, size);
+        let (mut parts, mut is_kept) = (vec![0.0; size], vec![false; size]);
+        for row in 0..size {
+            for column in 0..row {
+                if is_kept[column] {
+                    let mut sum = gram[(row, column)];
+                    for before in 0..column {
+                        sum -= factor[(row, before)] * factor[(column, before)];
+                    }
+                    factor[(row, column)] = sum / factor[(column, column)];
+                }
+            }
+            let mut pivot = gram[(row, row)];
+            let mut part = right[row];
+            for before in 0..row {
+                pivot -= factor[(row, before)] * factor[(row, before)];
+                part -= factor[(row, before)] * parts[before];
+            }
+            is_kept[row] = pivot > RANK_TOLERANCE * gram[(row, row)] && pivot > 0.0;
+            if is_kept[row] {
+                factor[(row, row)] = pivot.sqrt();
+                parts[row] = part / factor[(row, row)];
+            }
+        }
+        Self {
+            factor,
+            parts,
+            is_kept,
+        }
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        let size = self.parts.len();
+        let mut solved = vec![0.0; size];
+        for row in (0..size).rev().filter(|&row| self.is_kept[row]) {
+            let later: f64 = (row + 1..size)
+                .map(|next| self.factor[(next, row)] * solved[next])
+                .sum();
+            solved[row] = (self.parts[row] - later) / self.factor[(row, row)];
+        }
+        solved
+    }
+}

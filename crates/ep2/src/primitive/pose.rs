@@ -1,0 +1,285 @@
+//! Place and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
+//!
+//! With q = p − o from a point o of the surface, the normal n there, the axis a of a cylinder and the curvature k:
+//! f = k |q|²/2 + q·n, where a cylinder has |q|² − (q·a)² for |q|², and the signed distance is d = 2 f / (1 + √(1 + 2 k f)).
+//! It is exact and smooth through the plane k = 0 (Marshall, Lukacs and Martin 2001).
+
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+
+use crate::Shape;
+
+/// Unknowns: rotations about the axes a, b and n, a shift along n, and the curvature.
+pub(super) const UNKNOWNS: usize = 5;
+/// Number of the curvature among them.
+pub(super) const CURVATURE: usize = 4;
+
+pub(super) type Row = SVector<f64, UNKNOWNS>;
+pub(super) type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Places and unit normals, in the unit of their spread.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cloud {
+    pub(super) places: Vec<Vector3<f64>>,
+    /// As many as places, or none.
+    pub(super) normals: Vec<Vector3<f64>>,
+}
+
+impl Cloud {
+    /// Every `step`-th contact.
+    pub(super) fn thinned(&self, step: usize) -> Self {
+        Self {
+            places: self.places.iter().copied().step_by(step).collect(),
+            normals: self.normals.iter().copied().step_by(step).collect(),
+        }
+    }
+
+    /// The contacts that are used.
+    pub(super) fn selected(&self, is_used: &[bool]) -> Self {
+        let select = |all: &[Vector3<f64>]| {
+            let pairs = all.iter().zip(is_used);
+            pairs
+                .filter_map(|(one, used)| used.then_some(*one))
+                .collect()
+        };
+        Self {
+            places: select(&self.places),
+            normals: select(&self.normals),
+        }
+    }
+}
+
+/// A plane, a sphere or a cylinder.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose {
+    pub(super) shape: Shape,
+    /// A point of the surface.
+    pub(super) point: Vector3<f64>,
+    /// Axes a, b and n in rows.
+    pub(super) axes: Matrix3<f64>,
+    /// Curvature, > 0 where convex.
+    pub(super) curvature: f64,
+}
+
+/// Distance of a contact from the surface, and its normal's deviation, with derivatives.
+pub(super) struct Deviation {
+    pub(super) distance: f64,
+    pub(super) distance_row: Row,
+    /// Outward normal of the surface there, in the axes of the pose.
+    pub(super) normal: Vector3<f64>,
+    /// Derivatives of the normal, in columns.
+    normal_rows: SMatrix<f64, 3, UNKNOWNS>,
+}
+
+impl Pose {
+    /// A pose with this point, normal and, for a cylinder, axis.
+    pub(super) fn new(
+        shape: Shape,
+        point: Vector3<f64>,
+        normal: Vector3<f64>,
+        axis: Vector3<f64>,
+        curvature: f64,
+    ) -> Self {
+        let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);
+        let along = axis - normal * normal.dot(&axis);
+        let along = along.try_normalize(1e-6).unwrap_or_else(|| {
+            let mut other = Vector3::zeros();
+            other[normal.iamin()] = 1.0;
+            (other - normal * normal.dot(&other)).normalize()
+        });
+        let across = normal.cross(&along);
+        let axes = [along, across, normal].map(|axis| axis.transpose());
+        Self {
+            shape,
+            point,
+            axes: Matrix3::from_rows(&axes),
+            curvature,
+        }
+    }
+
+    pub(super) fn axis(&self, row: usize) -> Vector3<f64> {
+        self.axes.row(row).transpose()
+    }
+
+    /// Number of unknowns.
+    pub(super) const fn unknowns(&self) -> usize {
+        match self.shape {
+            Shape::Plane => 3,
+            Shape::Sphere => 4,
+            Shape::Cylinder => 5,
+        }
+    }
+
+    /// Whether an unknown belongs to the shape.
+    pub(super) fn has(&self, unknown: usize) -> bool {
+        match unknown {
+            2 => self.shape == Shape::Cylinder,
+            CURVATURE => self.shape != Shape::Plane,
+            _ => true,
+        }
+    }
+
+    /// The place in the axes, its part across a cylinder's axis, f's square root s and the distance.
+    #[inline]
+    fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
+        let q = self.axes * (place - self.point);
+        let across = match self.shape {
+            Shape::Cylinder => Vector3::new(0.0, q.y, q.z),
+            Shape::Sphere | Shape::Plane => q,
+        };
+        let f = 0.5 * self.curvature * across.norm_squared() + q.z;
+        // 1 + 2kf = |n + k across|² ≥ 0; it vanishes on the axis or in the centre.
+        let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
+        (q, across, s, 2.0 * f / (1.0 + s))
+    }
+
+    /// Signed distance of a place, > 0 outside.
+    #[inline]
+    pub(super) fn distance(&self, place: &Vector3<f64>) -> f64 {
+        self.at(place).3
+    }
+
+    /// Outward normal at a place.
+    pub(super) fn normal_at(&self, place: &Vector3<f64>) -> Vector3<f64> {
+        let (_, across, s, _) = self.at(place);
+        self.axes.transpose() * (Vector3::z() + across * self.curvature) / s
+    }
+
+    /// Distance, normal and their derivatives at a place.
+    #[inline]
+    pub(super) fn deviation(&self, place: &Vector3<f64>, with_normal: bool) -> Deviation {
+        let k = self.curvature;
+        let (q, across, s, distance) = self.at(place);
+        let (is_cylinder, is_plane) = (self.shape == Shape::Cylinder, self.shape == Shape::Plane);
+        let steep = 1.0 + k * q.z;
+        let mut distance_row = Row::zeros();
+        distance_row[0] = -q.y;
+        distance_row[1] = if is_cylinder { steep * q.x } else { q.x };
+        distance_row[2] = if is_cylinder { -k * q.y * q.x } else { 0.0 };
+        distance_row[3] = -steep;
+        let bend = 0.5 * (across.norm_squared() - distance * distance);
+        distance_row[4] = if is_plane { 0.0 } else { bend };
+        distance_row /= s;
+        let mut deviation = Deviation {
+            distance,
+            distance_row,
+            normal: Vector3::zeros(),
+            normal_rows: SMatrix::zeros(),
+        };
+        if with_normal {
+            let normal = (Vector3::z() + across * k) / s;
+            let columns = [
+                Vector3::new(0.0, -1.0, 0.0),
+                match is_cylinder {
+                    true => Vector3::new(steep, 0.0, k * q.x),
+                    false => Vector3::x(),
+                },
+                match is_cylinder {
+                    true => Vector3::new(-k * q.y, -k * q.x, 0.0),
+                    false => Vector3::zeros(),
+                },
+                Vector3::new(0.0, 0.0, -k),
+                if is_plane { Vector3::zeros() } else { across },
+            ];
+            let columns = columns.map(|change| (change - normal * normal.dot(&change)) / s);
+            deviation.normal = normal;
+            deviation.normal_rows = SMatrix::from_columns(&columns);
+        }
+        deviation
+    }
+
+    /// The pose after a step in the unknowns; its point moves to the foot of `middle`.
+    pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
+        let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
+        let turn = Rotation3::new(turn);
+        let mut next = *self;
+        next.point += self.axis(2) * step[3];
+        next.curvature += step[CURVATURE];
+        for row in 0..3 {
+            next.axes.set_row(row, &(turn * self.axis(row)).transpose());
+        }
+        next.based_at(middle)
+    }
+
+    /// The same surface with its point at the foot of a place, unless the place is near the centre or the axis.
+    pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
+        let (_, _, s, distance) = self.at(place);
+        if s < 0.05 || s.is_nan() {
+            return *self;
+        }
+        let normal = self.normal_at(place);
+        let point = place - normal * distance;
+        Self::new(self.shape, point, normal, self.axis(0), self.curvature)
+    }
+
+    /// The surface with outside and inside exchanged.
+    pub(super) fn reversed(&self) -> Self {
+        let curvature = -self.curvature;
+        Self::new(
+            self.shape,
+            self.point,
+            -self.axis(2),
+            self.axis(0),
+            curvature,
+        )
+    }
+
+    /// Measured normal in the axes of the pose.
+    #[inline]
+    pub(super) fn in_axes(&self, normal: &Vector3<f64>) -> Vector3<f64> {
+        self.axes * normal
+    }
+}
+
+impl Deviation {
+    /// Derivative of the normal with respect to an unknown.
+    pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
+        self.normal_rows.column(unknown).into()
+    }
+}
+
+/// Sums of squares and normal equations of distances and normals, each of unit variance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Equations {
+    pub(super) grams: [Gram; 2],
+    pub(super) gradients: [Row; 2],
+    pub(super) squares: [f64; 2],
+    /// Number of distances, and of components of normals.
+    pub(super) counts: [f64; 2],
+}
+
+impl Equations {
+    pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Self {
+        let mut all = Self {
+            grams: [Gram::zeros(); 2],
+            gradients: [Row::zeros(); 2],
+            squares: [0.0; 2],
+            counts: [cloud.places.len() as f64, 2.0 * cloud.normals.len() as f64],
+        };
+        let with_normals = !cloud.normals.is_empty();
+        for (index, place) in cloud.places.iter().enumerate() {
+            let one = pose.deviation(place, with_normals);
+            all.grams[0] += one.distance_row * one.distance_row.transpose();
+            all.gradients[0] -= one.distance_row * one.distance;
+            all.squares[0] += one.distance * one.distance;
+            if with_normals {
+                let left = pose.in_axes(&cloud.normals[index]) - one.normal;
+                all.grams[1] += one.normal_rows.transpose() * one.normal_rows;
+                all.gradients[1] += one.normal_rows.transpose() * left;
+                all.squares[1] += left.norm_squared();
+            }
+        }
+        all
+    }
+
+    /// Gradient of the weighted sum of squares of one contact, for clusters of contacts.
+    pub(super) fn gradient(pose: &Pose, cloud: &Cloud, index: usize, weights: [f64; 2]) -> Row {
+        let normal = cloud.normals.get(index);
+        let one = pose.deviation(&cloud.places[index], normal.is_some());
+        let mut gradient = -one.distance_row * (one.distance * weights[0]);
+        if let Some(normal) = normal {
+            let left = pose.in_axes(normal) - one.normal;
+            gradient += one.normal_rows.transpose() * left * weights[1];
+        }
+        gradient
+    }
+}

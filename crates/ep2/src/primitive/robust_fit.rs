@@ -1,0 +1,502 @@
+//! Least squares for the distances and normals of contacts from a shape, with variances from the residuals and without
+//! outliers.
+
+use nalgebra::{SymmetricEigen, Vector3};
+use palpate_statistics::student_half_width;
+
+use super::pose::{CURVATURE, Cloud, Equations, Gram, Pose, Row, UNKNOWNS};
+use super::start::{middle, starts};
+use crate::Shape;
+use crate::gross_outliers::MAX_OUTLIER_SHARE;
+
+/// Iterations of a fit, and of its variances.
+const ITERATIONS: usize = 20;
+const VARIANCE_ITERATIONS: usize = 8;
+/// Decrease of chi-squared below which a fit ends: 1 % of a standard error.
+const MIN_DECREASE: f64 = 1e-4;
+/// Smallest standard deviations: of positions relative to their spread, and of normals. Smaller ones are rounding errors.
+const MIN_STD: f64 = 1e-9;
+/// Largest ratio of the variance of normals to that of positions, and of its inverse, in the unit of the spread.
+const MAX_VARIANCE_RATIO: f64 = 1e8;
+/// Smallest share of the variance of normals that is not caused by errors of places.
+const MIN_SENSOR_SHARE: f64 = 0.05;
+/// Eigenvalues of scaled normal equations below this share of the largest one are rounding errors.
+const RANK_TOLERANCE: f64 = 1e-12;
+/// Number of contacts from which a fit starts.
+const START_CONTACTS: usize = 600;
+/// A contact is an outlier beyond the t quantile of this probability: 4.5 standard deviations of many contacts.
+const OUTLIER_PROBABILITY: f64 = 6.8e-6;
+/// Subsets of contacts from which a robust fit starts, and their size.
+const SUBSETS: u64 = 60;
+const SUBSET_SIZE: usize = 8;
+const SUBSET_ITERATIONS: usize = 15;
+/// A fit through a subset replaces the plain one if its median distance is below this share.
+const MAX_MEDIAN_SHARE: f64 = 0.75;
+/// Iterations in which the contacts that a fit uses may change, and of each fit.
+const GROWTH_ITERATIONS: usize = 10;
+const GROWTH_FIT_ITERATIONS: usize = 8;
+/// Largest number of contacts from which outliers are defined.
+const MAX_CONTACTS: usize = 20_000;
+/// A fit that leaves out more than a fifth is clear if its variance is below this share of that of all contacts.
+const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
+
+/// Standard deviations that are stated, in the unit of the spread and rad.
+pub(super) type StatedNoise = [Option<f64>; 2];
+
+/// A fit to contacts, with the variances of positions and normals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solution {
+    pub(super) pose: Pose,
+    pub(super) equations: Equations,
+    /// Variances of positions and of normals.
+    pub(super) variances: [f64; 2],
+    /// Inverse of the weighted normal equations.
+    pub(super) inverse: Gram,
+    /// Degrees of freedom of the variances, `None` if there are none.
+    pub(super) freedom: Option<f64>,
+}
+
+/// Weights of distances and normals.
+///
+/// A place error along the surface changes the expected normal by k times itself. So normals have the variance
+/// σ_n² + β k² with β = c σ_p²/2, where c is 2 for a sphere and 1 for a cylinder. With a constant variance the fit would
+/// reduce k to reduce the sum of squares.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    of_distances: f64,
+    /// σ_n² and β.
+    normals: [f64; 2],
+}
+
+impl Weights {
+    fn new(pose: &Pose, variances: [f64; 2]) -> Self {
+        let directions = match pose.shape {
+            Shape::Plane => 0.0,
+            Shape::Sphere => 2.0,
+            Shape::Cylinder => 1.0,
+        };
+        let slope = 0.5 * directions * variances[0];
+        let bending = slope * pose.curvature * pose.curvature;
+        let sensor = (variances[1] - bending).max(MIN_SENSOR_SHARE * variances[1]);
+        Self {
+            of_distances: variances[0].recip(),
+            normals: [sensor, slope],
+        }
+    }
+
+    fn of_normals(&self, pose: &Pose) -> f64 {
+        let [sensor, slope] = self.normals;
+        (sensor + slope * pose.curvature * pose.curvature).recip()
+    }
+
+    /// Derivative of the weighted sum of squares of normals with the variance, over −2k.
+    fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
+        self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
+    }
+
+    fn cost(&self, pose: &Pose, equations: &Equations) -> f64 {
+        let [of_distances, of_normals] = equations.squares;
+        self.of_distances * of_distances + self.of_normals(pose) * of_normals
+    }
+
+    /// Normal equations; unknowns that the shape does not have get a 1 on the diagonal.
+    fn gram(&self, pose: &Pose, equations: &Equations) -> Gram {
+        let mut gram =
+            equations.grams[0] * self.of_distances + equations.grams[1] * self.of_normals(pose);
+        let least = 0.3 * gram[(CURVATURE, CURVATURE)];
+        let corrected = gram[(CURVATURE, CURVATURE)] - self.correction(pose, equations);
+        gram[(CURVATURE, CURVATURE)] = corrected.max(least);
+        for unknown in 0..UNKNOWNS {
+            if !pose.has(unknown) {
+                gram.row_mut(unknown).fill(0.0);
+                gram.column_mut(unknown).fill(0.0);
+                gram[(unknown, unknown)] = 1.0;
+            }
+        }
+        gram
+    }
+
+    fn gradient(&self, pose: &Pose, equations: &Equations) -> Row {
+        let mut gradient = equations.gradients[0] * self.of_distances
+            + equations.gradients[1] * self.of_normals(pose);
+        gradient[CURVATURE] += self.correction(pose, equations) * pose.curvature;
+        for unknown in 0..UNKNOWNS {
+            if !pose.has(unknown) {
+                gradient[unknown] = 0.0;
+            }
+        }
+        gradient
+    }
+
+    /// Levenberg and Marquardt's iteration.
+    fn minimise(&self, start: Pose, cloud: &Cloud, iterations: usize) -> (Pose, Equations) {
+        let middle = middle(cloud);
+        let mut pose = start.based_at(&middle);
+        let mut equations = Equations::new(&pose, cloud);
+        let mut cost = self.cost(&pose, &equations);
+        let mut damping = 1e-6;
+        for _ in 0..iterations {
+            let mut gram = self.gram(&pose, &equations);
+            for unknown in 0..UNKNOWNS {
+                gram[(unknown, unknown)] *= 1.0 + damping;
+            }
+            let gradient = self.gradient(&pose, &equations);
+            let Some(factor) = gram.cholesky() else {
+                damping = (damping * 10.0_f64).max(1e-6);
+                if damping > 1e12 {
+                    break;
+                }
+                continue;
+            };
+            let step = factor.solve(&gradient);
+            let expected = step.dot(&gradient);
+            let next = pose.moved(&step, &middle);
+            let there = Equations::new(&next, cloud);
+            let next_cost = self.cost(&next, &there);
+            let is_better = next_cost <= cost;
+            if is_better {
+                (pose, equations, cost) = (next, there, next_cost);
+                damping = (damping * 0.1).max(1e-12);
+            } else {
+                damping = (damping * 10.0).max(1e-6);
+            }
+            let is_small = expected < MIN_DECREASE || expected < 1e-12 * cost;
+            if (is_small && damping < 1.0) || damping > 1e12 {
+                break;
+            }
+        }
+        (pose, equations)
+    }
+}
+
+/// Fits a shape from a start, with variances from the residuals where they are not stated. `correlations` are the numbers
+/// of consecutive positions and normals that count as one.
+pub(super) fn solve(
+    start: Pose,
+    cloud: &Cloud,
+    stated: StatedNoise,
+    correlations: [f64; 2],
+    iterations: usize,
+) -> Solution {
+    let mut variances = first_variances(&start, cloud, stated);
+    let mut pose = start;
+    let mut last = None;
+    for _ in 0..VARIANCE_ITERATIONS {
+        let weights = Weights::new(&pose, variances);
+        let (next, equations) = weights.minimise(pose, cloud, iterations);
+        pose = next;
+        let gram = weights.gram(&pose, &equations);
+        let inverse = inverse(&gram);
+        let used = [0, 1].map(|kind| (inverse * equations.grams[kind]).trace() / variances[kind]);
+        let left: [f64; 2] =
+            std::array::from_fn(|kind| equations.counts[kind] - correlations[kind] * used[kind]);
+        let before = variances;
+        for kind in 0..2 {
+            let bending = match kind {
+                0 => 0.0,
+                _ => pose.curvature * pose.curvature * variances[0],
+            };
+            variances[kind] = match stated[kind] {
+                Some(std) => std * std + bending,
+                None if left[kind] >= 0.5 => equations.squares[kind] / left[kind],
+                None => variances[kind],
+            }
+            .max(MIN_STD * MIN_STD);
+        }
+        if !cloud.normals.is_empty() {
+            variances[0] = variances[0].max(variances[1] / MAX_VARIANCE_RATIO);
+            variances[1] = variances[1].max(variances[0] / MAX_VARIANCE_RATIO);
+        }
+        let left = [0, 1].map(|kind| left[kind] / correlations[kind]);
+        let is_complete = (0..2).all(|kind| {
+            stated[kind].is_some() || equations.counts[kind] == 0.0 || left[kind] >= 0.5
+        });
+        let freedom = if (0..2).all(|kind| stated[kind].is_some() || equations.counts[kind] == 0.0)
+        {
+            1e9
+        } else {
+            left[0].max(0.0) + left[1].max(0.0)
+        };
+        // The variances changed after the equations were solved.
+        let gram = Weights::new(&pose, variances).gram(&pose, &equations);
+        let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
+        last = Some(Solution {
+            pose,
+            equations,
+            variances,
+            inverse: self::inverse(&gram),
+            freedom: is_complete.then_some(freedom),
+        });
+        // Without normals the variance does not move the minimum.
+        if is_steady || cloud.normals.is_empty() {
+            break;
+        }
+    }
+    last.unwrap_or_else(|| unreachable!("there is at least one iteration"))
+}
+
+/// Mean squares of the residuals of a start, or stated variances.
+fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] {
+    let mean_square = |all: &[f64]| {
+        let sum: f64 = all.iter().map(|one| one * one).sum();
+        sum / all.len().max(1) as f64
+    };
+    let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
+    let [distances, normals] = residuals(pose, &thinned);
+    let found = [mean_square(&distances), 0.5 * mean_square(&normals)];
+    std::array::from_fn(|kind| {
+        let variance = stated[kind].map_or(found[kind], |std| std * std);
+        if variance.is_finite() {
+            variance.max(MIN_STD * MIN_STD)
+        } else {
+            1.0
+        }
+    })
+}
+
+/// The inverse of normal equations. Directions that they do not determine get a very large variance.
+fn inverse(gram: &Gram) -> Gram {
+    let scales = gram
+        .diagonal()
+        .map(|x| x.max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = Gram::from_diagonal(&scales) * gram * Gram::from_diagonal(&scales);
+    let eigen = SymmetricEigen::new(scaled);
+    let least = RANK_TOLERANCE * eigen.eigenvalues.max();
+    let values = eigen.eigenvalues.map(|value| value.max(least).recip());
+    let vectors = Gram::from_diagonal(&scales) * eigen.eigenvectors;
+    vectors * Gram::from_diagonal(&values) * vectors.transpose()
+}
+
+impl Solution {
+    /// A pose without a fit.
+    fn of(pose: Pose) -> Self {
+        Self {
+            pose,
+            equations: Equations::new(&pose, &Cloud::default()),
+            variances: [1.0; 2],
+            inverse: Gram::identity(),
+            freedom: None,
+        }
+    }
+
+    /// The weights of distances and normals.
+    pub(super) fn weights(&self) -> [f64; 2] {
+        self.variances.map(f64::recip)
+    }
+
+    /// −2 log likelihood with the variances that fit best, but for a constant.
+    pub(super) fn deviance(&self, stated: StatedNoise, correlations: [f64; 2]) -> f64 {
+        let floor = MIN_STD * MIN_STD;
+        let parts = (0..2).map(|kind| {
+            let (count, square) = (self.equations.counts[kind], self.equations.squares[kind]);
+            let deviance = match stated[kind] {
+                _ if count == 0.0 => 0.0,
+                Some(_) => square / self.variances[kind],
+                None => count * libm::log((square / count).max(floor)),
+            };
+            deviance / correlations[kind]
+        });
+        parts.sum()
+    }
+}
+
+/// The best fit, and which contacts it uses.
+#[derive(Clone, Debug)]
+pub(super) struct RobustFit {
+    pub(super) solution: Solution,
+    pub(super) is_used: Vec<bool>,
+    limits: Limits,
+    /// Contacts of a much better fit that leaves out more than a fifth, if there is one.
+    pub(super) inliers_of_few: Option<Vec<bool>>,
+}
+
+/// Fits a shape robustly.
+pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
+    let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
+    let fits = starts(shape, &thinned)
+        .into_iter()
+        .map(|start| solve(start, &thinned, stated, [1.0; 2], 12));
+    let best = fits.min_by(|one, other| {
+        let [one, other] = [one, other].map(|fit| fit.deviance(stated, [1.0; 2]));
+        one.total_cmp(&other)
+    });
+    let start = best.map_or_else(
+        || Pose::new(shape, middle(cloud), Vector3::z(), Vector3::x(), 0.0),
+        |fit| fit.pose,
+    );
+    let sample = cloud.thinned(cloud.places.len().div_ceil(MAX_CONTACTS).max(1));
+    let robust = with_growth(start, &sample, &thinned, stated);
+    if sample.places.len() == cloud.places.len() {
+        return robust;
+    }
+    let full = robust.limits.apply(&robust.solution.pose, cloud);
+    let selected = cloud.selected(&full.is_used);
+    RobustFit {
+        solution: solve(
+            robust.solution.pose,
+            &selected,
+            stated,
+            [1.0; 2],
+            ITERATIONS,
+        ),
+        inliers_of_few: robust.inliers_of_few.map(|_| full.is_used.clone()),
+        ..full
+    }
+}
+
+/// The fit without outliers from a start. `thinned` has fewer of the same contacts.
+fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
+    let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
+    let mut plain = grown(plain_all, cloud, stated);
+    let Some(pose) = through_most(&plain.solution.pose, thinned) else {
+        return plain;
+    };
+    // The subset may also have found a lower minimum of all contacts.
+    let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
+    if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
+        plain = grown(other, cloud, stated);
+    }
+    let from_subset = Solution {
+        pose,
+        ..plain.solution
+    };
+    let from_subset = grown(from_subset, cloud, stated);
+    let variances = [&from_subset, &plain].map(|fit| fit.solution.variances[0]);
+    if from_subset.leaves_out_too_many() {
+        let is_clear = variances[0] < MAX_FEW_VARIANCE_SHARE * variances[1];
+        plain.inliers_of_few = is_clear.then_some(from_subset.is_used);
+        return plain;
+    }
+    if variances[0] < MAX_MEDIAN_SHARE * variances[1] {
+        from_subset
+    } else {
+        plain
+    }
+}
+
+/// The pose through a subset of contacts with the smallest median distance, if it is much smaller than that of this pose.
+fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
+    let weights = Weights {
+        of_distances: 1.0,
+        normals: [100.0, 0.0],
+    };
+    let mut random = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut least = MAX_MEDIAN_SHARE * median_distance(plain, cloud);
+    let mut best = None;
+    for _ in 0..SUBSETS {
+        let mut subset = Cloud::default();
+        for _ in 0..SUBSET_SIZE {
+            random = random.wrapping_mul(6_364_136_223_846_793_005);
+            random = random.wrapping_add(1_442_695_040_888_963_407);
+            let index = (random >> 33) as usize % cloud.places.len();
+            subset.places.push(cloud.places[index]);
+            subset.normals.extend(cloud.normals.get(index));
+        }
+        let (pose, _) = weights.minimise(*plain, &subset, SUBSET_ITERATIONS);
+        let median = median_distance(&pose, cloud);
+        if median < least {
+            (least, best) = (median, Some(pose));
+        }
+    }
+    best
+}
+
+fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
+    let mut distances: Vec<f64> = cloud
+        .places
+        .iter()
+        .map(|place| pose.distance(place).abs())
+        .collect();
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Largest distance of a contact and largest deviation of its normal.
+#[derive(Clone, Copy, Debug)]
+struct Limits([f64; 2]);
+
+impl Limits {
+    /// Limits from the medians at a pose. A median of few residuals is uncertain, so the limits are wide.
+    fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
+        let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
+        let correction = 1.0 + 5.0 / freedom as f64;
+        // Medians of the magnitude of a normal deviate, and of two of them.
+        let medians = [0.6745, 1.1774];
+        let mut kind = 0;
+        let of = residuals(pose, cloud).map(|mut all| {
+            let middle = all.len() / 2;
+            let median = match all.is_empty() {
+                true => f64::INFINITY,
+                false => *all.select_nth_unstable_by(middle, f64::total_cmp).1,
+            };
+            kind += 1;
+            deviations * correction * (median / medians[kind - 1]).max(MIN_STD)
+        });
+        Self(of)
+    }
+
+    /// The contacts within the limits.
+    fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
+        let [distances, normals] = residuals(pose, cloud);
+        let is_near = |(index, distance): (usize, &f64)| {
+            let normal = normals.get(index).copied().unwrap_or(0.0);
+            *distance <= self.0[0] && normal <= 1.1 * self.0[1]
+        };
+        RobustFit {
+            solution: Solution::of(*pose),
+            is_used: distances.iter().enumerate().map(is_near).collect(),
+            limits: self,
+            inliers_of_few: None,
+        }
+    }
+}
+
+/// The fit to the contacts near a pose, which grow until they no longer change.
+fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
+    let unknowns = solution.pose.unknowns();
+    let quantile = |used: usize| {
+        let freedom = used.saturating_sub(unknowns);
+        student_half_width(1.0 - OUTLIER_PROBABILITY, freedom.min(10_000))
+    };
+    let half = quantile(cloud.places.len().div_ceil(2));
+    let mut limits = Limits::first(&solution.pose, cloud, half);
+    let mut last = vec![];
+    for _ in 0..GROWTH_ITERATIONS {
+        let near = limits.apply(&solution.pose, cloud);
+        let used = near.is_used.iter().filter(|used| **used).count();
+        if near.is_used == last || used <= unknowns + 1 {
+            break;
+        }
+        let selected = cloud.selected(&near.is_used);
+        solution = solve(
+            solution.pose,
+            &selected,
+            stated,
+            [1.0; 2],
+            GROWTH_FIT_ITERATIONS,
+        );
+        let deviations = quantile(used);
+        limits = Limits(solution.variances.map(|one| deviations * one.sqrt()));
+        last = near.is_used;
+    }
+    RobustFit {
+        solution,
+        ..limits.apply(&solution.pose, cloud)
+    }
+}
+
+/// Magnitudes of distances and of deviations of normals.
+fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
+    let distances = cloud.places.iter().map(|place| pose.distance(place).abs());
+    let pairs = cloud.places.iter().zip(&cloud.normals);
+    let normals = pairs.map(|(place, normal)| (normal - pose.normal_at(place)).norm());
+    [distances.collect(), normals.collect()]
+}
+
+impl RobustFit {
+    /// Whether more contacts are left out than outliers may be.
+    fn leaves_out_too_many(&self) -> bool {
+        let left = self.is_used.iter().filter(|used| !**used).count();
+        left as f64 > MAX_OUTLIER_SHARE * self.is_used.len() as f64
+    }
+}

@@ -1,0 +1,217 @@
+//! A single stroke: contacts along one curve determine the curvature along it, and nothing across it.
+
+use nalgebra::{
+    Cholesky, Const, Matrix4, Point3, SMatrix, SVector, SymmetricEigen, Vector3, Vector4,
+};
+use palpate_statistics::student_half_width;
+
+use crate::Contact;
+
+/// Unknowns: height, slope and derivatives of order 2 to 6 along the stroke.
+const UNKNOWNS: usize = 7;
+const CURVATURE: usize = 2;
+/// Smallest number of contacts.
+const MIN_CONTACTS: usize = 8;
+/// Probability of the interval.
+const PROBABILITY: f64 = 0.95;
+/// Contacts are of one stroke if they vary across it by less than this multiple of their noise.
+const MAX_SPREAD_RATIO: f64 = 2.5;
+/// Standard deviation of the stated outward direction about the stroke, rad.
+const OUTWARD_STD: f64 = 0.1;
+/// Largest standard deviation across the stroke, relative to half its length.
+const MAX_SPREAD: f64 = 0.3;
+/// Smallest standard deviation of heights and slopes, relative to half the length.
+const MIN_STD: f64 = 1e-6;
+/// Relative standard deviation of the curvature by the derivatives of higher order that are left out.
+const MODEL_ERROR: f64 = 1e-3;
+/// Iterations for the noise.
+const ITERATIONS: usize = 5;
+
+type Row = SVector<f64, UNKNOWNS>;
+type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Normal curvature along a single stroke in its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrokeCurvature {
+    /// Curvature, > 0 where convex, 1/length.
+    pub value: f64,
+    /// Its standard error.
+    pub std: f64,
+    /// Half the width of its 95 % interval, in standard errors.
+    pub half_width: f64,
+    /// Unit vector along the stroke, of either sign.
+    pub direction: Vector3<f64>,
+}
+
+/// The curvature along contacts of finite positions and normals that form a single stroke; `None` if they spread across it, or
+/// are fewer than 8. Without normals, `outward` is the surface's normal.
+pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
+    if contacts.len() < MIN_CONTACTS {
+        return None;
+    }
+    Stroke::new(contacts, outward)?.curvature()
+}
+
+/// Contacts in the stroke's frame: u along it, w along the mean normal, lengths in half its length.
+struct Stroke {
+    places: Vec<Vector3<f64>>,
+    slopes: Vec<[f64; 2]>,
+    half_length: f64,
+    direction: Vector3<f64>,
+}
+
+impl Stroke {
+    fn new(contacts: &[Contact], outward: &Vector3<f64>) -> Option<Self> {
+        let anchor: Point3<f64> = contacts[0].position;
+        let share = 1.0 / contacts.len() as f64;
+        let mean: Vector3<f64> = contacts
+            .iter()
+            .map(|one| (one.position - anchor) * share)
+            .sum();
+        let places = contacts.iter().map(|one| one.position - anchor - mean);
+        let places: Vec<Vector3<f64>> = places.collect();
+        let extent = places.iter().map(|place| place.amax()).fold(0.0, f64::max);
+        if extent <= 1e-12 * anchor.coords.amax() {
+            return None;
+        }
+        let moment = places
+            .iter()
+            .map(|place| (place / extent) * (place / extent).transpose());
+        let eigen = SymmetricEigen::new(moment.sum::<SMatrix<f64, 3, 3>>());
+        let along: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
+        let normals = contacts
+            .iter()
+            .filter_map(|one| one.normal?.try_normalize(0.0));
+        let normals: Vec<Vector3<f64>> = normals.collect();
+        let up: Vector3<f64> = match normals.len() == places.len() {
+            true => normals.iter().sum(),
+            false => *outward,
+        };
+        let up = up.try_normalize(0.0)?;
+        let up = (up - along * along.dot(&up)).try_normalize(1e-3)?;
+        let axes = [along, up.cross(&along), up].map(|axis| axis.transpose());
+        let frame = SMatrix::<f64, 3, 3>::from_rows(&axes);
+        let turned: Vec<Vector3<f64>> = places.iter().map(|place| frame * place).collect();
+        let half_length = turned.iter().map(|place| place.x.abs()).fold(0.0, f64::max);
+        let slopes = normals.iter().map(|normal| frame * normal);
+        let slopes = slopes.map(|normal| {
+            let height = normal.z.max(0.1);
+            [-normal.x / height, -normal.y / height]
+        });
+        Some(Self {
+            places: turned.iter().map(|place| place / half_length).collect(),
+            slopes: slopes.collect(),
+            half_length,
+            direction: along,
+        })
+    }
+
+    fn curvature(&self) -> Option<StrokeCurvature> {
+        let count = self.places.len() as f64;
+        let path = self.cubic(self.places.iter().map(|place| place.y))?;
+        let spread = self
+            .places
+            .iter()
+            .map(|place| place.y - path.dot(&powers(place.x)));
+        let spread = (spread.map(|one| one * one).sum::<f64>() / (count - 4.0)).sqrt();
+        if spread > MAX_SPREAD {
+            return None;
+        }
+        // The slope across turns a bend of the path into a bend of the heights.
+        let tilt = match self.slopes.is_empty() {
+            true => Vector4::zeros(),
+            false => self.cubic(self.slopes.iter().map(|slope| slope[1]))?,
+        };
+        let [turn, bend] = [path[1], 2.0 * path[2]];
+        let slope = |index: usize, x: f64| {
+            let turn = path[1] + 2.0 * path[2] * x + 3.0 * path[3] * x * x;
+            self.slopes
+                .get(index)
+                .map(|slope| slope[0] + slope[1] * turn)
+        };
+        // Across a bent path, the surface adds derivatives of higher order.
+        let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
+        let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
+        let of_path = (steepest * bend.abs()).max(1e-3);
+        let floor = MIN_STD * MIN_STD;
+        let mut variances = [(spread * spread).max(floor), 1e-4];
+        let mut prior: f64 = 1.0;
+        let mut found = None;
+        for _ in 0..ITERATIONS {
+            let (mut gram, mut right) = (Gram::zeros(), Row::zeros());
+            for (index, place) in self.places.iter().enumerate() {
+                let row = derivatives(place.x);
+                gram += row * row.transpose() / variances[0];
+                right += row * (place.z / variances[0]);
+                if let Some(slope) = slope(index, place.x) {
+                    let row = shifted(&row);
+                    gram += row * row.transpose() / variances[1];
+                    right += row * (slope / variances[1]);
+                }
+            }
+            for unknown in CURVATURE + 1..UNKNOWNS {
+                gram[(unknown, unknown)] += (prior * prior).recip();
+            }
+            let factor: Cholesky<f64, Const<UNKNOWNS>> = gram.cholesky()?;
+            let solved = factor.solve(&right);
+            let mut squares = [0.0; 2];
+            for (index, place) in self.places.iter().enumerate() {
+                let row = derivatives(place.x);
+                squares[0] += (place.z - row.dot(&solved)).powi(2);
+                let slope = slope(index, place.x);
+                squares[1] +=
+                    slope.map_or(0.0, |slope| (slope - shifted(&row).dot(&solved)).powi(2));
+            }
+            variances = squares.map(|square| (square / (count - 5.0)).max(floor));
+            prior = solved[CURVATURE].abs().max(of_path);
+            found = Some((solved, factor.inverse()[(CURVATURE, CURVATURE)]));
+        }
+        let (solved, variance) = found?;
+        let is_one = spread <= (MAX_SPREAD_RATIO * variances[0].sqrt()).max(2.0 * MIN_STD);
+        // Length along the surface per length along u, squared.
+        let stretch = 1.0 + turn * turn + solved[1] * solved[1];
+        let scale = (stretch * self.half_length).recip();
+        let of_tilt = match self.slopes.is_empty() {
+            true => OUTWARD_STD * OUTWARD_STD,
+            false => variances[1] / count,
+        };
+        let std = scale * (variance.max(0.0) + bend * bend * of_tilt).sqrt();
+        let value = scale * (bend * tilt[0] - solved[CURVATURE]);
+        let curvature = StrokeCurvature {
+            value,
+            std: std.hypot(MODEL_ERROR * value),
+            half_width: student_half_width(PROBABILITY, self.places.len() - 5),
+            direction: self.direction,
+        };
+        (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)
+    }
+
+    /// Values at the places as a cubic of the place along the stroke.
+    fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {
+        let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
+        for (place, value) in self.places.iter().zip(values) {
+            let row = powers(place.x);
+            gram += row * row.transpose();
+            right += row * value;
+        }
+        Some(gram.cholesky()?.solve(&right))
+    }
+}
+
+fn powers(u: f64) -> Vector4<f64> {
+    Vector4::new(1.0, u, u * u, u * u * u)
+}
+
+/// Factors of the height and its derivatives in the height at u.
+fn derivatives(u: f64) -> Row {
+    let mut row = Row::from_element(1.0);
+    for order in 1..UNKNOWNS {
+        row[order] = row[order - 1] * u / order as f64;
+    }
+    row
+}
+
+/// The same factors in the slope at u.
+fn shifted(row: &Row) -> Row {
+    Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
+}

@@ -1,0 +1,188 @@
+//! Contacts on random shapes in random places, with noise, for tests of shapes.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Point3, Rotation3, Vector3};
+use palpate_ep2::Contact;
+
+/// Uniform and normal random numbers.
+pub(super) struct Random(u64);
+
+impl Random {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1996)
+    }
+
+    pub(super) fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.uniform()
+    }
+
+    /// Logarithmically uniform.
+    pub(super) fn scale(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow(high / low, self.uniform())
+    }
+
+    pub(super) fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
+        radius * libm::cos(2.0 * PI * self.uniform())
+    }
+
+    pub(super) fn vector(&mut self) -> Vector3<f64> {
+        Vector3::new(self.normal(), self.normal(), self.normal())
+    }
+
+    pub(super) fn rotation(&mut self) -> Rotation3<f64> {
+        let axis = self.vector().normalize();
+        Rotation3::new(axis * self.between(0.0, PI))
+    }
+}
+
+/// A surface around its pole, with the normal +z there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Surface {
+    Plane,
+    Sphere(f64),
+    Cylinder(f64),
+    /// w = −(u² − r v²)/2R: R and r.
+    Saddle(f64, f64),
+    /// Outer side of a torus: radii of the tube and of its centre.
+    Torus(f64, f64),
+    /// w = a sin(2π u / l + phase): a, l, phase.
+    Wave(f64, f64, f64),
+}
+
+impl Surface {
+    /// Place and normal for coordinates u and v of the patch.
+    pub(super) fn at(&self, u: f64, v: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let graph =
+            |w: f64, p: f64, q: f64| (Vector3::new(u, v, w), Vector3::new(-p, -q, 1.0).normalize());
+        match *self {
+            Self::Plane => graph(0.0, 0.0, 0.0),
+            Self::Sphere(radius) => {
+                let distance = u.hypot(v);
+                let angle = distance / radius;
+                let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+                let [x, y] = if distance > 0.0 {
+                    [u / distance, v / distance]
+                } else {
+                    [0.0; 2]
+                };
+                let normal = Vector3::new(sin * x, sin * y, cos);
+                (normal * radius - Vector3::z() * radius, normal)
+            }
+            Self::Cylinder(radius) => {
+                let normal = Vector3::new(0.0, libm::sin(v / radius), libm::cos(v / radius));
+                (
+                    normal * radius - Vector3::z() * radius + Vector3::x() * u,
+                    normal,
+                )
+            }
+            Self::Saddle(radius, ratio) => graph(
+                -(u * u - ratio * v * v) / (2.0 * radius),
+                -u / radius,
+                ratio * v / radius,
+            ),
+            Self::Torus(tube, ring) => {
+                let (turn, bend) = (u / (ring + tube), v / tube);
+                let out = Vector3::new(libm::sin(turn), 0.0, libm::cos(turn));
+                let normal = out * libm::cos(bend) + Vector3::y() * libm::sin(bend);
+                (
+                    out * ring + normal * tube - Vector3::z() * (ring + tube),
+                    normal,
+                )
+            }
+            Self::Wave(height, length, phase) => {
+                let turn = 2.0 * PI * u / length + phase;
+                let slope = 2.0 * PI * height / length * libm::cos(turn);
+                graph(height * libm::sin(turn), slope, 0.0)
+            }
+        }
+    }
+
+    /// `count` contacts in a disc of this radius around the pole.
+    pub(super) fn disc(
+        &self,
+        random: &mut Random,
+        radius: f64,
+        count: usize,
+    ) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let mut all = Vec::with_capacity(count);
+        while all.len() < count {
+            let (u, v) = (random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+            if u * u + v * v <= 1.0 {
+                all.push(self.at(u * radius, v * radius));
+            }
+        }
+        all
+    }
+
+    /// Strokes of `fingers` along u with `each` contacts, over a square of this half side.
+    pub(super) fn strokes(
+        &self,
+        half: f64,
+        fingers: usize,
+        each: usize,
+    ) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let place = |index: usize, count: usize| match count {
+            1 => 0.0,
+            _ => half * (2.0 * index as f64 / (count - 1) as f64 - 1.0),
+        };
+        (0..fingers * each)
+            .map(|index| self.at(place(index % each, each), place(index / each, fingers)))
+            .collect()
+    }
+}
+
+/// Contacts with Gaussian noise; normals where their noise is stated. A finger has `each` contacts, or all of them if `each` is 0.
+pub(super) fn noisy(
+    random: &mut Random,
+    exact: &[(Vector3<f64>, Vector3<f64>)],
+    each: usize,
+    position_std: f64,
+    normal_std: Option<f64>,
+) -> Vec<Contact> {
+    exact
+        .iter()
+        .enumerate()
+        .map(|(index, (place, normal))| {
+            let position = Point3::from(place + random.vector() * position_std);
+            let turned = normal_std.map(|std| {
+                let tilt = random.vector() * std;
+                (normal + tilt - normal * normal.dot(&tilt)).normalize()
+            });
+            Contact::new(index.checked_div(each).unwrap_or(0), position, turned)
+        })
+        .collect()
+}
+
+/// The contacts in a random place.
+pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> Vec<Contact> {
+    let (rotation, shift) = (random.rotation(), random.vector() * shift);
+    contacts
+        .iter()
+        .map(|contact| Contact {
+            position: rotation * contact.position + shift,
+            normal: contact.normal.map(|normal| rotation * normal),
+            ..*contact
+        })
+        .collect()
+}
+
+/// The contacts on the inner side of the same shape.
+pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
+    contacts
+        .iter()
+        .map(|contact| Contact {
+            normal: contact.normal.map(|normal| -normal),
+            ..*contact
+        })
+        .collect()
+}

@@ -1,0 +1,387 @@
+//! Sizes, intervals and the choice of shapes on random cases. Messages of failed assertions hold the figures.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{Contact, IndependentFit, Penalised, Shape, ShapeError, ShapeFit, ShapeSettings};
+
+use super::drawn_shapes::{Random, Surface, inside, noisy, placed};
+
+fn fit(shape: Option<Shape>, contacts: &[Contact]) -> Result<ShapeFit, ShapeError> {
+    let settings = ShapeSettings {
+        shape,
+        ..ShapeSettings::default()
+    };
+    settings.fit(contacts)
+}
+
+fn sphere(contacts: &[Contact]) -> ShapeFit {
+    fit(Some(Shape::Sphere), contacts).unwrap()
+}
+
+fn holds(fit: &ShapeFit, radius: f64) -> bool {
+    let [low, high] = fit.radius.interval95;
+    low.is_none_or(|low| low <= radius) && high.is_none_or(|high| high >= radius)
+}
+
+fn half_width(fit: &ShapeFit) -> f64 {
+    let [low, high] = fit
+        .radius
+        .interval95
+        .map(|end| end.unwrap_or(f64::INFINITY));
+    0.5 * (high - low)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Shares of random caps whose interval holds the radius and whose radius is resolved. `ratios` are the limits of
+/// sagitta √n / noise; cases with more noise than a share of the extent are skipped.
+fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
+    let [mut held, mut resolved, mut count] = [0.0; 3];
+    for case in 0..120 {
+        let mut random = Random::new(10_000 + case);
+        let radius = random.scale(5.0, 200.0);
+        let angle = random.between(5.0, 60.0_f64).to_radians();
+        let (extent, sagitta) = (radius * angle, radius * (1.0 - libm::cos(angle)));
+        let contacts = random.scale(20.0, 3000.0) as usize;
+        let ratio = random.scale(ratios[0], ratios[1]);
+        let noise = sagitta * (contacts as f64).sqrt() / ratio;
+        let normal_std = with_normals.then(|| random.scale(0.002, 0.05));
+        if noise > max_noise * extent {
+            continue;
+        }
+        let surface = match shape {
+            Shape::Sphere => Surface::Sphere(radius),
+            _ => Surface::Cylinder(radius),
+        };
+        let exact = surface.disc(&mut random, extent, contacts);
+        let mut log = noisy(&mut random, &exact, 0, noise, normal_std);
+        if with_normals && case % 2 == 0 {
+            log = inside(&log);
+        }
+        let fit = fit(Some(shape), &placed(&mut random, &log, 3.0 * radius)).unwrap();
+        count += 1.0;
+        held += f64::from(holds(&fit, radius));
+        resolved += f64::from(fit.is_resolved());
+    }
+    let [held, resolved] = [held / count, resolved / count];
+    [held, resolved]
+}
+
+#[test]
+fn intervals_hold_the_radius() {
+    let mut worst: f64 = 1.0;
+    for shape in [Shape::Sphere, Shape::Cylinder] {
+        for with_normals in [false, true] {
+            let [held, resolved] = coverage(shape, with_normals, [20.0, 3000.0], 0.03);
+            worst = worst.min(held).min(resolved);
+        }
+        let [held, _] = coverage(shape, false, [20.0, 3000.0], 0.2);
+        worst = worst.min(held);
+        let [held, resolved] = coverage(shape, false, [1.0, 10.0], 0.5);
+        worst = worst.min(held).min(1.0 - 0.4 * resolved);
+    }
+    assert!(worst > 0.88, "{worst}");
+}
+
+#[test]
+fn gauge_balls_and_cups_have_their_radius() {
+    for (count, radius, angle) in [(20_000, 9.5, 45.0_f64), (300, 40.0, 20.0)] {
+        let (mut worst, mut held): (f64, u32) = (0.0, 0);
+        for case in 0..20 {
+            let mut random = Random::new(30_000 + case);
+            let extent = radius * angle.to_radians();
+            let exact = Surface::Sphere(radius).disc(&mut random, extent, count);
+            let fit = sphere(&inside(&noisy(&mut random, &exact, 0, 0.05, Some(0.01))));
+            assert!(fit.curvature.value.unwrap() < 0.0);
+            worst = worst.max((fit.radius.value.unwrap() / radius - 1.0).abs());
+            held += u32::from(holds(&fit, radius));
+        }
+        assert!(worst < 0.01 && held >= 16, "{worst} {held}");
+    }
+    // The recording of a gauge ball has no normals and no order.
+    let text = include_str!("glide-scan-of-a-ball9.5.csv");
+    let numbers = text
+        .lines()
+        .skip(1)
+        .flat_map(|line| line.split(',').map(|word| word.parse().unwrap()));
+    let numbers: Vec<f64> = numbers.collect();
+    let contacts = numbers
+        .chunks(3)
+        .map(|xyz| Contact::new(0, Point3::new(xyz[0], xyz[1], xyz[2]), None));
+    let fit = fit(None, &contacts.collect::<Vec<_>>()).unwrap();
+    assert!(fit.shape == Shape::Sphere && (fit.radius.value.unwrap() / 9.5 - 1.0).abs() < 0.003);
+}
+
+#[test]
+fn the_right_shape_is_chosen() {
+    let mut confusion = [[0_u32; 4]; 6];
+    for case in 0..6 * 40 {
+        let kind = case as usize % 6;
+        let mut random = Random::new(40_000 + case);
+        let extent = random.scale(3.0, 50.0);
+        let radius = extent / random.between(15.0, 60.0_f64).to_radians();
+        let surface = match kind {
+            0 => Surface::Plane,
+            1 => Surface::Sphere(radius),
+            2 => Surface::Cylinder(radius),
+            3 => Surface::Saddle(radius, random.between(0.4, 1.0)),
+            4 => Surface::Torus(radius, radius * random.between(1.0, 3.0)),
+            _ => {
+                let length = extent * random.between(1.0, 3.0);
+                Surface::Wave(
+                    extent * random.between(0.05, 0.15),
+                    length,
+                    random.between(0.0, 6.3),
+                )
+            }
+        };
+        let (fingers, each) = (3 + case as usize % 5, random.scale(15.0, 100.0) as usize);
+        let exact = match random.uniform() < 0.5 {
+            true => surface.strokes(0.8 * extent, fingers, each),
+            false => surface.disc(&mut random, extent, fingers * each),
+        };
+        let noise = extent * random.scale(0.001, 0.006);
+        let normal_std = (random.uniform() < 0.5).then_some(0.01);
+        let contacts = noisy(&mut random, &exact, each, noise, normal_std);
+        let fit = fit(None, &placed(&mut random, &contacts, 2.0 * extent)).unwrap();
+        confusion[kind][if fit.is_none_of_these() {
+            3
+        } else {
+            fit.shape as usize
+        }] += 1;
+    }
+    let right: u32 = (0..3).map(|kind| confusion[kind][kind]).sum();
+    let wrong: u32 = confusion[3..].iter().flat_map(|row| &row[..3]).sum();
+    assert!(f64::from(right) > 0.97 * 120.0, "{confusion:?}");
+    assert!(f64::from(wrong) < 0.05 * 120.0, "{confusion:?}");
+}
+
+/// Strokes of three fingertips over a ball of 25 mm.
+fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
+    let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
+    noisy(random, &exact, each, 0.05, Some(0.01))
+}
+
+/// Noise of three strokes that is correlated over `time` contacts.
+fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -> Vec<Contact> {
+    let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
+    let keep = libm::exp(-1.0 / time);
+    let mut state = [Vector3::zeros(); 2];
+    let rows = exact.iter().enumerate().map(|(row, (place, normal))| {
+        for state in &mut state {
+            let fresh = random.vector();
+            *state = match row % each {
+                0 => fresh,
+                _ => *state * keep + fresh * (1.0 - keep * keep).sqrt(),
+            };
+        }
+        let tilt = state[1] * 0.01;
+        let turned = (normal + tilt - normal * normal.dot(&tilt)).normalize();
+        let position = Point3::from(place + state[0] * 0.05);
+        Contact::new(row / each, position, with_normals.then_some(turned))
+    });
+    rows.collect()
+}
+
+/// A log, one without its dependent readings, and the least coverage.
+fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
+    if kind < 3 {
+        let plain = ball_log(random, 10);
+        let times = |row: usize| match kind {
+            0 | 1 => 4,
+            _ if row % 10 == 0 => 200,
+            _ => 1,
+        };
+        let rows = plain.iter().enumerate();
+        let mut log: Vec<Contact> = rows.flat_map(|(row, one)| vec![*one; times(row)]).collect();
+        for contact in log.iter_mut().filter(|_| kind > 0) {
+            contact.position += random.vector() * 1e-3;
+        }
+        return ([log, plain], 0.85);
+    }
+    let (each, time, least) = if kind == 3 {
+        (500, 25.0, 0.85)
+    } else {
+        (100, 5.0, 0.75)
+    };
+    let log = correlated(random, each, time, kind == 3);
+    let step = (4.0 * time) as usize;
+    let rows = (0..log.len()).filter(|row| row % each % step == step / 2);
+    let thinned = rows.map(|row| log[row]).collect();
+    ([log, thinned], least)
+}
+
+#[test]
+fn dependent_readings_count_once() {
+    for kind in 0..5 {
+        let (mut held, mut widths, mut expected) = (0.0, [Vec::new(), Vec::new()], 0.0);
+        for case in 0..60 {
+            let (logs, least) = dependent(kind, &mut Random::new(80_000 + case));
+            let fits = logs.map(|log| sphere(&log));
+            held += f64::from(holds(&fits[0], 25.0)) / 60.0;
+            for (widths, fit) in widths.iter_mut().zip(&fits) {
+                widths.push(half_width(fit));
+            }
+            expected = least;
+        }
+        let [wide, plain] = widths.map(median);
+        let figures = format!("log {kind}: {held}, {wide} {plain}");
+        assert!(held > expected && wide < 1.35 * plain, "{figures}");
+    }
+}
+
+/// Shares of logs whose mean curvature is in the interval, and whose noise looks correlated.
+fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] {
+    let mut shares = [0.0; 2];
+    let mut count = 0.0;
+    for log in logs {
+        let fit = IndependentFit::new(|_| Penalised::default(), &log, &Vector3::z()).unwrap();
+        let found = fit.fit.centre().unwrap().curvature;
+        let half = 1.96 * found.uncertainty.unwrap().mean_std;
+        shares[0] += f64::from((found.mean - truth).abs() <= half);
+        shares[1] += f64::from(fit.readings.position_correlation > 1.5);
+        count += 1.0;
+    }
+    shares.map(|share| share / count)
+}
+
+#[test]
+fn surfaces_are_not_fitted_to_correlated_noise() {
+    let random = |case: u64| Random::new(83_000 + case);
+    let correlated = (0..40).map(|case| correlated(&mut random(case), 500, 25.0, true));
+    let [held, found] = of_surface(correlated, 0.04);
+    assert!(held > 0.85 && found > 0.9, "{held} {found}");
+    // A wave is not noise.
+    let wave = Surface::Wave(1.0, 20.0, 0.5 * PI);
+    let waves = (0..40).map(|case| {
+        noisy(
+            &mut random(case),
+            &wave.strokes(10.0, 5, 101),
+            101,
+            0.05,
+            Some(0.01),
+        )
+    });
+    let [held, found] = of_surface(waves, 0.5 * (0.1 * PI).powi(2));
+    assert!(held > 0.85 && found < 0.1, "{held} {found}");
+}
+
+#[test]
+fn bad_logs_are_errors() {
+    let at = |x: f64, y: f64, z: f64| Contact::new(0, Point3::new(x, y, z), None);
+    let shapes = [
+        None,
+        Some(Shape::Plane),
+        Some(Shape::Sphere),
+        Some(Shape::Cylinder),
+    ];
+    let line = (0..50).map(|i| at(f64::from(i), 0.0, 0.0)).collect();
+    let two = (0..50)
+        .map(|i| at(f64::from(i % 2), 0.0, 1e-9 * f64::from(i)))
+        .collect();
+    let exact = (0..6)
+        .map(|i| at(f64::from(i % 3), f64::from(i / 3), 0.0))
+        .collect();
+    let large = (0..50)
+        .map(|i| at(1e149 * f64::from(i), f64::from(i * i), 0.0))
+        .collect();
+    let logs: [(Vec<Contact>, Option<&str>); 8] = [
+        (Vec::new(), Some("too-few-contacts")),
+        (vec![at(1.0, 2.0, 3.0)], Some("too-few-contacts")),
+        (vec![at(1.0, 2.0, 3.0); 50], Some("too-few-contacts")),
+        (vec![at(f64::NAN, 2.0, 3.0); 50], Some("not-finite")),
+        (line, None),
+        (two, None),
+        (exact, None),
+        (large, None),
+    ];
+    for (log, expected) in &logs {
+        for shape in shapes {
+            match fit(shape, log) {
+                Ok(fit) => {
+                    let numbers = [fit.curvature.value, fit.radius.value, Some(fit.rms_misfit)];
+                    assert!(numbers.into_iter().flatten().all(f64::is_finite), "{fit:?}");
+                    assert!(expected.is_none());
+                }
+                Err(error) => assert!(expected.is_none_or(|expected| expected == error.name())),
+            }
+        }
+    }
+    // A third of the contacts are on another object.
+    let mut log = ball_log(&mut Random::new(7), 50);
+    for contact in &mut log[100..] {
+        contact.position.z += 8.0;
+    }
+    let error = fit(Some(Shape::Sphere), &log).unwrap_err();
+    assert!(
+        matches!(&error, ShapeError::TooManyOutliers { outliers, .. } if outliers.len() == 50),
+        "{error}"
+    );
+}
+
+#[test]
+fn objects_are_fitted_on_all_sides_and_below_a_tip() {
+    let mut random = Random::new(97_000);
+    let ball: Vec<_> = (0..400)
+        .map(|_| random.vector().normalize())
+        .map(|normal| (normal * 8.0, normal))
+        .collect();
+    let pipe: Vec<_> = (0..400)
+        .map(|_| {
+            let turn = random.between(0.0, TAU);
+            let normal = Vector3::new(libm::cos(turn), libm::sin(turn), 0.0);
+            (
+                normal * 12.0 + Vector3::z() * random.between(-40.0, 40.0),
+                normal,
+            )
+        })
+        .collect();
+    for (shape, exact, radius) in [(Shape::Sphere, ball, 8.0), (Shape::Cylinder, pipe, 12.0)] {
+        for normals in [None, Some(0.02)] {
+            let contacts = noisy(&mut random, &exact, 0, 0.05, normals);
+            let contacts = placed(&mut random, &contacts, 100.0);
+            let fit = fit(None, &contacts).unwrap();
+            let error = (fit.radius.value.unwrap() - radius).abs();
+            assert!(
+                fit.shape == shape && error < 4.0 * fit.radius.std.unwrap(),
+                "{fit:?}"
+            );
+            assert!(
+                half_width(&fit) < 0.01 * radius && fit.curvature.value.unwrap() > 0.0,
+                "{fit:?}"
+            );
+        }
+    }
+    let exact = Surface::Sphere(30.0).disc(&mut random, 15.0, 500);
+    // Points of the map lie on the ball, and the grid reaches its contacts.
+    let contacts = noisy(&mut random, &exact, 0, 0.01, None);
+    let map = sphere(&contacts).map(&contacts, 11);
+    let places = || map.iter().map(|point| point.position);
+    let radius = |place: Point3<f64>| (place - Point3::new(0.0, 0.0, -30.0)).norm();
+    assert!(places().all(|place| (radius(place) - 30.0).abs() < 0.05));
+    assert!(places().any(|place| place.x.hypot(place.y) > 14.0));
+    let centres = noisy(&mut random, &exact, 0, 0.02, None);
+    for (outward, radius) in [(1.0, 25.0), (-1.0, 35.0)] {
+        let settings = ShapeSettings {
+            shape: Some(Shape::Sphere),
+            tip_radius: 5.0,
+            outward: Vector3::z() * outward,
+            ..ShapeSettings::default()
+        };
+        let fit = settings.fit(&centres).unwrap();
+        assert!((fit.radius.value.unwrap() - radius).abs() < 0.2, "{fit:?}");
+    }
+}
+
+#[test]
+fn one_stroke_does_not_choose_between_ball_and_cylinder() {
+    let mut random = Random::new(96_000);
+    let exact = Surface::Sphere(25.0).strokes(10.0, 1, 21);
+    let log = noisy(&mut random, &exact, 0, 0.01, Some(0.0));
+    let [_, sphere, cylinder, _] = fit(None, &log).unwrap().probabilities.unwrap();
+    assert!(sphere == cylinder && sphere > 0.45, "{sphere} {cylinder}");
+}
