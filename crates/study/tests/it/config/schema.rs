@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in the unit of the field to which they refer.
-const DIMENSIONLESS: [&str; 39] = [
+const DIMENSIONLESS: [&str; 40] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
