@@ -17,6 +17,8 @@ const MIN_STEP_GAP: f64 = 8.0;
 const MIN_REST_SHARE: f64 = 0.02;
 /// A finger at rest stays within this multiple of its steps.
 const MAX_REST_EXTENT: f64 = 3.0;
+/// Largest share of short steps between runs. More of them are of a moving finger.
+const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps that are tried.
 const MAX_GAPS: usize = 4;
 /// Largest number of residuals from which the correlation is computed, and the largest lag.
@@ -59,8 +61,8 @@ impl DistinctContacts {
     /// readings among the contacts do not matter.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
         let distinct = merged(contacts, 0.0, true);
-        match rest_limit(&distinct.contacts) {
-            Some(limit) => distinct.again(limit),
+        match rests(&distinct.contacts) {
+            Some(rests) => distinct.again(rests),
             None => distinct,
         }
     }
@@ -73,14 +75,18 @@ impl DistinctContacts {
         }
         let place = ((steps.len() - 1) as f64 * LONG_STEP_QUANTILE) as usize;
         let limit = REST_SHARE * *steps.select_nth_unstable_by(place, f64::total_cmp).1;
-        match steps.iter().any(|&step| step <= limit) {
-            true => self.again(limit),
+        if steps.iter().all(|&step| step > limit) {
+            return self;
+        }
+        let merged = merged(&self.contacts, limit, false);
+        let [short, all] = breaks(&self.contacts, &merged, 3.0 * limit);
+        match short as f64 <= MAX_SHORT_BREAKS * all as f64 {
+            true => self.again(merged),
             false => self,
         }
     }
 
-    fn again(mut self, limit: f64) -> Self {
-        let again = merged(&self.contacts, limit, false);
+    fn again(mut self, again: Self) -> Self {
         for run in &mut self.run_of_row {
             *run = again.run_of_row[*run];
         }
@@ -175,9 +181,25 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// Distance within which a finger is at rest, if short and long steps are separated by a gap and the runs of short steps
-/// stay where they are.
-fn rest_limit(contacts: &[Contact]) -> Option<f64> {
+/// Numbers of steps between the runs of a finger: of those at most this long, and of all.
+fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usize; 2] {
+    let mut last: FingerMap<Option<usize>> = FingerMap::default();
+    let [mut short, mut all] = [0, 0];
+    for (index, contact) in contacts.iter().enumerate() {
+        let before = last.entry(contact.finger).replace(index);
+        let runs = &merged.run_of_row;
+        if let Some(before) = before.filter(|&before| runs[before] != runs[index]) {
+            let step = (contact.position - contacts[before].position).norm();
+            short += usize::from(step <= longest);
+            all += 1;
+        }
+    }
+    [short, all]
+}
+
+/// Contacts without rests, if short and long steps are separated by a gap, a finger stays where it is during short steps and
+/// leaves it by a long one.
+fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);
     sorted.sort_unstable_by(f64::total_cmp);
@@ -199,8 +221,9 @@ fn rest_limit(contacts: &[Contact]) -> Option<f64> {
             .iter()
             .zip(&rests.run_of_row)
             .map(|(contact, &run)| (contact.position - rests.contacts[run].position).norm());
-        if extents.fold(0.0, f64::max) <= MAX_REST_EXTENT * typical {
-            return Some(limit);
+        let is_still = extents.fold(0.0, f64::max) <= MAX_REST_EXTENT * typical;
+        if is_still && breaks(contacts, &rests, limit)[0] == 0 {
+            return Some(rests);
         }
     }
     None

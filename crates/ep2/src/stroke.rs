@@ -18,8 +18,8 @@ const PROBABILITY: f64 = 0.95;
 const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Standard deviation of the stated outward direction about the stroke, rad.
 const OUTWARD_STD: f64 = 0.1;
-/// Largest standard deviation across the stroke, relative to half its length.
-const MAX_SPREAD: f64 = 0.3;
+/// Largest standard deviation from the stroke's curve, relative to half its length.
+const MAX_SPREAD: f64 = 0.1;
 /// Smallest standard deviation of heights and slopes, relative to half the length.
 const MIN_STD: f64 = 1e-6;
 /// Relative standard deviation of the curvature by the derivatives of higher order that are left out.
@@ -167,7 +167,9 @@ impl Stroke {
             found = Some((solved, factor.inverse()[(CURVATURE, CURVATURE)]));
         }
         let (solved, variance) = found?;
-        let is_one = spread <= (MAX_SPREAD_RATIO * variances[0].sqrt()).max(2.0 * MIN_STD);
+        let height_std = variances[0].sqrt();
+        let is_one = height_std <= MAX_SPREAD
+            && spread <= (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD);
         // Length along the surface per length along u, squared.
         let stretch = 1.0 + turn * turn + solved[1] * solved[1];
         let scale = (stretch * self.half_length).recip();

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
 
-use super::pose::{Cloud, Equations, Gram, Row};
+use super::pose::{Cloud, Equations, Gram, Pose, Row};
 use super::robust_fit::Solution;
 
 /// Largest number of cells, and the smallest number of contacts in a cell.
@@ -19,8 +19,9 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Divides contacts into cells of equal counts; `None` if there are too few.
-    pub(super) fn new(cloud: &Cloud) -> Option<Self> {
+    /// Divides contacts into cells of equal counts by their footpoints, because errors of places depend on distances; `None`
+    /// if there are too few.
+    pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Option<Self> {
         let contacts = cloud.places.len();
         let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);
         if wanted < MIN_CELLS {
@@ -29,7 +30,9 @@ impl Cells {
         let mut cell_of = vec![0; contacts];
         let mut order: Vec<usize> = (0..contacts).collect();
         let mut count = 0;
-        divide(&cloud.places, &mut order, wanted, &mut |members| {
+        let foot = |place: &Vector3<f64>| place - pose.normal_at(place) * pose.distance(place);
+        let feet: Vec<Vector3<f64>> = cloud.places.iter().map(foot).collect();
+        divide(&feet, &mut order, wanted, &mut |members| {
             for &member in members {
                 cell_of[member] = count;
             }

@@ -40,7 +40,7 @@ pub(super) fn curvature_interval(
     let mut covariance = solution.inverse * spread * solution.inverse;
     let mut half_width = student_half_width(PROBABILITY, freedom.clamp(1.0, 1e6) as usize);
     if lack.p_value < MISFIT_P_VALUE
-        && let Some(cells) = Cells::new(cloud)
+        && let Some(cells) = Cells::new(&solution.pose, cloud)
     {
         let (of_cells, freedom) = cells.covariance(solution, cloud);
         let wide = student_half_width(PROBABILITY, freedom);

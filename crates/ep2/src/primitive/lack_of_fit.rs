@@ -262,7 +262,7 @@ fn tested(
         },
     ];
     let thinned = cloud.thinned(step);
-    let by_cells = Cells::new(&thinned).map_or(1.0, |cells| {
+    let by_cells = Cells::new(pose, &thinned).map_or(1.0, |cells| {
         let values = thinned.places.iter().map(|place| pose.distance(place));
         cells.p_value(
             &values.collect::<Vec<f64>>(),
