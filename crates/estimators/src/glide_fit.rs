@@ -1,13 +1,85 @@
 //! The methods of EP2, chosen at run time.
 
 use palpate_ep2::{
-    Criterion, Ep2Error, Fit, Method, MisfitTest, Noise, Passes, Patch, Penalised, Quadric,
-    TangentNormals, TwoPass,
+    Contact, Criterion, Ep2Error, Fit, Method, MisfitTest, Noise, Passes, Patch, Penalised,
+    Quadric, RoundTip, Shape, ShapeError, ShapeFit, ShapeSettings, TangentNormals, TwoPass,
 };
 
+use nalgebra::Vector3;
 use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf, StatedNoise};
 
-/// One of the EP2 methods, with its settings.
+/// A method for glides, with its settings.
+#[derive(Clone, Debug)]
+pub enum GlideMethod {
+    /// A method that fits a graph over a plane.
+    Graph(GlideFit),
+    /// A fit of a shape, on all sides.
+    Shape(ShapeSettings),
+}
+
+impl GlideMethod {
+    /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
+    /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
+    pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
+        let config = match inter_finger_distance {
+            Some(distance) => config.clone().with_length_noise(distance),
+            None => config.clone(),
+        };
+        let (shape, stated) = match config {
+            GlideEstimatorConfig::Plane(stated) => (Some(Shape::Plane), stated),
+            GlideEstimatorConfig::Sphere(stated) => (Some(Shape::Sphere), stated),
+            GlideEstimatorConfig::Cylinder(stated) => (Some(Shape::Cylinder), stated),
+            GlideEstimatorConfig::Shape(stated) => (None, stated),
+            graph => return Self::Graph(GlideFit::of(graph, inter_finger_distance)),
+        };
+        Self::Shape(ShapeSettings {
+            shape,
+            noise: noise(stated),
+            ..ShapeSettings::default()
+        })
+    }
+
+    /// The method and its settings in words.
+    pub fn description(&self) -> String {
+        match self {
+            Self::Graph(graph) => graph.description(),
+            Self::Shape(settings) => match settings.shape {
+                Some(shape) => format!("{} by robust least squares", shape.name()),
+                None => "most probable of plane, sphere and cylinder".to_owned(),
+            },
+        }
+    }
+}
+
+/// Fits a shape to contacts, or to readings of round tips.
+///
+/// # Errors
+/// Errors of [`ShapeSettings::fit`], and [`RoundTip::centres`].
+pub fn fit_shape(
+    settings: &ShapeSettings,
+    tip: Option<&RoundTip>,
+    readings: &[Contact],
+    outward: &Vector3<f64>,
+) -> Result<ShapeFit, ShapeError> {
+    let settings = ShapeSettings {
+        outward: *outward,
+        tip_radius: tip.map_or(0.0, |tip| tip.radius),
+        ..*settings
+    };
+    match tip {
+        Some(tip) => settings.fit(&tip.centres(readings, outward)?),
+        None => settings.fit(readings),
+    }
+}
+
+fn noise(noise: StatedNoise) -> Noise {
+    Noise {
+        position_std: noise.position_std,
+        normal_std_rad: noise.normal_std_deg.map(f64::to_radians),
+    }
+}
+
+/// A method that fits a graph.
 #[derive(Clone, Debug)]
 pub enum GlideFit {
     /// A penalised spline.
@@ -43,17 +115,19 @@ impl GlideFit {
             || config.position_fraction_of_ifd().is_some()
     }
 
-    /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
-    /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
-    pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
-        let noise = |noise: StatedNoise| Noise {
-            position_std: noise.position_std,
-            normal_std_rad: noise.normal_std_deg.map(f64::to_radians),
-        };
-        let config = match inter_finger_distance {
-            Some(distance) => config.clone().with_length_noise(distance),
-            None => config.clone(),
-        };
+    /// The method with stated standard deviations of positions and normals multiplied by these factors.
+    #[must_use]
+    pub fn with_noise_factors(mut self, [position, normal]: [f64; 2]) -> Self {
+        if let Self::Penalised(Penalised { noise, .. }) | Self::Quadric(Quadric { noise }) =
+            &mut self
+        {
+            noise.position_std = noise.position_std.map(|std| std * position);
+            noise.normal_std_rad = noise.normal_std_rad.map(|std| std * normal);
+        }
+        self
+    }
+
+    fn of(config: GlideEstimatorConfig, unit_length: Option<f64>) -> Self {
         match config {
             GlideEstimatorConfig::Penalised {
                 intervals,
@@ -89,7 +163,7 @@ impl GlideFit {
                     NormalsOf::Measured => TangentNormals::Measured,
                     NormalsOf::FirstFit => TangentNormals::FirstFit,
                 },
-                unit_length: inter_finger_distance,
+                unit_length,
                 passes: if passes == 1 {
                     Passes::One
                 } else {
@@ -97,14 +171,18 @@ impl GlideFit {
                 },
                 ..TwoPass::default()
             }),
-            GlideEstimatorConfig::Quadric(stated) => Self::Quadric(Quadric {
+            GlideEstimatorConfig::Quadric(stated)
+            | GlideEstimatorConfig::Plane(stated)
+            | GlideEstimatorConfig::Sphere(stated)
+            | GlideEstimatorConfig::Cylinder(stated)
+            | GlideEstimatorConfig::Shape(stated) => Self::Quadric(Quadric {
                 noise: noise(stated),
             }),
         }
     }
 
     /// The method and its settings in words.
-    pub fn description(&self) -> String {
+    fn description(&self) -> String {
         match self {
             Self::Penalised(Penalised {
                 criterion, noise, ..

@@ -1,7 +1,7 @@
 //! Builds estimators from their settings and a sensor, for simulated and for recorded readings.
 //!
 //! [`PressFitSetup`] builds the fit to marker displacements, [`ImageFitSetup`] the fit to marker images, and
-//! [`GlideFit`] the methods of EP2. [`MarkerSphere`] is the sensor of a config.
+//! [`GlideMethod`] the methods of EP2. [`MarkerSphere`] is the sensor of a config.
 
 mod curvature_map;
 mod glide_fit;
@@ -13,7 +13,7 @@ mod press_fit;
 mod tracks_table;
 
 pub use curvature_map::{map_table, push_map_point};
-pub use glide_fit::GlideFit;
+pub use glide_fit::{GlideFit, GlideMethod, fit_shape};
 pub use image_fit::{ImageFitSetup, departure_stds};
 pub use image_model::{ImageModel, marker_image};
 pub use marker_images::{ImageEstimator, MarkerImages, pressed_images};

@@ -185,7 +185,7 @@ def test_invalid_settings_of_rolls_are_refused(rolls, settings, argument, says):
 @pytest.mark.parametrize(
     ("settings", "says"),
     [
-        ({"method": "magic"}, "it must be penalised, two-pass or quadric"),
+        ({"method": "magic"}, "it must be penalised, two-pass, quadric, plane, sphere, cylinder or shape"),
         ({"intervals": 99}, "intervals is 99; it must be a whole number from 1 to 24"),
         ({"gamma": 0.5}, "gamma is 0.5; it must be from 1 to 100"),
         ({"gamma": 2.0, "criterion": "gcv"}, "gamma"),

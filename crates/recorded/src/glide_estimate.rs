@@ -2,23 +2,28 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use palpate_ep2::{
-    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, MisfitTest, Patch, Regions, RoundTip,
-    Status, Uncertainty, regions,
+    Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
+    Outlier, Patch, Regions, RoundTip, Shape, ShapeError, ShapeFit, SoundContacts, Status,
+    StrokeCurvature, Uncertainty, regions, stroke_curvature,
 };
+use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{Misfit, StatedQuantity};
 
 use super::error::{RecordedError, explained};
 use super::glide_options::GlideOptions;
 use super::glide_recording::GlideRecording;
-use super::glide_report::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
+use super::glide_report::{
+    GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, tidy,
+};
 use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
+use super::log_warnings::{across, correlated, left_out, listed, shape_warnings, two_groups};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
+use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
 use super::value::{FORMAT_VERSION, Value};
-use palpate_estimators::GlideFit;
 use palpate_study::config::{LengthUnit, SettingError};
 use palpate_study::{Unit, Warning};
 
@@ -42,13 +47,33 @@ pub struct GlideFitResult<'r> {
     /// `given`, with position noise converted to a length.
     options: GlideOptions,
     unit: LengthUnit,
-    /// Contacts computed from the stated points of round tips.
-    of_tips: Option<Vec<Contact>>,
-    patch: Patch,
-    fit: Fit,
+    used: UsedContacts,
+    surface: Surface,
+    /// Curvature along the only stroke.
+    stroke: Option<StrokeCurvature>,
     centre: MapPoint,
     limits: ShapeThresholds,
     limits_from: &'static str,
+}
+
+/// Contacts without outliers; those of round tips are computed from their stated points.
+#[derive(Clone, Debug)]
+struct UsedContacts {
+    contacts: Vec<Contact>,
+    /// Row of each contact in the recording.
+    rows: Vec<usize>,
+    outliers: Vec<Outlier>,
+    readings: EffectiveReadings,
+}
+
+/// Number of contacts from which a spline's bias on simple shapes may exceed its noise.
+const MANY_CONTACTS: usize = 60;
+
+/// A graph over a patch, or a shape.
+#[derive(Clone, Debug)]
+enum Surface {
+    Graph(Box<(GlideFit, IndependentFit)>),
+    Shape(Box<ShapeFit>),
 }
 
 impl<'r> GlideFitResult<'r> {
@@ -61,22 +86,77 @@ impl<'r> GlideFitResult<'r> {
         given: &GlideOptions,
     ) -> Result<Self, RecordedError> {
         let unit = recorded.source.unit(recorded.unit, given.length_unit)?;
+        let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
+        let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
-        let options = with_length_noise(&recorded, given)?;
-        let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
-        let outward = Vector3::from(options.outward);
-        let contacts = |tip: RoundTip| tip.contacts(&recorded.contacts, &outward, &method);
-        let of_tips = options.tip().map(contacts).transpose().map_err(refused)?;
-        let contacts = of_tips.as_deref().unwrap_or(&recorded.contacts);
-        let patch = Patch::new(contacts, &outward).map_err(refused)?;
-        let fit = method.fit(&patch).map_err(refused)?;
-        let centre = fit.centre().map_err(refused)?;
+        let SoundContacts { outliers, rows, .. } =
+            SoundContacts::new(all).map_err(shape_refused)?;
+        let sound: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
+        let options = with_length_noise(&recorded, &sound, given)?;
         let stated = options.thresholds();
         let stated = stated.map_err(|error| recorded.source.fail(error.to_string()))?;
+        let tip = options.tip();
+        let method = GlideMethod::of(&options.estimator, options.inter_finger_distance);
+        let (used, surface, stroke, centre, sides) = match method {
+            GlideMethod::Graph(method) => {
+                let contacts = |tip: RoundTip| tip.contacts(&sound, &outward, &method);
+                let of_tips = tip.map(contacts).transpose().map_err(refused)?;
+                let contacts = of_tips.unwrap_or(sound);
+                let with_noise = |factors| method.clone().with_noise_factors(factors);
+                let at_row = |error| of_row(error, &rows);
+                let fitted = IndependentFit::new(with_noise, &contacts, &outward);
+                let mut fitted = fitted.map_err(|error| {
+                    let along = stroke_curvature(&contacts, &outward);
+                    stroke_refused(&recorded, &at_row(error), along, unit)
+                })?;
+                let is_quadric = matches!(method, GlideFit::Quadric(_));
+                if is_quadric || fitted.contacts.len() >= MANY_CONTACTS {
+                    fitted.widen_to_shape(&outward).map_err(refused)?;
+                }
+                let fit = &fitted.fit;
+                let stroke = stroke_curvature(&fitted.contacts, &outward);
+                let centre = fit.centre().map_err(refused)?;
+                let sides = fit
+                    .domain
+                    .map(|[low, high]| (high - low) * fit.frame.scale());
+                let used = UsedContacts {
+                    contacts,
+                    rows,
+                    outliers,
+                    readings: fitted.readings,
+                };
+                let surface = Surface::Graph(Box::new((method, fitted)));
+                (used, surface, stroke, centre, sides)
+            }
+            GlideMethod::Shape(settings) => {
+                let fit = fit_shape(&settings, tip.as_ref(), all, &outward);
+                let fit = fit.map_err(shape_refused)?;
+                let mut left = fit.outliers.iter().map(|one| one.contact).peekable();
+                let rows = (0..all.len()).filter(|row| left.next_if_eq(row).is_none());
+                let rows: Vec<usize> = rows.collect();
+                let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
+                let stroke = stroke_curvature(&contacts, &outward);
+                // Normals determine a stated shape also from one stroke.
+                let is_determined = settings.shape.is_some() && recorded.has_normals();
+                let is_plane = settings.shape == Some(Shape::Plane);
+                let stroke = stroke.filter(|_| !is_determined && !is_plane);
+                let centre = fit.point_at(&fit.foot.0);
+                let sides = fit.domain(&contacts).map(|[low, high]| high - low);
+                let used = UsedContacts {
+                    contacts,
+                    rows,
+                    outliers: fit.outliers.clone(),
+                    readings: fit.readings,
+                };
+                (used, Surface::Shape(Box::new(fit)), stroke, centre, sides)
+            }
+        };
         let (limits, limits_from) = match stated {
             Some(thresholds) => (thresholds, "given"),
             None => (
-                of_size(&fit).ok_or(Ep2Error::OutOfRange).map_err(refused)?,
+                of_size(sides)
+                    .ok_or(Ep2Error::OutOfRange)
+                    .map_err(refused)?,
                 "the patch's size: those of the 1996 paper on its patch of 3 x 3, scaled",
             ),
         };
@@ -85,29 +165,43 @@ impl<'r> GlideFitResult<'r> {
             recorded,
             options,
             unit,
-            of_tips,
-            patch,
-            fit,
+            used,
+            surface,
+            stroke,
             centre,
             limits,
             limits_from,
         })
     }
 
-    fn contacts(&self) -> &[Contact] {
-        self.of_tips.as_deref().unwrap_or(&self.recorded.contacts)
-    }
-
     fn refused(&self, error: &Ep2Error) -> RecordedError {
         refused(&self.recorded, error)
     }
 
-    /// The surface at the contacts.
-    fn at_contacts(&self) -> Result<Vec<MapPoint>, RecordedError> {
-        let contacts = self.contacts().iter();
-        let places: Vec<Point3<f64>> = contacts.map(|contact| contact.position).collect();
-        let points = self.fit.points_at(&places);
-        points.map_err(|error| self.refused(&error))
+    /// The surface at the contacts that are used, or on the grid.
+    fn points(&self, at_contacts: bool) -> Result<Vec<MapPoint>, RecordedError> {
+        let (contacts, side) = (&self.used.contacts, self.options.grid);
+        let places = contacts.iter().map(|contact| contact.position);
+        let points = match (&self.surface, at_contacts) {
+            (Surface::Graph(graph), true) => graph.1.fit.points_at(&places.collect::<Vec<_>>()),
+            (Surface::Graph(graph), false) => graph.1.fit.map(side),
+            (Surface::Shape(fit), true) => Ok(places.map(|place| fit.point_at(&place)).collect()),
+            (Surface::Shape(fit), false) => Ok(fit.map(contacts, side)),
+        };
+        let mut points = points.map_err(|error| self.refused(&error))?;
+        for point in points.iter_mut().filter(|_| self.is_open()) {
+            point.curvature.uncertainty = None;
+        }
+        Ok(points)
+    }
+
+    /// Whether the contacts do not determine the curvature across them.
+    fn is_open(&self) -> bool {
+        let is_unresolved = match &self.surface {
+            Surface::Graph(_) => false,
+            Surface::Shape(fit) => fit.curvature.value.is_none(),
+        };
+        self.stroke.is_some() || is_unresolved
     }
 
     /// Curvature at every place of the map, in the order of [`GlideMap::points`].
@@ -115,12 +209,16 @@ impl<'r> GlideFitResult<'r> {
     /// # Errors
     /// [`RecordedError::Readings`] if a curvature exceeds the range of doubles.
     pub fn curvatures(&self) -> Result<Vec<Curvature>, RecordedError> {
-        if self.options.map_at_contacts {
-            let points = self.at_contacts()?;
-            return Ok(points.iter().map(|point| point.curvature).collect());
+        match &self.surface {
+            Surface::Graph(graph) if !self.options.map_at_contacts && !self.is_open() => {
+                let curvatures = graph.1.fit.curvatures(self.options.grid);
+                curvatures.map_err(|error| self.refused(&error))
+            }
+            _ => {
+                let points = self.points(self.options.map_at_contacts)?;
+                Ok(points.iter().map(|point| point.curvature).collect())
+            }
         }
-        let curvatures = self.fit.curvatures(self.options.grid);
-        curvatures.map_err(|error| self.refused(&error))
     }
 
     /// Limits below which curvatures count as zero.
@@ -134,12 +232,15 @@ impl<'r> GlideFitResult<'r> {
     /// [`RecordedError::Readings`] if a point of the map exceeds the range of doubles.
     pub fn estimate(&self) -> Result<(GlideEstimate, GlideMap), RecordedError> {
         let Self { options, unit, .. } = self;
-        let refused = |error| self.refused(&error);
-        let points = self.fit.map(options.grid).map_err(refused)?;
-        let regions = regions(options.grid, &points, &self.limits).map_err(refused)?;
+        let points = self.points(false)?;
+        let regions = regions(options.grid, &points, &self.limits);
+        let regions = regions.map_err(|error| self.refused(&error))?;
         let estimate = self.report(&regions);
         let (points, regions, extras) = match options.map_at_contacts {
-            true => (self.at_contacts()?, None, self.recorded.extras.clone()),
+            true => {
+                let extras = self.recorded.extras.selected(&self.used.rows);
+                (self.points(true)?, None, extras)
+            }
             false => (points, Some(regions.of_point), ExtraColumns::default()),
         };
         let map = GlideMap {
@@ -152,103 +253,166 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
+    /// Goodness of fit and misfits of a graph, by rows of the recording; and why there are none.
+    fn misfit(&self) -> (MisfitTest, Option<String>) {
+        let Surface::Graph(graph) = &self.surface else {
+            return Default::default();
+        };
+        let (method, fitted) = &**graph;
+        let method = method.clone().with_noise_factors(fitted.noise_ratios);
+        match method.misfit(&fitted.patch) {
+            Ok(mut tested) => {
+                for misfit in &mut tested.misfits {
+                    if let Misfit::Outlier { reading, .. } = misfit {
+                        *reading = self.used.rows[fitted.rows[*reading]];
+                    }
+                }
+                (tested, None)
+            }
+            Err(error) => {
+                let why = format!("the goodness of fit cannot be computed: {error}");
+                (MisfitTest::default(), Some(why))
+            }
+        }
+    }
+
     /// Warnings about the contacts, with these misfits.
     fn warnings(&self, misfits: &[Misfit], unknown_fit: Option<String>) -> Vec<Warning> {
-        let (recorded, patch, unit) = (&self.recorded, &self.patch, self.unit);
-        let (source, contacts) = (&recorded.source, self.contacts());
+        let (recorded, used, unit) = (&self.recorded, &self.used, self.unit);
+        let (source, contacts) = (&recorded.source, &used.contacts);
         let directions = directions(contacts);
         let misfits = misfit_warnings(misfits, directions.is_some(), source);
+        let (of_graph, of_shape) = match &self.surface {
+            Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
+            Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
+        };
         // Two-pass, which alone has a status, states no uncertainty.
-        let is_unknown = self.centre.curvature.uncertainty.is_none() && self.fit.status.is_none();
+        let is_unknown = self.centre.curvature.uncertainty.is_none()
+            && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {
-            let count = patch.samples.len();
+            let count = contacts.len();
             format!("there are no standard deviations: {count} contacts do not determine their noise; state it with setting `position_std`")
         });
-        let rows = recorded.contacts.iter().map(|contact| {
+        let rows = used.rows.iter().map(|&row| {
+            let contact = &recorded.contacts[row];
             let ([x, y, z], finger) = (contact.position.into(), contact.finger as f64);
             let [normal_x, normal_y, normal_z] = contact.normal.unwrap_or_default().into();
             [finger, x, y, z, normal_x, normal_y, normal_z]
         });
-        Warning::of(
-            StatedQuantity::Scale.code(),
-            spacing(patch, &self.given, unit),
-        )
-        .into_iter()
-        .chain(misfits)
-        .chain(Warning::of("unknown-fit", unknown_fit))
-        .chain(Warning::of("unknown-noise", unknown_noise))
-        .chain(Warning::of(
-            "distant-contact",
-            distant(contacts, unit, source),
-        ))
-        .chain(stated_noise(patch, &self.options.estimator, unit))
-        .chain(normals(contacts))
-        .chain(Warning::of("signs", directions))
-        .chain(Warning::of(
-            "repeated-rows",
-            source.repeated("contact", rows, 0.0),
-        ))
-        .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
-        .collect()
+        let of_used = source.selected(&used.rows);
+        let spacing = of_graph.and_then(|graph| spacing(&graph.patch, &self.given, unit));
+        let row = |contact: usize| source.row(used.rows[contact]);
+        let distant = of_graph.and_then(|_| distant(contacts, unit, &row));
+        let stated = of_graph.map(|graph| {
+            stated_noise(
+                &graph.patch,
+                &self.options.estimator,
+                graph.noise_ratios,
+                unit,
+            )
+        });
+        Warning::of(StatedQuantity::Scale.code(), spacing)
+            .into_iter()
+            .chain(left_out(&used.outliers, recorded))
+            .chain(correlated(&used.readings))
+            .chain(two_groups(contacts, unit))
+            .chain(self.stroke.map(|stroke| across(&stroke, unit)))
+            .chain(of_shape)
+            .chain(misfits)
+            .chain(Warning::of("unknown-fit", unknown_fit))
+            .chain(Warning::of("unknown-noise", unknown_noise))
+            .chain(Warning::of("distant-contact", distant))
+            .chain(stated.unwrap_or_default())
+            .chain(normals(contacts))
+            .chain(Warning::of("signs", directions))
+            .chain(Warning::of(
+                "repeated-rows",
+                of_used.repeated("contact", rows, 0.0),
+            ))
+            .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
+            .collect()
     }
 
     /// The estimate with these regions.
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
-        let (patch, fit, limits, unit) = (&self.patch, &self.fit, &self.limits, self.unit);
-        let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
+        let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
+        let value = |value: f64, std: Option<f64>, power: Unit| match is_open {
+            true => Value::open(power, unit),
+            false => Value::new(value, std, power, unit),
+        };
         let bare = |value: f64, power: Unit| Value::bare(value, power.of(unit));
         let curvature = centre.curvature;
-        let stds = curvature.uncertainty;
+        let stds = curvature.uncertainty.filter(|_| !is_open);
         let gaussian_std = stds.map(|stds| stds.gaussian_std);
         let mean_std = stds.map(|stds| stds.mean_std);
         let [min_std, max_std] = principal_stds(&curvature);
-        let method = GlideFit::of(&options.estimator, options.inter_finger_distance);
-        let (tested, unknown) = match method.misfit(patch) {
-            Ok(tested) => (tested, None),
-            Err(error) => {
-                let why = format!("the goodness of fit cannot be computed: {error}");
-                (MisfitTest::default(), Some(why))
+        let (tested, unknown) = self.misfit();
+        let warnings = self.warnings(&tested.misfits, unknown);
+        let (noise, status, effective_unknowns, shape) = match &self.surface {
+            Surface::Graph(graph) => {
+                let fit = &graph.1.fit;
+                (fit.noise, fit.status, fit.effective_unknowns, None)
+            }
+            Surface::Shape(fit) => {
+                let report = ShapeReport::new(fit, unit, self.stroke.is_some());
+                (fit.noise, None, fit.unknowns() as f64, Some(report))
             }
         };
-        let warnings = self.warnings(&tested.misfits, unknown);
+        let mean_curvature = value(curvature.mean, mean_std, Unit::PerLength);
+        let radius = match &shape {
+            Some(shape) => GlideRadius::OfShape(shape.radius.clone()),
+            None => GlideRadius::OfMean(Radius::of_mean(&mean_curvature, unit)),
+        };
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
             contacts: recorded.contacts.len(),
             fingers: recorded.fingers,
-            with_normals: patch.has_normals(),
+            with_normals: recorded.has_normals(),
             length_unit: unit.as_str(),
             position: tidy(&centre.position.coords),
             normal: tidy(&centre.normal),
             gaussian_curvature: value(curvature.gaussian, gaussian_std, Unit::PerLengthSquared),
-            radius: Radius::of_mean(&value(curvature.mean, mean_std, Unit::PerLength), unit),
-            mean_curvature: value(curvature.mean, mean_std, Unit::PerLength),
+            radius,
+            mean_curvature,
             k_min: value(centre.k_min, min_std, Unit::PerLength),
             k_max: value(centre.k_max, max_std, Unit::PerLength),
             direction_of_min: tidy(&centre.direction_of_min),
             direction_of_max: tidy(&centre.direction_of_max),
-            shape_index: centre.shape_index,
-            class: curvature.class(limits).name(),
-            class_probabilities: curvature.class_probabilities(limits).map(|all| {
-                let names = ShapeClass::ALL.map(ShapeClass::name).into_iter();
-                names.zip(all).collect()
-            }),
-            sign_class: curvature.sign_class().name(),
+            shape_index: centre.shape_index.filter(|_| !is_open),
+            class: (!is_open).then(|| curvature.class(limits).name()),
+            class_probabilities: curvature
+                .class_probabilities(limits)
+                .filter(|_| !is_open)
+                .map(|all| {
+                    let names = ShapeClass::ALL.map(ShapeClass::name).into_iter();
+                    names.zip(all).collect()
+                }),
+            sign_class: (!is_open).then(|| curvature.sign_class().name()),
             thresholds: Thresholds {
                 gaussian: bare(limits.gaussian(), Unit::PerLengthSquared),
                 mean: bare(limits.mean(), Unit::PerLength),
                 from: self.limits_from,
             },
-            noise: fit.noise.map(|noise| PatchNoise {
+            noise: noise.map(|noise| PatchNoise {
                 position_std: bare(noise.position_std, Unit::Length),
                 normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
             }),
-            status: fit.status.map(Status::name),
-            effective_unknowns: fit.effective_unknowns,
+            status: status.map(Status::name),
+            effective_unknowns,
             grid: options.grid,
-            regions: PatchRegion::all(regions, unit),
+            regions: match is_open {
+                true => Vec::new(),
+                false => PatchRegion::all(regions, unit),
+            },
             p_value: tested.goodness.map(|goodness| goodness.p_value),
+            effective_contacts: self.used.readings.effective(),
+            distinct_contacts: self.used.readings.distinct,
+            correlated_contacts: self.used.readings.position_correlation,
+            left_out: self.used.outliers.iter().map(LeftOut::new).collect(),
+            stroke: self.stroke.map(|stroke| StrokeReport::new(&stroke, unit)),
+            shape,
             warnings,
             covariance: stds.map(|stds| {
                 let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
@@ -264,13 +428,14 @@ impl<'r> GlideFitResult<'r> {
 /// Options with position noise as a length. A fraction refers to the stated or, without one, the measured finger distance.
 fn with_length_noise(
     recorded: &GlideRecording,
+    contacts: &[Contact],
     options: &GlideOptions,
 ) -> Result<GlideOptions, RecordedError> {
     let mut options = options.clone();
     if options.estimator.position_fraction_of_ifd().is_none() {
         return Ok(options);
     }
-    let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward));
+    let patch = Patch::new(contacts, &Vector3::from(options.outward));
     let patch = patch.map_err(|error| refused(recorded, &error))?;
     let found = patch.finger_distance;
     let found = found.map(|distance| distance * patch.frame.scale());
@@ -310,6 +475,46 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     }
 }
 
+/// The error with the row of the recording that is at fault.
+fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
+    match error {
+        Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
+            contact: rows[contact],
+            angle_deg,
+        },
+        error => error,
+    }
+}
+
+/// The error, with the curvature along the contacts if they are of one stroke.
+fn stroke_refused(
+    recorded: &GlideRecording,
+    error: &Ep2Error,
+    along: Option<StrokeCurvature>,
+    unit: LengthUnit,
+) -> RecordedError {
+    match along {
+        Some(stroke) => {
+            let error_text = remedied(error, recorded.fingers);
+            let message = format!("{}: {error_text}", across(&stroke, unit).text);
+            recorded.source.fail(explained(message, error.name()))
+        }
+        None => refused(recorded, error),
+    }
+}
+
+/// The error with the rows of the readings.
+fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError {
+    match error {
+        ShapeError::Contacts(error) => refused(recorded, error),
+        ShapeError::TooManyOutliers { outliers, .. } => {
+            let rows = listed(outliers.iter().map(|&row| recorded.source.row(row)));
+            let message = format!("{error}: {rows}");
+            recorded.source.fail(explained(message, error.name()))
+        }
+    }
+}
+
 /// Message of the error, with the setting that helps if there is one.
 fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
@@ -335,10 +540,7 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
 
 /// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by the mean of its sides.
 /// `None` if they exceed the range of doubles.
-fn of_size(fit: &Fit) -> Option<ShapeThresholds> {
-    let [u, v] = fit
-        .domain
-        .map(|[low, high]| (high - low) * fit.frame.scale());
+fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }

@@ -34,7 +34,7 @@ pub struct GlideOptions {
     /// Points along each side of the grid for the regions and the map.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: usize,
-    /// Whether the map has one point per contact, in their order, instead of the grid.
+    /// Whether the map has one point per contact that is not left out, in their order, instead of the grid.
     #[serde(skip)]
     pub map_at_contacts: bool,
     /// Radius of round fingertips, in the readings' length unit. Give it if positions are not those of the contacts but of

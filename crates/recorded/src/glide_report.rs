@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
+use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
 use super::value::Value;
 use palpate_estimators::{map_table, push_map_point};
 use palpate_study::config::LengthUnit;
@@ -47,6 +48,15 @@ pub(super) struct PatchRegion {
     pub(super) coherence: f64,
 }
 
+/// Radius of a glide's object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(super) enum GlideRadius {
+    OfMean(Radius),
+    /// `null` for a plane.
+    OfShape(Option<Value>),
+}
+
 /// Output of `estimate glide`. Curvature, class and directions are those of the patch's middle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
@@ -62,8 +72,8 @@ pub struct GlideEstimate {
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// Inverse of the mean curvature.
-    pub(super) radius: Radius,
+    /// Radius of the shape, or the inverse of the mean curvature.
+    pub(super) radius: GlideRadius,
     pub(super) k_min: Value,
     pub(super) k_max: Value,
     /// Unit tangents, of either sign.
@@ -71,11 +81,12 @@ pub struct GlideEstimate {
     pub(super) direction_of_max: [f64; 3],
     /// Shape index from −1, a cup, to 1, a cap; `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
-    pub(super) class: &'static str,
+    /// `null` for a single stroke, like `sign_class` and the values of curvatures.
+    pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Class by the signs of the curvatures alone.
-    pub(super) sign_class: &'static str,
+    pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
     /// `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
@@ -91,6 +102,20 @@ pub struct GlideEstimate {
     /// Goodness-of-fit p-value: probability that noise of the stated size gives a worse fit if the model holds;
     /// `null` if the noise is estimated, and for two-pass.
     pub(super) p_value: Option<f64>,
+    /// Number of independent contacts, after copies, rests and correlated noise.
+    pub(super) effective_contacts: f64,
+    /// Number of contacts after copies and rests are merged.
+    pub(super) distinct_contacts: usize,
+    /// Number of consecutive positions that count as one because their noise is correlated.
+    pub(super) correlated_contacts: f64,
+    /// Contacts that the fit does not use.
+    pub(super) left_out: Vec<LeftOut>,
+    /// Curvature along the stroke, if there is only one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) stroke: Option<StrokeReport>,
+    /// Size and place of the shape, for the methods that fit one.
+    #[serde(flatten)]
+    pub(super) shape: Option<ShapeReport>,
     /// Contradictions between the contacts and the model, each with its p-value, and other warnings.
     pub(super) warnings: Vec<Warning>,
     #[serde(skip)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
-use palpate_estimators::GlideFit;
+use palpate_estimators::{GlideFit, GlideMethod};
 use palpate_statistics::{Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
 use palpate_study::Warning;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -38,7 +38,7 @@ pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -
 pub(super) fn distant(
     contacts: &[Contact],
     unit: LengthUnit,
-    source: &ReadingSource,
+    row: &dyn Fn(usize) -> String,
 ) -> Option<String> {
     if contacts.len() > MAX_COMPARED {
         return None;
@@ -57,7 +57,7 @@ pub(super) fn distant(
         let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
         format!(
             "the contact of {} lies {far} {unit} from the nearest other contact, but all others lie within {next} {unit} of theirs: is it a contact?",
-            source.row(contact)
+            row(contact)
         )
     })
 }
@@ -65,24 +65,29 @@ pub(super) fn distant(
 /// Ratio of the estimated noise to the stated one, or its inverse, above which the intervals are wrong.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Warnings if the stated noise of contacts differs from the noise that the same method estimates.
+/// Warnings if the stated noise of contacts differs from the noise that the same method estimates. `ratios` are those of the
+/// standard deviations of the patch's positions and normals to those of one contact.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
+    ratios: [f64; 2],
     unit: LengthUnit,
 ) -> Vec<Warning> {
     let (estimator, stated) = estimator.clone().without_noise();
     if stated == [None; 2] {
         return Vec::new();
     }
-    let fit = GlideFit::of(&estimator, None).fit(patch).ok();
+    let GlideMethod::Graph(method) = GlideMethod::of(&estimator, None) else {
+        return Vec::new();
+    };
+    let fit = method.fit(patch).ok();
     let Some((found, unknowns)) = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns)))
     else {
         return Vec::new();
     };
     let found = [
-        Some(found.position_std),
-        found.normal_std_rad.map(f64::to_degrees),
+        Some(found.position_std / ratios[0]),
+        found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
     // Share of the readings that remain as degrees of freedom.
     let left = 1.0 - unknowns / patch.equations() as f64;

@@ -7,7 +7,7 @@
 //! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
 //! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
 //! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate`, `load_curve` |
-//! | warnings | `roll_warnings`, `glide_warnings`, `press_warnings`, with the words of `misfit_warning` |
+//! | warnings | `roll_warnings`, `glide_warnings`, `log_warnings`, `press_warnings`, with the words of `misfit_warning` |
 //! | frames to tracked markers | `frame_pair`, `overlay` |
 //! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the pictures |
 //! | a frame at rest to a camera | `camera_calibration`, `layout_matching`, `nominal_sensor`, `camera_file`, `camera_prior` |
@@ -35,6 +35,7 @@ mod image_estimate;
 mod json_lines;
 mod layout_matching;
 mod load_curve;
+mod log_warnings;
 mod misfit_warning;
 mod nominal_sensor;
 mod overlay;
@@ -48,6 +49,7 @@ mod roll_estimate;
 mod roll_options;
 mod roll_recording;
 mod roll_warnings;
+mod shape_report;
 mod source;
 mod study_options;
 mod table_format;

@@ -230,17 +230,17 @@ pub fn estimate_force(
     });
     let lengths = radius
         .iter()
-        .flat_map(|radius| [Some(radius.value), radius.std]);
+        .flat_map(|radius| [Some(radius.number()), radius.std]);
     let numbers = [
-        Some(stiffness.value),
+        Some(stiffness.number()),
         stiffness.std,
         Some(exponent),
         Some(exponent_std),
     ];
     let is_sound = |number: Option<f64>| number.is_some_and(f64::is_finite);
     if !numbers.into_iter().chain(lengths).all(is_sound)
-        || stiffness.value <= 0.0
-        || radius.as_ref().is_some_and(|radius| radius.value <= 0.0)
+        || stiffness.number() <= 0.0
+        || radius.as_ref().is_some_and(|radius| radius.number() <= 0.0)
     {
         return fail("the numbers are too large or too small for an estimate".to_owned());
     }
@@ -255,13 +255,13 @@ pub fn estimate_force(
             Value {
                 std: radius
                     .std
-                    .and_then(|std| finite(std / radius.value / radius.value)),
+                    .and_then(|std| finite(std / radius.number() / radius.number())),
                 interval95: Some([
                     high.map_or(Some(-sensor.recip()), |high| less(Some(high))),
                     less(low),
                 ]),
                 ..Value::bare(
-                    radius.value.recip() - sensor.recip(),
+                    radius.number().recip() - sensor.recip(),
                     Unit::PerLength.of(unit),
                 )
             }
@@ -288,8 +288,8 @@ pub fn estimate_force(
             .as_ref()
             .zip(options.sensor_radius)
             .and_then(|(radius, sensor)| {
-                let contact = (radius.value * deepest).sqrt();
-                large_contact_warning(radius.value.recip(), contact, sensor, false)
+                let contact = (radius.number() * deepest).sqrt();
+                large_contact_warning(radius.number().recip(), contact, sensor, false)
             }),
     );
     Ok(LoadEstimate {

@@ -27,6 +27,8 @@ pub fn estimate_press(
     recorded: &PressRecording,
     options: &PressOptions,
 ) -> Result<PressReport, RecordedError> {
+    let (count, (distinct, repeated)) = (recorded.places.len(), recorded.without_copies().unzip());
+    let recorded = distinct.as_ref().unwrap_or(recorded);
     let source = &recorded.source;
     let unit = source.unit(recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, options, &error, None);
@@ -60,7 +62,7 @@ pub fn estimate_press(
         estimate.within_object().map_err(refused)?;
     }
     let row = |&marker: &usize| Row {
-        row: marker + 1,
+        row: source.row_number(marker),
         line: source.line(marker),
         columns: recorded.extras.named(marker),
     };
@@ -70,6 +72,7 @@ pub fn estimate_press(
     let left_out = left_out(&wrong_markers, &distances, radius, indentation.is_some());
     let swapped = swapped_columns(&fit, &reading, &estimate, &misfits);
     let warnings = of_estimate(recorded, options, &estimate, !misfits.is_empty())
+        .chain(Warning::of("repeated-rows", repeated))
         .chain(Warning::of("swapped-columns", swapped))
         .chain(unchecked)
         .chain(assumed.flatten())
@@ -79,7 +82,7 @@ pub fn estimate_press(
     let [force, peak_pressure] = stresses.map_err(refused)?;
     Ok(PressReport {
         c: fit.body.c(),
-        markers: recorded.places.len(),
+        markers: count,
         with_tangential: recorded.tangential.is_some(),
         force,
         peak_pressure,

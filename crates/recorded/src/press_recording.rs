@@ -3,7 +3,7 @@
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
-use super::source::{ReadingSource, finite, same_length};
+use super::source::{ReadingSource, copies, finite, same_length};
 use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
@@ -60,6 +60,33 @@ impl PressRecording {
             unit,
             extras: ExtraColumns::default(),
         })
+    }
+
+    /// The press without markers that repeat all numbers of an earlier one, and a warning about them; `None` if none does.
+    pub(super) fn without_copies(&self) -> Option<(Self, String)> {
+        let along = self.tangential.as_deref();
+        let marker = |marker: usize| {
+            let ([x, y], normal) = (self.places[marker], self.normal[marker]);
+            let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
+            [x, y, normal, along_x, along_y]
+        };
+        let all = 0..self.places.len();
+        let text = self
+            .source
+            .repeated("marker", all.clone().map(marker), 0.0)?;
+        let mut copied = copies(all.clone().map(marker)).into_iter().peekable();
+        let kept = all.filter(|marker| copied.next_if_eq(marker).is_none());
+        let kept: Vec<usize> = kept.collect();
+        let of_kept = |along: &[[f64; 2]]| kept.iter().map(|&one| along[one]).collect();
+        let press = Self {
+            source: self.source.selected(&kept),
+            places: kept.iter().map(|&one| self.places[one]).collect(),
+            normal: kept.iter().map(|&one| self.normal[one]).collect(),
+            tangential: along.map(of_kept),
+            unit: self.unit,
+            extras: self.extras.selected(&kept),
+        };
+        Some((press, text))
     }
 
     /// Whether displacements along the skin were sensed.

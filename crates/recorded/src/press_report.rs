@@ -171,7 +171,7 @@ impl Radius {
         let [low, high] = curvature.interval95.unwrap_or_default();
         let radius = Self::of(
             &Estimated {
-                value: curvature.value,
+                value: curvature.number(),
                 std: curvature.std.unwrap_or(f64::NAN),
                 interval: Interval { low, high },
             },

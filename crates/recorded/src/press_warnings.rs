@@ -120,7 +120,6 @@ pub(super) fn of_estimate(
         .into_iter()
         .chain(Warning::of("unstated-depth", depth))
         .chain(Warning::of("unseen-contact", contact))
-        .chain(Warning::of("repeated-rows", copies(recorded)))
         .chain(Warning::of("lone-marker", alone))
         .chain(large_contact(estimate, options.radius(), is_layer))
         .chain(unexplained)
@@ -143,16 +142,6 @@ pub(super) fn large_contact(
 
 /// A fit that explains less than this share of the variance gives a warning.
 const MIN_R_SQUARED: f64 = 0.5;
-
-fn copies(recorded: &PressRecording) -> Option<String> {
-    let along = recorded.tangential.as_deref();
-    let rows = (0..recorded.places.len()).map(|marker| {
-        let ([x, y], normal) = (recorded.places[marker], recorded.normal[marker]);
-        let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
-        [x, y, normal, along_x, along_y]
-    });
-    recorded.source.repeated("marker", rows, 0.0)
-}
 
 /// Share of the largest displacement above which a displacement's sign counts, and share of these that must be
 /// outward for a warning.

@@ -119,7 +119,8 @@ impl ReadingTable {
             }
         })?;
         let name = table.file.name.clone();
-        let source = ReadingSource { name, lines };
+        let rows = Vec::new();
+        let source = ReadingSource { name, lines, rows };
         if source.lines.is_empty() {
             return Err(source.fail("has a header but no readings"));
         }
@@ -324,6 +325,15 @@ impl ExtraColumns {
     /// Size of all rows in bytes, with one delimiter per field.
     pub(super) const fn bytes(&self) -> usize {
         self.text.len() + self.ends.len()
+    }
+
+    /// The fields of these rows.
+    pub(super) fn selected(&self, rows: &[usize]) -> Self {
+        let mut selected = Self::new(self.names.clone());
+        for &row in rows {
+            selected.push(self.row(row).iter().map(String::as_str));
+        }
+        selected
     }
 
     /// Fields of a row; empty if there are no such columns.

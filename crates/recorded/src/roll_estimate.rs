@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
 
 use nalgebra::Vector2;
-use palpate_ep1::{Ep1Error, Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_ep1::{
+    Ep1Error, Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise,
+};
 use palpate_statistics::{NORMAL_95, Number, student_half_width};
 use serde::{Serialize, Serializer};
 
@@ -45,6 +47,10 @@ pub struct RollEstimate {
     /// Half-width of the 95 % intervals, in standard deviations.
     half_width: f64,
     std_from: &'static str,
+    /// Warning about rolls that were left out because they repeat others.
+    pub(super) repeated: Option<String>,
+    /// Number of recorded rolls.
+    probes: usize,
 }
 
 /// Curvatures and lengths of an estimate from rolls.
@@ -152,7 +158,7 @@ impl Serialize for RollEstimate {
         let report = RollReport {
             format_version: FORMAT_VERSION,
             method: "least-squares",
-            probes: self.recorded.readings.len(),
+            probes: self.probes,
             radius: Radius::of_mean(&values.mean_curvature, self.unit),
             values,
             std_from: self.std_from,
@@ -214,9 +220,14 @@ impl RollEstimate {
 /// # Errors
 /// [`RecordedError::Readings`] if the options contradict the file or the readings do not determine the curvature.
 pub fn estimate_roll(
-    recorded: RollRecording,
+    mut recorded: RollRecording,
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
+    let probes = recorded.readings.len();
+    let repeated = match options.noise.pad_start {
+        PadStart::PerRoll => recorded.leave_out_copies(),
+        _ => None,
+    };
     let source = &recorded.source;
     let unit = source.unit(recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
@@ -283,6 +294,8 @@ pub fn estimate_roll(
         residual,
         half_width,
         std_from,
+        repeated,
+        probes,
     })
 }
 

@@ -14,8 +14,11 @@ use super::error::RecordedError;
 use super::finger_assignment::parted;
 use super::header::Header;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
-use super::source::{ReadingSource, finite, same_length};
+use super::source::{ReadingSource, copies, finite, same_length};
 use super::text_table::TextTable;
+
+/// Largest number of rolls that are compared with each other directly.
+const MAX_COMPARED: usize = 32;
 
 /// Recorded readings of a roll.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +76,43 @@ impl RollRecording {
             extras: ExtraColumns::default(),
             note: None,
         })
+    }
+
+    /// Leaves out rolls that repeat earlier ones, and returns a warning, if they are at least half of the rolls. All are kept
+    /// if rolls by equal rotations have different shifts: then coarse sensors may cause the repetitions.
+    pub(super) fn leave_out_copies(&mut self) -> Option<String> {
+        let readings = &self.readings;
+        let is_repeated = |(place, one)| readings[..place].contains(one);
+        // Few rolls are compared without a table, because that takes longer than their estimate.
+        if readings.len() <= MAX_COMPARED && !readings.iter().enumerate().any(is_repeated) {
+            return None;
+        }
+        let mut shifts = HashMap::new();
+        let repeats = |reading: &ProbeReading| {
+            let bits = |numbers: Vector2<f64>| numbers.map(|number| (number + 0.0).to_bits());
+            let first = shifts.entry(bits(reading.rotation));
+            *first.or_insert(reading.shift) == reading.shift
+        };
+        if !readings.iter().all(repeats) {
+            return None;
+        }
+        let rolls = readings.iter().map(|reading| {
+            let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
+            [x, y, u, v]
+        });
+        let text = self.source.repeated("roll", rolls.clone(), 0.5)?;
+        let mut copied = copies(rolls).into_iter().peekable();
+        let kept = (0..readings.len()).filter(|roll| copied.next_if_eq(roll).is_none());
+        let kept: Vec<usize> = kept.collect();
+        if kept.len() < 2 {
+            return None;
+        }
+        self.readings = kept.iter().map(|&roll| self.readings[roll]).collect();
+        let rows = kept.iter().filter_map(|&roll| self.rows.get(roll).copied());
+        self.rows = rows.collect();
+        let probes = kept.iter().map(|&roll| self.probe(roll));
+        self.probes = probes.collect();
+        Some(text)
     }
 
     /// Number of the probe of a reading.

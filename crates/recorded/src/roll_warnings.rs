@@ -1,10 +1,8 @@
 //! Warnings about recorded rolls and their estimate.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use nalgebra::Vector2;
-use palpate_ep1::{PadStart, ProbeReading, rounding_std};
+use palpate_ep1::{ProbeReading, rounding_std};
 use palpate_statistics::{Number, StatedQuantity};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
@@ -41,7 +39,7 @@ impl RollEstimate {
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
             .chain(Warning::of("units", self.rotation_noise()))
-            .chain(Warning::of("repeated-rows", self.copies()))
+            .chain(Warning::of("repeated-rows", self.repeated.clone()))
             .chain(Warning::of("unnamed-probes", note.clone()))
             .collect()
     }
@@ -86,28 +84,6 @@ impl RollEstimate {
                 "the noise of rotations is stated as {noise} rad, but no probe turned by more than {most} rad: is it in degrees?"
             )
         })
-    }
-
-    /// Warns if at least half of the rolls repeat earlier rolls. There is no warning if rolls by equal rotations have
-    /// different shifts: then coarse sensors may cause the repetitions.
-    fn copies(&self) -> Option<String> {
-        let RollRecording {
-            readings, source, ..
-        } = &self.recorded;
-        let mut shifts = HashMap::new();
-        let repeats = |reading: &ProbeReading| {
-            let bits = |numbers: Vector2<f64>| numbers.map(|number| (number + 0.0).to_bits());
-            let first = shifts.entry(bits(reading.rotation));
-            *first.or_insert(reading.shift) == reading.shift
-        };
-        if self.options.noise.pad_start != PadStart::PerRoll || !readings.iter().all(repeats) {
-            return None;
-        }
-        let rolls = readings.iter().map(|reading| {
-            let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
-            [x, y, u, v]
-        });
-        source.repeated("roll", rolls, 0.5)
     }
 }
 

@@ -12,13 +12,19 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
+    /// Row of each reading, counted from 0; empty if no row is left out.
+    pub(super) rows: Vec<usize>,
 }
 
 impl ReadingSource {
     /// Arrays that a program has in memory.
     pub(super) fn arrays() -> Self {
-        let (name, lines) = ("readings".to_owned(), Vec::new());
-        Self { name, lines }
+        let (lines, rows) = Default::default();
+        Self {
+            name: "readings".to_owned(),
+            lines,
+            rows,
+        }
     }
 
     /// Line of a reading, if it has one.
@@ -26,11 +32,26 @@ impl ReadingSource {
         self.lines.get(reading).copied()
     }
 
+    /// Number of a reading's row, from 1.
+    pub(super) fn row_number(&self, reading: usize) -> usize {
+        self.rows.get(reading).copied().unwrap_or(reading) + 1
+    }
+
     /// Name of a reading's row in messages.
     pub(super) fn row(&self, reading: usize) -> String {
         let line = self.line(reading);
         let line = line.map_or(String::new(), |line| format!(", line {line}"));
-        format!("row {}{line}", reading + 1)
+        format!("row {}{line}", self.row_number(reading))
+    }
+
+    /// The source of these readings alone.
+    pub(super) fn selected(&self, rows: &[usize]) -> Self {
+        let lines = rows.iter().filter_map(|&row| self.line(row)).collect();
+        Self {
+            name: self.name.clone(),
+            lines,
+            rows: rows.to_vec(),
+        }
     }
 
     /// Error that concerns the readings as a whole.
@@ -78,7 +99,8 @@ impl ReadingSource {
             1 => format!("{first} repeats the {what} of an earlier row"),
             _ => format!("{count} rows, the first of them {first}, repeat {what}s of earlier rows"),
         };
-        (count as f64 >= share * all).then(|| format!("{rows} to the last digit: {COPIES}"))
+        (count as f64 >= share * all)
+            .then(|| format!("{rows} to the last digit: copies count once"))
     }
 }
 
@@ -142,7 +164,8 @@ mod tests {
     #[test]
     fn a_warning_names_copied_rows() {
         let (name, lines) = ("r.csv".to_owned(), vec![2, 3, 5, 6]);
-        let source = ReadingSource { name, lines };
+        let rows = Vec::new();
+        let source = ReadingSource { name, lines, rows };
         let warning = |rows: &[[f64; 2]]| source.repeated("marker", rows.iter().copied(), 0.0);
         assert_eq!(warning(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
         let one = warning(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();

@@ -15,8 +15,8 @@ pub(super) const FORMAT_VERSION: u32 = 2;
 /// A value with its standard deviation, interval and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Value {
-    /// The value.
-    pub value: f64,
+    /// The value; `None` if the readings do not determine it.
+    pub value: Option<f64>,
     /// Its standard deviation; `None` if the noise is unknown.
     pub std: Option<f64>,
     /// 95 % interval, `None` without a standard deviation; an end is `None` if the readings set no bound.
@@ -33,11 +33,26 @@ impl Value {
     /// A value without an uncertainty, in any unit.
     pub(super) fn bare(value: f64, unit: impl Into<Cow<'static, str>>) -> Self {
         Self {
-            value: value + 0.0,
+            value: Some(value + 0.0),
             std: None,
             interval95: None,
             unit: unit.into(),
         }
+    }
+
+    /// A value that the readings do not determine.
+    pub(super) fn open(power: Unit, length: LengthUnit) -> Self {
+        Self {
+            value: None,
+            std: None,
+            interval95: Some([None; 2]),
+            unit: power.of(length).into(),
+        }
+    }
+
+    /// The value; NaN if the readings do not determine it.
+    pub(super) fn number(&self) -> f64 {
+        self.value.unwrap_or(f64::NAN)
     }
 
     /// A value whose 95 % interval reaches `half_width` standard deviations to either side.
@@ -49,7 +64,7 @@ impl Value {
         length: LengthUnit,
     ) -> Self {
         let bare = Self::bare(value, power.of(length));
-        let end = |std: f64, sign: f64| Some(bare.value + sign * half_width * std);
+        let end = |std: f64, sign: f64| Some(value + sign * half_width * std);
         Self {
             std,
             interval95: std.map(|std| [end(std, -1.0), end(std, 1.0)]),

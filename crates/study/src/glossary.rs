@@ -106,6 +106,10 @@ subjects! {
         "least-squares": "Estimator of rolls: the curvature form that explains the rotations and shifts of all probes best.";
         "quadric": "Estimator of glides: one paraboloid for the whole patch; few unknowns, and blind to what a quadric cannot show.";
         "image": "Estimator of presses before a camera: what the camera sees of each marker, its place, hue and size, is fitted without displacements in between.";
+        "plane": "Estimator of glides: the plane through the contacts, without outliers.";
+        "sphere": "Estimator of glides: the sphere through the contacts, on any side of it and without outliers.";
+        "cylinder": "Estimator of glides: the circular cylinder through the contacts, on any side of it and without outliers.";
+        "shape": "Estimator of glides: the most probable of plane, sphere and cylinder, or none of these.";
         "penalised": "Estimator of glides: a spline through contacts and normals whose roughness is penalised by as much as the noise asks for.";
         "two-pass": "Estimator of glides, the 1996 paper's: two smoothing splines, one over the fingers' paths and one across. It counts lengths in inter-finger distances (IFD).";
         "std": "Standard deviation that the estimator reports of its own value, from the noise that is stated or from the residuals.";
@@ -177,6 +181,14 @@ subjects! {
         "unnamed-probes": "No column names the probes; they are counted by rows, blank lines or times.";
         "unnamed-fingers": "No column names the fingers; they are separated by blank lines or long steps.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
+        "left-out": "Contacts are left out of the fit: lost readings and other outliers.";
+        "not-resolved": "The contacts do not determine the radius of the shape; its interval is open.";
+        "not-resolved-across": "The contacts are of one stroke. They determine the curvature along it, but not across it.";
+        "two-groups": "The contacts form two groups that are farther apart than each is wide. They may be of two objects.";
+        "uncertain-shape": "The contacts fit two shapes about as well. Record more contacts over a larger part of the object.";
+        "too-many-outliers": "More than a fifth of the contacts are lost readings or outliers, or of another object.";
+        "none-of-these": "The contacts are of none of the shapes that were compared; the radius is of the best one.";
+        "correlated-noise": "The noise of consecutive contacts is correlated. Fewer independent contacts are counted, and the intervals are wider.";
         "distant-contact": "One contact is far from all others.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, and 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";

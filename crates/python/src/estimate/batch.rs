@@ -127,7 +127,8 @@ fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny
                 let [low, high] = interval95
                     .unwrap_or_default()
                     .map(|end| end.unwrap_or(f64::NAN));
-                [value, std.unwrap_or(f64::NAN), low, high]
+                let or_nan = |number: Option<f64>| number.unwrap_or(f64::NAN);
+                [or_nan(value), or_nan(std), low, high]
             }
             None => [f64::NAN; 4],
         });

@@ -6,4 +6,5 @@ mod camera_calibration;
 mod extreme_readings;
 mod image_estimate;
 mod load_curve;
+mod logs;
 mod reading_files;

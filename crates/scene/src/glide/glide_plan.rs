@@ -14,7 +14,7 @@ use super::glide_trial::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePl
 use crate::config_conversion::{pad_layout, range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
 use crate::scene::Need;
-use palpate_estimators::GlideFit;
+use palpate_estimators::GlideMethod;
 use palpate_study::config::{
     EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
     GlideNoiseConfig, GlideSensorConfig, ModelConfig, NoiseAxis, NormalNoise, ObjectConfig,
@@ -39,7 +39,7 @@ impl GlideScene {
         let noiseless_readings = noiseless_readings(&sensor, &touches, radius)?;
         let tip = sensor.tip(radius);
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
-        let method = GlideFit::of(&config.estimator, Some(config.motion.inter_finger_distance));
+        let method = GlideMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
         let models = [Some(need(&glider)), noise.need(), Some(sensor.need())].into_iter();
         let models = models

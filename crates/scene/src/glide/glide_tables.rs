@@ -1,6 +1,6 @@
 //! Tables of a glide: its trace, and maps of the curvature that trials estimate.
 
-use palpate_ep2::{Contact, Ep2Error, regions};
+use palpate_ep2::{Contact, ShapeError, regions};
 use palpate_estimators::push_map_point;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Table, Unit};
@@ -36,7 +36,7 @@ impl GlideScene {
         cell: usize,
         trial: u64,
         table: &mut MapTable,
-    ) -> Result<(), Ep2Error> {
+    ) -> Result<(), ShapeError> {
         let fit = self.fit(Some(trial))?;
         let world: Vec<_> = self.grid.places.iter().map(|place| place.point).collect();
         let points = fit.points_at(&world)?;

@@ -1,7 +1,9 @@
 //! A glide that is ready to run, and its trials.
 
-use nalgebra::Vector3;
-use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch, RoundTip};
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, RoundTip, ShapeError, ShapeFit,
+};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_rolling::Touch;
 use palpate_sensing::{Channel, NormalError, PositionError, Stream};
@@ -10,7 +12,7 @@ use palpate_statistics::BadSetting;
 use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
-use palpate_estimators::{GlideFit, map_table};
+use palpate_estimators::{GlideFit, GlideMethod, fit_shape, map_table};
 use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
@@ -34,9 +36,31 @@ pub struct GlideScene {
     pub(super) noise: ContactNoise,
     /// The round tip, if the sensor reports its lowest point instead of the contact.
     pub(super) tip: Option<RoundTip>,
-    pub(super) method: GlideFit,
+    pub(super) method: GlideMethod,
     pub(super) grid: TrueGrid,
     pub(super) needs: Vec<Need>,
+}
+
+/// A fitted graph or shape.
+pub(super) enum GlideSurface {
+    Graph(Fit),
+    Shape(ShapeFit),
+}
+
+impl GlideSurface {
+    fn curvature_at(&self, place: &Point3<f64>) -> Result<Curvature, Ep2Error> {
+        match self {
+            Self::Graph(fit) => fit.curvature_at(place),
+            Self::Shape(fit) => Ok(fit.point_at(place).curvature),
+        }
+    }
+
+    pub(super) fn points_at(&self, places: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
+        match self {
+            Self::Graph(fit) => fit.points_at(places),
+            Self::Shape(fit) => Ok(places.iter().map(|place| fit.point_at(place)).collect()),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,25 +128,35 @@ impl GlideScene {
         contacts
     }
 
-    /// Contacts from the readings of a trial, or from noiseless readings.
-    fn patch(&self, trial: Option<u64>) -> Result<Patch, Ep2Error> {
+    /// Contacts from the readings of a trial, or from noiseless readings, for a graph.
+    fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
-            Some(tip) => tip.contacts(&readings, &Vector3::z(), &self.method)?,
+            Some(tip) => tip.contacts(&readings, &Vector3::z(), method)?,
             None => readings,
         };
         Patch::new(&contacts, &Vector3::z())
     }
 
     /// Fits a surface to the readings of a trial, or to noiseless readings.
-    pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
-        self.method.fit(&self.patch(trial)?)
+    pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
+        Ok(match &self.method {
+            GlideMethod::Graph(method) => {
+                let patch = self.patch(method, trial)?;
+                GlideSurface::Graph(method.fit(&patch)?)
+            }
+            GlideMethod::Shape(settings) => {
+                let readings = self.readings(trial);
+                let fit = fit_shape(settings, self.tip.as_ref(), &readings, &Vector3::z())?;
+                GlideSurface::Shape(fit)
+            }
+        })
     }
 
     /// Compares a fit with the true surface at each point of the grid.
     fn compare(
         &self,
-        fit: &Fit,
+        fit: &GlideSurface,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), Ep2Error> {
         for place in &self.grid.places {
@@ -168,7 +202,7 @@ impl Trials for GlideScene {
     ) -> Result<(), &'static str> {
         let compared = self
             .fit(Some(trial))
-            .and_then(|fit| self.compare(&fit, observe));
+            .and_then(|fit| Ok(self.compare(&fit, observe)?));
         compared.map_err(|error| error.name())
     }
 
@@ -177,9 +211,12 @@ impl Trials for GlideScene {
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<Vec<&'static str>, &'static str> {
-        let test = self.patch(Some(trial)).and_then(|patch| {
-            self.compare(&self.method.fit(&patch)?, observe)?;
-            self.method.misfit(&patch)
+        let GlideMethod::Graph(method) = &self.method else {
+            return self.trial(trial, observe).map(|()| Vec::new());
+        };
+        let test = self.patch(method, Some(trial)).and_then(|patch| {
+            self.compare(&GlideSurface::Graph(method.fit(&patch)?), observe)?;
+            method.misfit(&patch)
         });
         let test = test.map_err(|error| error.name())?;
         Ok(test.misfits.iter().map(|misfit| misfit.code()).collect())
@@ -223,7 +260,10 @@ impl Trials for GlideScene {
 }
 
 /// Names the config field that makes the fit to noiseless contacts fail.
-fn fit_error(error: &Ep2Error) -> FieldError {
+fn fit_error(error: &ShapeError) -> FieldError {
+    let ShapeError::Contacts(error) = error else {
+        return FieldError::at("scene", error);
+    };
     let path = match error {
         Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
             "normal_std" => "scene.estimator.normal_std_deg".to_owned(),

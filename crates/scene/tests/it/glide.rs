@@ -157,22 +157,27 @@ fn noise_has_the_stated_size() {
 /// contacts computed from them lie on the sphere of radius R, with and without normals.
 #[test]
 fn contacts_are_found_from_the_lowest_points_of_round_tips() {
-    let sphere = |sensor: &str| {
+    let sphere = |sensor: &str, method: &str| {
+        let lines = format!(
+            "sensor = {{ kind = \"ideal\", {sensor} }}\nestimator = {{ kind = \"{method}\" }}"
+        );
         let scene = scene(
             r#"{ kind = "sphere", radius = 50 }"#,
             r#"{ kind = "sphere", radius = 100 }"#,
-            &format!("sensor = {{ kind = \"ideal\", {sensor} }}"),
+            &lines,
         );
         let [_, mean, _] = trial(&scene, 0);
         mean[24].0
     };
     for normals in ["normals = true", "normals = false"] {
         for reports in ["contact", "lowest-point"] {
-            let found = sphere(&format!("reports = \"{reports}\", {normals}"));
-            assert!(
-                (found * 100.0 - 1.0).abs() < 2e-3,
-                "{reports}, {normals}: {found}"
-            );
+            for method in ["penalised", "sphere", "shape"] {
+                let found = sphere(&format!("reports = \"{reports}\", {normals}"), method);
+                assert!(
+                    (found * 100.0 - 1.0).abs() < 2e-3,
+                    "{reports}, {normals}, {method}: {found}"
+                );
+            }
         }
     }
 }

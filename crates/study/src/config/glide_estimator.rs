@@ -62,6 +62,14 @@ pub enum GlideEstimatorConfig {
     },
     /// The weighted least-squares quadric.
     Quadric(StatedNoise),
+    /// A plane, without outliers.
+    Plane(StatedNoise),
+    /// A sphere touched on any side, without outliers.
+    Sphere(StatedNoise),
+    /// A circular cylinder touched on any side, without outliers.
+    Cylinder(StatedNoise),
+    /// The most probable of plane, sphere and cylinder, or none of these.
+    Shape(StatedNoise),
 }
 
 /// Noise of contacts that is stated instead of estimated.
@@ -109,7 +117,12 @@ impl GlideEstimatorConfig {
     /// Stated noise; `None` for a method without it.
     const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
-            Self::Penalised { noise, .. } | Self::Quadric(noise) => Some(noise),
+            Self::Penalised { noise, .. }
+            | Self::Quadric(noise)
+            | Self::Plane(noise)
+            | Self::Sphere(noise)
+            | Self::Cylinder(noise)
+            | Self::Shape(noise) => Some(noise),
             Self::TwoPass { .. } => None,
         }
     }
@@ -142,7 +155,11 @@ impl GlideEstimatorConfig {
         match self {
             Self::Penalised { .. } => "penalised",
             Self::TwoPass { .. } => "two-pass",
-            Self::Quadric { .. } => "quadric",
+            Self::Quadric(_) => "quadric",
+            Self::Plane(_) => "plane",
+            Self::Sphere(_) => "sphere",
+            Self::Cylinder(_) => "cylinder",
+            Self::Shape(_) => "shape",
         }
     }
 }

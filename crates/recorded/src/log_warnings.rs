@@ -1,0 +1,140 @@
+//! Warnings about logs: contacts that are left out or not independent, and sizes that the contacts do not determine.
+
+use nalgebra::Vector3;
+use palpate_ep2::{
+    Contact, EffectiveReadings, Outlier, OutlierReason, Shape, ShapeFit, StrokeCurvature,
+};
+use palpate_statistics::Number;
+use palpate_study::Warning;
+use palpate_study::config::LengthUnit;
+
+use super::glide_recording::GlideRecording;
+
+/// Number of rows that a message lists.
+const LISTED_ROWS: usize = 10;
+/// Number of consecutive contacts that count as one from which a warning is given.
+const MIN_CORRELATION: f64 = 1.5;
+/// Probability of the chosen shape below which another one is mentioned.
+const MIN_PROBABILITY: f64 = 0.9;
+/// Iterations that divide contacts into two groups.
+const GROUP_ITERATIONS: usize = 5;
+
+/// The first of these rows, in words.
+pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
+    let more = rows.len().saturating_sub(LISTED_ROWS);
+    let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
+    listed.extend((more > 0).then(|| format!("and {more} more")));
+    listed.join("; ")
+}
+
+/// The warning about contacts that are left out.
+pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Option<Warning> {
+    let (count, contacts) = (outliers.len(), recorded.contacts.len());
+    let row = |outlier: &Outlier| {
+        let row = recorded.source.row(outlier.contact);
+        let x = Number(recorded.contacts[outlier.contact].position.x);
+        match outlier.reason {
+            OutlierReason::Sentinel => format!("{row} (lost reading, {x})"),
+            OutlierReason::Zeros => format!("{row} (lost reading, zeros)"),
+            OutlierReason::Far => format!("{row} (far from all others)"),
+            OutlierReason::Misfit => format!("{row} (misfit)"),
+        }
+    };
+    (count > 0).then(|| {
+        let rows = listed(outliers.iter().map(row));
+        let text = format!("{count} of {contacts} contacts are left out: {rows}");
+        let numbers = [("left_out", count as f64), ("contacts", contacts as f64)];
+        Warning::new("left-out", text, numbers)
+    })
+}
+
+/// The warning about noise that is correlated along the strokes.
+pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
+    let [position, normal] = [readings.position_correlation, readings.normal_correlation];
+    (position.max(normal) > MIN_CORRELATION).then(|| {
+        let [shown, tilts] = [position, normal].map(Number::rounded);
+        let text = format!(
+            "the noise is correlated along the strokes: {shown} consecutive positions count as one, and {tilts} normals"
+        );
+        let numbers = [("positions", position), ("normals", normal)];
+        Warning::new("correlated-noise", text, numbers)
+    })
+}
+
+/// The warning about a single stroke.
+pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
+    let half = stroke.half_width * stroke.std;
+    let [value, half] = [stroke.value, half].map(Number::rounded);
+    let text = format!(
+        "the contacts are of one stroke: its curvature is {value} ± {half} 1/{} along it, and is not resolved across it",
+        unit.as_str()
+    );
+    Warning::new("not-resolved-across", text, [])
+}
+
+/// The warning about contacts in two groups that are farther apart than each is wide.
+pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
+    let place = |contact: &Contact| contact.position.coords;
+    let farthest = |from: Vector3<f64>| {
+        let places = contacts.iter().map(place);
+        places.max_by(|one, other| (one - from).norm().total_cmp(&(other - from).norm()))
+    };
+    let first = farthest(place(contacts.first()?))?;
+    let mut centres = [first, farthest(first)?];
+    let nearer = |contact: &Contact, [one, other]: &[Vector3<f64>; 2]| {
+        usize::from((place(contact) - one).norm() > (place(contact) - other).norm())
+    };
+    for _ in 0..GROUP_ITERATIONS {
+        let (mut sums, mut counts) = ([Vector3::zeros(); 2], [0.0; 2]);
+        for contact in contacts {
+            let group = nearer(contact, &centres);
+            sums[group] += place(contact) - centres[group];
+            counts[group] += 1.0;
+        }
+        if counts.contains(&0.0) {
+            return None;
+        }
+        centres = [0, 1].map(|group| centres[group] + sums[group] / counts[group]);
+    }
+    let mut radii = [0.0_f64; 2];
+    for contact in contacts {
+        let group = nearer(contact, &centres);
+        radii[group] = radii[group].max((place(contact) - centres[group]).norm());
+    }
+    let [one, other] = radii;
+    let gap = (centres[1] - centres[0]).norm() - one - other;
+    (gap > 2.0 * one.max(other) && gap.is_finite()).then(|| {
+        let (shown, unit) = (Number::rounded(gap), unit.as_str());
+        let text = format!("the contacts form two groups that are {shown} {unit} apart, farther than each is wide: are they of two objects?");
+        Warning::new("two-groups", text, [("distance", gap)])
+    })
+}
+
+/// Warnings about a shape.
+pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
+    let (unit, name) = (unit.as_str(), fit.shape.name());
+    let is_open = fit.shape != Shape::Plane && !fit.is_resolved();
+    let open = is_open.then(|| match fit.radius.interval95[0].map(Number::rounded) {
+        Some(least) => {
+            format!("the contacts do not resolve the radius: it is at least {least} {unit}")
+        }
+        None => "the contacts do not resolve the radius".to_owned(),
+    });
+    let misfit = Number::rounded(fit.rms_misfit);
+    let none = fit.is_none_of_these().then(|| {
+        format!("the contacts are of no plane, sphere or cylinder: from the best one, a {name}, they deviate by {misfit} {unit} (rms)")
+    });
+    let share = fit.probabilities.map(|all| all[fit.shape as usize]);
+    let is_unsure = share.is_some_and(|share| share < MIN_PROBABILITY) && none.is_none();
+    let unsure = is_unsure.then(|| {
+        let percent = Number::rounded(100.0 * share.unwrap_or_default());
+        format!("the contacts do not determine the shape: it is a {name} with a probability of {percent} %")
+    });
+    let texts = [
+        ("not-resolved", open),
+        ("none-of-these", none),
+        ("uncertain-shape", unsure),
+    ];
+    let warning = |(code, text)| Warning::of(code, text);
+    texts.into_iter().filter_map(warning).collect()
+}

@@ -1,0 +1,118 @@
+//! Report of a plane, a sphere or a cylinder through recorded contacts, of a single stroke, and of contacts that are left out.
+
+use std::collections::BTreeMap;
+
+use palpate_ep2::{Outlier, Shape, ShapeFit, SizeEstimate, StrokeCurvature};
+use serde::Serialize;
+
+use super::glide_report::tidy;
+use super::value::{Value, finite};
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
+
+/// A contact that is left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct LeftOut {
+    /// Row of the readings, counted from 1.
+    row: usize,
+    /// `sentinel`, `zeros`, `far` or `misfit`.
+    reason: &'static str,
+}
+
+impl LeftOut {
+    pub(super) fn new(outlier: &Outlier) -> Self {
+        Self {
+            row: outlier.contact + 1,
+            reason: outlier.reason.into(),
+        }
+    }
+}
+
+/// Curvature along a single stroke.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct StrokeReport {
+    /// Normal curvature along the stroke, > 0 where convex.
+    curvature_along: Value,
+    /// Normal curvature across it, which the stroke does not determine.
+    curvature_across: Value,
+    /// Unit vector along the stroke, of either sign.
+    direction: [f64; 3],
+}
+
+impl StrokeReport {
+    pub(super) fn new(stroke: &StrokeCurvature, unit: LengthUnit) -> Self {
+        let StrokeCurvature {
+            value,
+            std,
+            half_width,
+            direction,
+        } = stroke;
+        Self {
+            curvature_along: Value::within(*value, Some(*std), *half_width, Unit::PerLength, unit),
+            curvature_across: Value::open(Unit::PerLength, unit),
+            direction: tidy(direction),
+        }
+    }
+}
+
+/// Size and place of a shape.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct ShapeReport {
+    /// `plane`, `sphere`, `cylinder` or `none`.
+    shape: &'static str,
+    /// Probability of each shape and of none of these; `null` if the shape was stated.
+    shape_probabilities: Option<BTreeMap<&'static str, f64>>,
+    /// Radius of the best shape; `None` for a plane.
+    #[serde(skip)]
+    pub(super) radius: Option<Value>,
+    /// Curvature across a cylinder's axis, or of a sphere; > 0 where convex.
+    curvature: Value,
+    /// Centre of a sphere, or the point of a cylinder's axis nearest the contacts; `null` if the radius is not resolved.
+    centre: Option<[f64; 3]>,
+    centre_std: Option<[f64; 3]>,
+    /// Axis of a cylinder, of either sign.
+    axis: Option<[f64; 3]>,
+    axis_std_deg: Option<f64>,
+    /// Root-mean-square distance of the contacts from the shape.
+    rms_misfit: Value,
+    /// Probability that contacts of this shape fit worse.
+    shape_p_value: f64,
+}
+
+impl ShapeReport {
+    /// The report of a fit. The size is open if `is_open`.
+    pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
+        let size = |size: &SizeEstimate, power: Unit| match is_open {
+            true => Value::open(power, unit),
+            false => Value {
+                value: size.value.and_then(finite),
+                std: size.std.and_then(finite),
+                interval95: Some(size.interval95.map(|end| end.and_then(finite))),
+                ..Value::open(power, unit)
+            },
+        };
+        let names = [Shape::Plane, Shape::Sphere, Shape::Cylinder].map(Shape::name);
+        let names = names.into_iter().chain(["none"]);
+        let is_plane = fit.shape == Shape::Plane;
+        let axis = fit
+            .direction
+            .filter(|_| fit.shape == Shape::Cylinder && !is_open);
+        let centre = fit.place.filter(|_| !is_plane && !is_open);
+        let axis_std = fit.direction_std_rad.filter(|_| axis.is_some());
+        Self {
+            shape: match fit.is_none_of_these() {
+                true => "none",
+                false => fit.shape.name(),
+            },
+            shape_probabilities: fit.probabilities.map(|all| names.zip(all).collect()),
+            radius: (!is_plane).then(|| size(&fit.radius, Unit::Length)),
+            curvature: size(&fit.curvature, Unit::PerLength),
+            centre: centre.map(|centre| tidy(&centre.coords)),
+            centre_std: fit.place_std.filter(|_| centre.is_some()),
+            axis: axis.as_ref().map(tidy),
+            axis_std_deg: axis_std.map(f64::to_degrees),
+            rms_misfit: Value::bare(fit.rms_misfit, Unit::Length.of(unit)),
+            shape_p_value: fit.p_value,
+        }
+    }
+}

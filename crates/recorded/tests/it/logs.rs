@@ -1,0 +1,198 @@
+//! Logs as robots write them: shapes, lost readings, copies and single strokes.
+
+use palpate_recorded::{
+    GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions, estimate_glide,
+    estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+};
+use palpate_sensing::{Channel, Stream};
+use serde_json::{Value, json};
+
+fn file(text: &str) -> RecordedFile {
+    RecordedFile::new("readings.csv", text.as_bytes().to_vec())
+}
+
+/// Contacts of three fingers on a ball of 25 mm, with errors of about 0.03 mm. `row` replaces rows.
+fn ball(row: &dyn Fn(usize) -> Option<&'static str>) -> String {
+    let mut noise = Stream::new(45, 0, Channel::Position);
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    for index in 0..36 {
+        let [x, y] = [index % 12, index / 12].map(|step| step as f64);
+        let [x, y] = [2.0 * x - 11.0, 9.0 * (y - 1.0)];
+        let error = 0.03 * noise.standard_normal();
+        let z = (625.0 - x * x - y * y).sqrt() + error;
+        let at = row(index).map_or_else(|| format!("{x},{y},{z}"), str::to_owned);
+        text += &format!("{},{at}\n", index / 12);
+    }
+    text
+}
+
+fn estimate(text: &str, method: &str) -> Result<Value, RecordedError> {
+    let readings = parse_glide(file(text))?;
+    let given = json!({ "kind": method });
+    let options = GlideOptions::with_settings(
+        None,
+        given.as_object().unwrap(),
+        None,
+        readings.has_normals(),
+    );
+    let (estimate, map) = estimate_glide(&readings, &options.unwrap())?;
+    assert_eq!(map.points.len(), 900);
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+fn codes(estimate: &Value) -> Vec<&str> {
+    let warnings = estimate["warnings"].as_array().unwrap().iter();
+    warnings
+        .map(|warning| warning["code"].as_str().unwrap())
+        .collect()
+}
+
+#[test]
+fn a_ball_has_its_radius_without_lost_readings() {
+    let clean = estimate(&ball(&|_| None), "shape").unwrap();
+    let lost = ball(&|row| (row % 9 == 4).then_some("9999,9999,9999"));
+    let rows = [5, 14, 23, 32].map(|row| json!({ "row": row, "reason": "sentinel" }));
+    let of_shape = estimate(&lost, "shape").unwrap();
+    for estimate in [&clean, &of_shape] {
+        let radius = &estimate["radius"];
+        let [low, high] = [0, 1].map(|end| radius["interval95"][end].as_f64().unwrap());
+        assert!(low < 25.0 && 25.0 < high && high - low < 2.0, "{radius}");
+        assert_eq!(
+            [&estimate["shape"], &estimate["method"]],
+            ["sphere", "shape"]
+        );
+        assert!(estimate["shape_probabilities"]["sphere"].as_f64().unwrap() > 0.9);
+        assert!(estimate["rms_misfit"]["value"].as_f64().unwrap() < 0.06);
+        assert_eq!(estimate["class"], "peak");
+    }
+    assert_eq!(clean["effective_contacts"], 36.0);
+    assert!(
+        codes(&clean).is_empty() && clean["left_out"] == json!([]),
+        "{clean}"
+    );
+    for method in ["penalised", "quadric", "two-pass", "sphere"] {
+        let of_lost = estimate(&lost, method).unwrap();
+        assert_eq!(
+            [&of_lost["left_out"], &of_lost["contacts"]],
+            [&json!(rows), &json!(36)]
+        );
+        assert!(codes(&of_lost).contains(&"left-out"));
+        let kept: Vec<&str> = lost.lines().filter(|line| !line.contains("9999")).collect();
+        let alone = estimate(&(kept.join("\n") + "\n"), method).unwrap();
+        assert_eq!(of_lost["mean_curvature"], alone["mean_curvature"]);
+    }
+    let many = ball(&|row| (row % 4 == 1).then_some("9999,0,0"));
+    for method in ["sphere", "penalised"] {
+        let error = estimate(&many, method).unwrap_err().to_string();
+        assert!(
+            error.contains("9 of 36 contacts are outliers") && error.contains("line 3"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_flat_log_bounds_the_radius() {
+    let mut noise = Stream::new(46, 0, Channel::Position);
+    let mut at = |_| 0.05 * noise.standard_normal();
+    let places = (0..36).map(|row| {
+        format!(
+            "{},{},{},{}\n",
+            row / 12,
+            2 * (row % 12),
+            9 * (row / 12),
+            at(row)
+        )
+    });
+    let flat = format!("finger,x_mm,y_mm,z_mm\n{}", places.collect::<String>());
+    let open = estimate(&flat, "sphere").unwrap();
+    assert!(open["radius"]["value"].is_null() && open["radius"]["interval95"][1].is_null());
+    assert!(
+        open["radius"]["interval95"][0].as_f64().unwrap() > 50.0,
+        "{open}"
+    );
+    assert_eq!(codes(&open), ["not-resolved"]);
+    let plane = estimate(&flat, "shape").unwrap();
+    assert_eq!(
+        [&plane["shape"], &plane["radius"]],
+        [&json!("plane"), &Value::Null]
+    );
+}
+
+#[test]
+fn a_single_stroke_is_not_resolved_across() {
+    let mut text = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n".to_owned();
+    for row in 0..21 {
+        let x = f64::from(row) - 10.0;
+        let [y, error] = [5.3, 7.1].map(|rate| 0.05 * libm::sin(rate * f64::from(row * row)));
+        let z = (625.0 - x * x).sqrt();
+        text += &format!("0,{x},{y},{},{x},0,{z}\n", z + error);
+    }
+    for method in ["penalised", "quadric", "shape"] {
+        let stroke = estimate(&text, method).unwrap();
+        let [low, high] = [0, 1].map(|end| &stroke["stroke"]["curvature_along"]["interval95"][end]);
+        assert!(
+            low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04),
+            "{stroke}"
+        );
+        for key in ["mean_curvature", "gaussian_curvature", "k_min", "k_max"] {
+            let open = json!({ "value": null, "std": null, "interval95": [null, null] });
+            let found = &stroke[key];
+            assert!(
+                ["value", "std", "interval95"]
+                    .iter()
+                    .all(|part| found[*part] == open[*part])
+            );
+        }
+        assert!(codes(&stroke).contains(&"not-resolved-across") && stroke["class"].is_null());
+        assert!(stroke["radius"]["value"].is_null());
+    }
+}
+
+#[test]
+fn copies_count_once() {
+    let rows = |text: &str, times: usize| {
+        let (header, rows) = text.split_once('\n').unwrap();
+        let rows = rows.lines().flat_map(|row| vec![format!("{row}\n"); times]);
+        format!("{header}\n{}", rows.collect::<String>())
+    };
+    let same = |one: &Value, four: &Value, keys: &[&str]| {
+        for key in keys {
+            assert_eq!(one[*key], four[*key], "{key}");
+        }
+        assert!(codes(four).contains(&"repeated-rows"));
+    };
+    let glide = ball(&|_| None);
+    for method in ["penalised", "quadric", "sphere"] {
+        let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
+        same(&one, &four, &["mean_curvature", "effective_contacts"]);
+    }
+    // A finger that returns after each line of a raster does not rest.
+    let raster = glide.replace("\n1,", "\n0,").replace("\n2,", "\n0,");
+    assert_eq!(
+        estimate(&raster, "penalised").unwrap()["effective_contacts"],
+        36.0
+    );
+    let roll = "rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,-0.3,2.01,0\n0.3,0,0,2\n0.2,-0.2,1.32,1.3\n0.2,0.2,-1.31,1.33\n";
+    let [one, four] = [1, 4].map(|times| {
+        let readings = parse_roll(file(&rows(roll, times))).unwrap();
+        let estimate = estimate_roll(readings, &RollOptions::new(10.0)).unwrap();
+        serde_json::to_value(estimate).unwrap()
+    });
+    same(&one, &four, &["mean_curvature", "residual_rms"]);
+    let mut press = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
+    for marker in 0..49 {
+        let [x, y] = [marker % 7, marker / 7].map(|step| f64::from(step) - 3.0);
+        let error = 0.01 * libm::sin(7.7 * f64::from(marker * marker));
+        let depth = 1.0 * libm::exp(-0.15 * (x * x + y * y)) + error;
+        press += &format!("{x},{y},{depth}\n");
+    }
+    let given = json!({ "sensor_radius": 20.0, "depth": 2.0 });
+    let [one, four] = [1, 4].map(|times| {
+        let readings = parse_press(file(&rows(&press, times))).unwrap();
+        let options = PressOptions::with_settings(None, given.as_object().unwrap(), None, false);
+        let report = estimate_press(&readings, &options.unwrap()).unwrap();
+        serde_json::to_value(report).unwrap()
+    });
+    same(&one, &four, &["object_curvature", "indentation", "noise"]);
+}
