@@ -5,6 +5,7 @@ mod glide;
 mod like;
 mod press;
 mod roll;
+mod summary;
 mod table;
 
 pub(crate) use force::force;

@@ -72,7 +72,9 @@ three times the median and 1.5 times all other steps. A warning states how the f
 
 ", tables!(), "Other columns are ignored, but a map at the contacts has them after its own columns.
 
-The JSON has the curvature in the middle of the patch and the regions of one shape class. --map writes the curvature
+The JSON has the curvature in the middle of the patch and the regions of one shape class. Lost readings are left out and
+listed in `left_out`; copies, rests and correlated noise reduce `effective_contacts`. Methods plane, sphere, cylinder and
+shape also have `radius`, `shape` and `rms_misfit`. For a single stroke, `stroke` has the curvature along it. --map writes the curvature
 all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null if the noise is
@@ -96,6 +98,7 @@ Examples:
   palpate estimate glide examples/glide-readings.csv --map map.csv
   palpate estimate glide examples/glide-readings.csv --map map.csv --at-contacts
   palpate estimate glide examples/glide-readings.csv --method two-pass --smoothing 500
+  palpate estimate glide examples/glide-log.csv --method shape
   palpate estimate glide examples/glide-readings.csv --criterion gcv --intervals 6
   palpate estimate glide examples/glide-readings.csv --like examples/fingers-over-a-mug.toml
   palpate estimate glide examples/glide-readings.csv --tip-radius 4 --reports centre
@@ -189,6 +192,9 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
+    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     #[command(flatten)]
@@ -203,6 +209,9 @@ pub(crate) struct EstimateGlideArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
+    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     #[command(flatten)]
@@ -227,6 +236,9 @@ pub(crate) struct EstimatePressArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
+    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) sensor: SensorArgs,
     /// Multiply the positions of the markers by this factor.

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use palpate_recorded::{GlideOptions, GlideRecording, estimate_glide, parse_glide};
 
 use super::like::Like;
-use super::table::{form, table, warn};
+use super::table::{form, shown, table, warn};
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
 use crate::output::{self, Guard, OutputFile};
@@ -19,7 +19,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let options = options(args, like, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
-    let json = output::json(&estimate)?;
+    let json = shown(&estimate, args.json)?;
     let Some(map_file) = map_file else {
         return output::print(&json);
     };

@@ -5,7 +5,7 @@ use palpate_study::config::LengthUnit;
 use serde_json::{Map, Value as Json};
 
 use super::like::Like;
-use super::table::{form, table, warn};
+use super::table::{form, shown, table, warn};
 use crate::cli::EstimatePressArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -21,7 +21,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     options.length_unit = args.form.length_unit.or(options.length_unit);
     let estimate = estimate_press(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
-    output::print(&output::json(&estimate)?)
+    output::print(&shown(&estimate, args.json)?)
 }
 
 /// Options of the estimator in the readings' unit.

@@ -3,7 +3,7 @@
 use palpate_recorded::{RollOptions, estimate_roll, parse_roll};
 
 use super::like::Like;
-use super::table::{form, table, warn};
+use super::table::{form, shown, table, warn};
 use crate::cli::EstimateRollArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -19,5 +19,5 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let options = options.map_err(Failure::usage)?;
     let estimate = estimate_roll(readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
-    output::print(&output::json(&estimate)?)
+    output::print(&shown(&estimate, args.json)?)
 }

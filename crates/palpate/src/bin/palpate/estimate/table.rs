@@ -1,5 +1,6 @@
 //! Input and output of all estimates: tables from files or standard input, and warnings.
 
+use std::io::IsTerminal;
 use std::path::Path;
 
 use palpate_recorded::{Form, RecordedFile};
@@ -8,8 +9,10 @@ use palpate_study::readings::{columns_of, of_key};
 use serde::Serialize;
 
 use super::like::Like;
+use super::summary::summary;
 use crate::cli::FormArgs;
 use crate::failure::{Failure, with_flags};
+use crate::output;
 
 /// Table in a form; `-` is standard input.
 pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
@@ -35,6 +38,15 @@ pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
         }
     }
     form
+}
+
+/// The estimate for standard output: JSON, or a few lines for a person at a terminal.
+pub(crate) fn shown(estimate: &impl Serialize, json: bool) -> Result<String, Failure> {
+    if json || !std::io::stdout().is_terminal() {
+        return output::json(estimate);
+    }
+    let estimate = serde_json::to_value(estimate).map_err(Failure::work)?;
+    Ok(summary(&estimate))
 }
 
 /// Prints the warnings of an estimate to standard error.

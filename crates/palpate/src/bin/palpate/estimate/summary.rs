@@ -1,0 +1,153 @@
+//! An estimate in at most six lines, for a person at a terminal.
+
+use palpate_statistics::Number;
+use serde_json::Value;
+
+/// Quantities in the order in which they are shown.
+const QUANTITIES: [&str; 12] = [
+    "radius",
+    "object_curvature",
+    "mean_curvature",
+    "gaussian_curvature",
+    "k_min",
+    "k_max",
+    "normal_curvature_u",
+    "normal_curvature_v",
+    "effective_radius",
+    "indentation",
+    "contact_radius",
+    "rms_misfit",
+];
+/// Largest number of quantities.
+const MAX_SHOWN: usize = 5;
+/// Number of rows that are listed.
+const LISTED_ROWS: usize = 8;
+
+/// The estimate in lines: the verdict with the first quantity, other quantities, and the readings that are used.
+pub(super) fn summary(estimate: &Value) -> String {
+    let along = quantity(
+        "curvature along the stroke",
+        &estimate["stroke"]["curvature_along"],
+    );
+    let quantities = QUANTITIES
+        .iter()
+        .filter_map(|key| quantity(key, &estimate[*key]));
+    let quantities = along.into_iter().chain(quantities);
+    let mut lines: Vec<String> = quantities.take(MAX_SHOWN).collect();
+    if let (Some(first), Some(verdict)) = (lines.first_mut(), verdict(estimate)) {
+        *first = format!("{first}, {verdict}");
+    }
+    lines.extend(readings(estimate));
+    lines.join("\n")
+}
+
+/// A quantity with its interval; `None` for one without the key of an interval.
+fn quantity(key: &str, value: &Value) -> Option<String> {
+    value.get("interval95")?;
+    let unit = value.get("unit")?.as_str()?;
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    let number = |value: &Value| {
+        value
+            .as_f64()
+            .map(|number| Number::rounded(number).to_string())
+    };
+    let name = key.replace('_', " ");
+    let [low, high] = [0, 1].map(|end| number(&value["interval95"][end]));
+    let estimate = number(&value["value"]);
+    let interval = match (&low, &high) {
+        (Some(low), Some(high)) => format!(" (95 %: {low} to {high})"),
+        (Some(low), None) if estimate.is_some() => format!(" (95 %: at least {low})"),
+        (None, Some(high)) if estimate.is_some() => format!(" (95 %: at most {high})"),
+        _ => String::new(),
+    };
+    Some(match (estimate, low) {
+        (Some(estimate), _) => format!("{name} {estimate}{unit}{interval}"),
+        (None, Some(low)) => format!("{name} not resolved, at least {low}{unit} (95 %)"),
+        (None, None) => format!("{name} not resolved"),
+    })
+}
+
+/// Shape or class, with its probability.
+fn verdict(estimate: &Value) -> Option<String> {
+    if !estimate["stroke"].is_null() {
+        return Some("not resolved across".to_owned());
+    }
+    let of_shape = (&estimate["shape"], &estimate["shape_probabilities"]);
+    let of_class = (&estimate["class"], &estimate["class_probabilities"]);
+    let alone = (&estimate["verdict"], &Value::Null);
+    let mut all = [of_shape, of_class, alone].into_iter();
+    let (name, probabilities) = all.find(|(name, _)| name.is_string())?;
+    let name = name.as_str()?;
+    let share = probabilities[name].as_f64();
+    let percent = share.map_or(String::new(), |share| format!(" {:.0} %", 100.0 * share));
+    Some(format!(
+        "{}{percent}",
+        if name == "none" {
+            "no simple shape"
+        } else {
+            name
+        }
+    ))
+}
+
+/// Number of readings, and those that are left out.
+fn readings(estimate: &Value) -> Option<String> {
+    let mut counts = ["contacts", "markers", "probes"].into_iter();
+    let (what, count) = counts.find_map(|what| Some((what, estimate[what].as_u64()?)))?;
+    let left = ["left_out", "wrong_markers"].map(|key| estimate[key].as_array());
+    let left: Vec<&Value> = left.into_iter().flatten().flatten().collect();
+    let effective = estimate["effective_contacts"].as_f64().map(Number::rounded);
+    let independent = effective.map_or(String::new(), |all| format!("{all} independent"));
+    if left.is_empty() {
+        let independent = Some(independent).filter(|all| !all.is_empty());
+        let all = [
+            Some(format!("{count} {what}")),
+            independent,
+            Some("none left out".into()),
+        ];
+        return Some(all.into_iter().flatten().collect::<Vec<_>>().join(", "));
+    }
+    let rows = left
+        .iter()
+        .take(LISTED_ROWS)
+        .map(|one| one["row"].to_string());
+    let rows = rows.collect::<Vec<_>>().join(", ");
+    let more = if left.len() > LISTED_ROWS {
+        ", …"
+    } else {
+        ""
+    };
+    let word = if left.len() == 1 { "row" } else { "rows" };
+    let text = format!(
+        "{} of {count} {what} left out: {word} {rows}{more}",
+        left.len()
+    );
+    Some(match independent.is_empty() {
+        true => text,
+        false => format!("{text}; {independent}"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn an_estimate_is_a_verdict_and_few_lines() {
+        let radius = json!({ "value": 39.62, "interval95": [38.7, 40.54], "unit": "mm" });
+        let open = json!({ "value": null, "interval95": [null, null], "unit": "1/mm" });
+        let rows = json!([{ "row": 5 }, { "row": 14 }]);
+        let estimate = json!({
+            "radius": radius, "mean_curvature": open, "shape": "cylinder", "contacts": 36,
+            "shape_probabilities": { "cylinder": 0.97 }, "left_out": rows, "effective_contacts": 34.0,
+        });
+        let lines = "radius 39.6 mm (95 %: 38.7 to 40.5), cylinder 97 %\nmean curvature not resolved\n2 of 36 contacts left out: rows 5, 14; 34 independent";
+        assert_eq!(summary(&estimate), lines);
+    }
+}
