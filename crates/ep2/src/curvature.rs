@@ -2,8 +2,8 @@
 
 use palpate_geometry::CurvatureForm;
 
-use crate::spline::Lanes;
-use crate::{Ep2Error, Jet};
+use crate::Ep2Error;
+use crate::spline::{Jet, Lanes};
 
 /// The derivatives of a graph that its curvature depends on: p, q (slopes) and r, s, t (second
 /// derivatives along u², uv, v²), in the letters of Monge.

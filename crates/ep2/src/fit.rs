@@ -5,12 +5,9 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use crate::curvature::{Curvatures, form_and_basis};
-use crate::posterior::{PosteriorLine, Series};
-use crate::spline::{LANES, Lanes, Local};
-use crate::{
-    Curvature, Ep2Error, Jet, MisfitTest, NoiseEstimate, Patch, PatchFrame, Posterior, Status,
-    TensorSpline,
-};
+use crate::posterior::{Posterior, PosteriorLine, Series};
+use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
+use crate::{Curvature, Ep2Error, MisfitTest, NoiseEstimate, Patch, PatchFrame, Status};
 
 /// Largest number of places along each side of a map.
 const MAX_SIDE: usize = 2048;
@@ -41,9 +38,9 @@ pub struct Fit {
     /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
     pub domain: [[f64; 2]; 2],
     /// The surface w(u, v).
-    pub spline: TensorSpline,
+    pub(crate) spline: TensorSpline,
     /// Uncertainty of the surface, if the method states it.
-    pub posterior: Option<Posterior>,
+    pub(crate) posterior: Option<Posterior>,
     /// Noise of the contacts, if the method estimates it.
     pub noise: Option<NoiseEstimate>,
     /// Effective number of fitted unknowns: the trace of the linear map from the observations to the fit.
@@ -92,6 +89,14 @@ fn check_side(side: usize) -> Result<(), Ep2Error> {
 }
 
 impl Fit {
+    /// The fit without its uncertainty. Its curvatures take less time.
+    pub fn without_uncertainty(self) -> Self {
+        Self {
+            posterior: None,
+            ..self
+        }
+    }
+
     /// Gaussian and mean curvature at the point where the line through `world` along the patch's normal meets the
     /// surface. For exact contacts on a paraboloid and a place at its apex, the error of a quadric and of a penalised
     /// spline is at most 1e-11 of the larger principal curvature.
@@ -107,7 +112,7 @@ impl Fit {
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
-    pub fn point_at(&self, u: f64, v: f64) -> Result<MapPoint, Ep2Error> {
+    pub(crate) fn point_at(&self, u: f64, v: f64) -> Result<MapPoint, Ep2Error> {
         let (jet, curvature) = self.jet_and_curvature(u, v)?;
         self.map_point([u, v], &jet, curvature)
     }
@@ -115,7 +120,7 @@ impl Fit {
     /// The surface at the points where lines through these points along the patch's normal meet it.
     ///
     /// # Errors
-    /// Errors of [`Fit::point_at`].
+    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
     pub fn points_at(&self, world: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
         world
             .iter()
@@ -129,7 +134,7 @@ impl Fit {
     /// The middle of the patch.
     ///
     /// # Errors
-    /// Errors of [`Fit::point_at`].
+    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
     pub fn centre(&self) -> Result<MapPoint, Ep2Error> {
         let [u, v] = self.domain.map(|[low, high]| 0.5 * low + 0.5 * high);
         self.point_at(u, v)
@@ -164,7 +169,7 @@ impl Fit {
     /// The surface on a grid of `side` × `side` places that spans the contacts, u slowest.
     ///
     /// # Errors
-    /// Errors of [`Fit::point_at`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
+    /// As [`Fit::centre`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
     pub fn map(&self, side: usize) -> Result<Vec<MapPoint>, Ep2Error> {
         check_side(side)?;
         let columns = self.columns(side);

@@ -68,25 +68,25 @@ impl PatchFrame {
 
     /// A point of the world in the patch.
     #[inline]
-    pub fn point(&self, world: &Point3<f64>) -> Vector3<f64> {
+    pub(crate) fn point(&self, world: &Point3<f64>) -> Vector3<f64> {
         self.patch_from_world * (world - self.origin) / self.scale
     }
 
     /// A direction of the world in the patch.
     #[inline]
-    pub fn direction(&self, world: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn direction(&self, world: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world * world
     }
 
     /// A point of the patch in the world.
     #[inline]
-    pub fn point_in_world(&self, patch: &Vector3<f64>) -> Point3<f64> {
+    pub(crate) fn point_in_world(&self, patch: &Vector3<f64>) -> Point3<f64> {
         self.origin + self.direction_in_world(&(patch * self.scale))
     }
 
     /// A direction of the patch in the world.
     #[inline]
-    pub fn direction_in_world(&self, patch: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn direction_in_world(&self, patch: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world.inverse() * patch
     }
 }

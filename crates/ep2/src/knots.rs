@@ -1,7 +1,7 @@
 //! B-splines of one variable.
 
 /// Highest degree of a spline.
-pub const MAX_DEGREE: usize = 5;
+pub(crate) const MAX_DEGREE: usize = 5;
 
 /// Values of the `degree + 1` B-splines that do not vanish somewhere; the rest is 0.
 pub(crate) type Basis = [f64; MAX_DEGREE + 1];
@@ -10,7 +10,7 @@ pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 ///
 /// Outside of the interval the first and the last polynomial go on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Knots {
+pub(crate) struct Knots {
     degree: usize,
     knots: Vec<f64>,
 }
@@ -37,27 +37,27 @@ impl Knots {
     }
 
     /// Degree of the polynomials.
-    pub const fn degree(&self) -> usize {
+    pub(crate) const fn degree(&self) -> usize {
         self.degree
     }
 
     /// All knots, the ends repeated.
-    pub fn as_slice(&self) -> &[f64] {
+    pub(crate) fn as_slice(&self) -> &[f64] {
         &self.knots
     }
 
     /// The interior knots.
-    pub fn interior(&self) -> &[f64] {
+    pub(crate) fn interior(&self) -> &[f64] {
         &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
     }
 
     /// Number of B-splines.
-    pub fn functions(&self) -> usize {
+    pub(crate) fn functions(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
     /// The first and the last knot.
-    pub fn domain(&self) -> (f64, f64) {
+    pub(crate) fn domain(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 

@@ -74,21 +74,26 @@ pub use fit::{Fit, MapPoint, Method};
 pub use frame::PatchFrame;
 pub use gross_outliers::{Outlier, OutlierReason, SoundContacts};
 pub use independent_fit::IndependentFit;
-pub use knots::{Knots, MAX_DEGREE};
 pub use misfit::MisfitTest;
 pub use noise::{Noise, NoiseEstimate};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use patch::{Contact, Patch, Sample};
 pub use penalised::{Criterion, Penalised};
-pub use posterior::Posterior;
 pub use primitive::{Shape, ShapeError, ShapeFit, ShapeSettings, SizeEstimate};
 pub use quadric::Quadric;
 pub use regions::{Region, Regions, regions};
-pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};
-pub use spline::{Jet, TensorSpline};
+pub use smoothing::Status;
 pub use stroke::{StrokeCurvature, stroke_curvature};
 pub use tip::{RoundTip, TipPoint};
-pub use two_pass::{Pass, Passes, TangentNormals, TwoPass, TwoPassFit};
+pub use two_pass::{Passes, TangentNormals, TwoPass};
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    mod fitpack;
+    mod smoothing;
+    mod two_pass;
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -9,8 +9,9 @@ use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LE
 
 use crate::chebyshev::{count, products, values};
 use crate::patch::Sample;
+use crate::spline::Jet;
 use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
-use crate::{Ep2Error, Fit, Jet, Noise, Patch};
+use crate::{Ep2Error, Fit, Noise, Patch};
 
 /// Number of observations of a contact: its height and both slopes.
 const OBSERVATIONS: usize = 3;

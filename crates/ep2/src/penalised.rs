@@ -11,10 +11,13 @@ mod weight;
 pub use weight::Criterion;
 
 use crate::chebyshev::count;
+use crate::knots::Knots;
 use crate::misfit::Model;
 use crate::noise::{Noise, Variances};
+use crate::posterior::Posterior;
+use crate::spline::TensorSpline;
 use crate::square_quadric::{Square, SquareQuadric};
-use crate::{Ep2Error, Fit, Knots, Method, MisfitTest, Patch, Posterior, TensorSpline};
+use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
 use equations::{DEGREE, Equations, roughness_penalty};
 use roughness_posterior::{SeriesProblem, likeliest_process};
 use series::SeriesEquations;
@@ -39,7 +42,7 @@ const EXTRA_COEFFICIENTS: usize = 5;
 ///
 /// The penalty of a quadric is 0. A [`Criterion`] selects the weight of the penalty.
 ///
-/// The stated [`Posterior`] is that of a series of higher degree than the spline: a quadric plus a Gaussian process of
+/// The stated posterior is that of a series of higher degree than the spline: a quadric plus a Gaussian process of
 /// unknown length and amplitude. So it includes the spline's approximation error and the bias of smoothing.
 ///
 /// The cost grows linearly with the contacts, and with the sixth power of the intervals.

@@ -2,11 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use crate::Jet;
 use crate::chebyshev::{count, derivative, place, products, values};
 use crate::curvature::{DERIVATIVES, JetCovariance};
 use crate::matrix::SparseMap;
-use crate::spline::Lanes;
+use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
 /// Number of unordered pairs of derivatives.
@@ -17,7 +16,7 @@ const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 ///
 /// The error of an estimate has two parts: the covariance, and the distance of the estimate from the mean.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Posterior {
+pub(crate) struct Posterior {
     square: Square,
     /// Degree of the surfaces.
     degree: usize,

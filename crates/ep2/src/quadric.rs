@@ -2,10 +2,13 @@
 
 use nalgebra::DMatrix;
 
+use crate::knots::Knots;
 use crate::misfit::Model;
 use crate::noise::Noise;
+use crate::posterior::Posterior;
+use crate::spline::TensorSpline;
 use crate::square_quadric::{SERIES, Square, SquareQuadric, UNKNOWNS};
-use crate::{Ep2Error, Fit, Knots, Method, MisfitTest, Patch, Posterior, TensorSpline};
+use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
 
 /// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
 /// by their noise.

@@ -18,63 +18,45 @@ mod observations;
 mod parameter;
 mod triangle;
 
-pub use observations::WeightedPoint;
+pub(crate) use observations::WeightedPoint;
 
 use strum::IntoStaticStr;
 
+use crate::Ep2Error;
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
-use crate::{Ep2Error, TensorSpline};
+use crate::spline::TensorSpline;
 use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
+/// A diagonal entry of the triangularised equations whose square is at most this, relative to the largest, counts as zero.
+const RANK_TOLERANCE: f64 = 1e-16;
 /// Relative residuals of this size are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The settings by which a smoothing spline is made.
-///
-/// ```
-/// use palpate_ep2::{SmoothingSpline, Status, WeightedPoint};
-///
-/// // The plane w = 1 + 2 u − v is a polynomial: no knots are needed.
-/// let places = (0..16).map(|i| (f64::from(i % 4), f64::from(i / 4)));
-/// let points: Vec<WeightedPoint> = places
-///     .map(|(u, v)| WeightedPoint { u, v, w: 1.0 + 2.0 * u - v, weight: 1.0 })
-///     .collect();
-/// let smoothed = SmoothingSpline::new(2, 1e-6).fit(&points)?;
-/// assert_eq!(smoothed.status, Status::Polynomial);
-/// assert!((smoothed.spline.value(0.5, 0.25) - 1.75).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmoothingSpline {
+pub(crate) struct SmoothingSpline {
     /// Degrees in u and v, 1 to [`MAX_DEGREE`].
-    pub degrees: [usize; 2],
+    pub(crate) degrees: [usize; 2],
     /// The sum of squared weighted residuals that is aimed at, `s ≥ 0`.
-    pub smoothing: f64,
-    /// The rectangle of the knots, smallest and largest u, then v; `None` for that of the points.
-    pub domain: Option<[[f64; 2]; 2]>,
+    pub(crate) smoothing: f64,
     /// Largest numbers of interior knots along u and along v.
-    pub most_knots: [usize; 2],
+    pub(crate) most_knots: [usize; 2],
     /// Largest deviation of the sum from `smoothing`, relative to it.
-    pub tolerance: f64,
-    /// A diagonal entry of the triangularised equations whose square is at most this, relative to
-    /// the largest, counts as zero; between 0 and 1.
-    pub rank_tolerance: f64,
+    pub(crate) tolerance: f64,
 }
 
 impl SmoothingSpline {
     /// Settings with the same degree in both directions, as many knots as the points bear, and the
-    /// tolerances of FITPACK's `surfit` in SciPy: a thousandth, and 1e-16 for the rank.
-    pub const fn new(degree: usize, smoothing: f64) -> Self {
+    /// tolerance of FITPACK's `surfit` in SciPy.
+    pub(crate) const fn new(degree: usize, smoothing: f64) -> Self {
         Self {
             degrees: [degree; 2],
             smoothing,
-            domain: None,
             most_knots: [usize::MAX; 2],
             tolerance: 1e-3,
-            rank_tolerance: 1e-16,
         }
     }
 }
@@ -98,7 +80,7 @@ pub enum Status {
 
 impl Status {
     /// Whether the sum was met.
-    pub const fn is_met(self) -> bool {
+    pub(crate) const fn is_met(self) -> bool {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }
 
@@ -110,18 +92,18 @@ impl Status {
 
 /// A smoothing spline.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Smoothed {
+pub(crate) struct Smoothed {
     /// The spline.
-    pub spline: TensorSpline,
+    pub(crate) spline: TensorSpline,
     /// Its sum of squared weighted residuals.
-    pub residual_sum: f64,
+    pub(crate) residual_sum: f64,
     /// Whether that is what was aimed at.
-    pub status: Status,
+    pub(crate) status: Status,
     /// Number of coefficients that the points determine; the others are chosen such that the norm is
     /// least.
-    pub rank: usize,
+    pub(crate) rank: usize,
     /// Effective number of unknowns that the spline has taken up: the trace of the map from heights to spline.
-    pub effective_unknowns: f64,
+    pub(crate) effective_unknowns: f64,
 }
 
 /// Coefficients on some knots, in the order of the mesh.
@@ -141,10 +123,10 @@ impl SmoothingSpline {
     /// # Errors
     /// [`Ep2Error`]: `bad-setting`, `too-few-contacts`, `not-finite`, `bad-weight`, `coincident`
     /// or `collinear` for points that span no rectangle, `out-of-range`.
-    pub fn fit(&self, points: &[WeightedPoint]) -> Result<Smoothed, Ep2Error> {
+    pub(crate) fn fit(&self, points: &[WeightedPoint]) -> Result<Smoothed, Ep2Error> {
         self.check_settings()?;
         self.check_points(points)?;
-        let domain = self.domain(points)?;
+        let domain = Self::domain(points)?;
         let mut mesh = Mesh::new(self.degrees, domain);
         let mut observations = Observations::new(points, &mesh);
         let unit = observations.residual_unit();
@@ -274,7 +256,7 @@ impl SmoothingSpline {
     /// The coefficients, those of least norm if there are many, and the rank.
     fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
-        let floor = self.rank_tolerance.sqrt() * largest;
+        let floor = RANK_TOLERANCE.sqrt() * largest;
         if triangle.diagonal().all(|entry| entry > floor) {
             (triangle.solve(), triangle.order())
         } else {
@@ -287,21 +269,8 @@ impl SmoothingSpline {
             let is_good = (1..=MAX_DEGREE).contains(&degree);
             Ep2Error::unless_good("degree", degree as f64, is_good, "between 1 and 5")?;
         }
-        let (smoothing, tolerance) = (self.smoothing, self.tolerance);
-        Ep2Error::unless_good("smoothing", smoothing, smoothing >= 0.0, ">= 0")?;
-        Ep2Error::unless_good(
-            "tolerance",
-            tolerance,
-            tolerance > 0.0 && tolerance < 1.0,
-            "between 0 and 1",
-        )?;
-        let rank_tolerance = self.rank_tolerance;
-        Ep2Error::unless_good(
-            "rank_tolerance",
-            rank_tolerance,
-            rank_tolerance > 0.0 && rank_tolerance < 1.0,
-            "between 0 and 1",
-        )
+        let smoothing = self.smoothing;
+        Ep2Error::unless_good("smoothing", smoothing, smoothing >= 0.0, ">= 0")
     }
 
     fn check_points(&self, points: &[WeightedPoint]) -> Result<(), Ep2Error> {
@@ -327,7 +296,7 @@ impl SmoothingSpline {
     }
 
     /// The rectangle of the knots.
-    fn domain(&self, points: &[WeightedPoint]) -> Result<[[f64; 2]; 2], Ep2Error> {
+    fn domain(points: &[WeightedPoint]) -> Result<[[f64; 2]; 2], Ep2Error> {
         let range = |place: fn(&WeightedPoint) -> f64| {
             let places = points.iter().map(place);
             places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
@@ -341,23 +310,14 @@ impl SmoothingSpline {
             let extent = 0.0;
             return Err(Ep2Error::Coincident { contacts, extent });
         }
-        let domain = match self.domain {
-            None if widths.contains(&0.0) => {
-                let spread = 0.0;
-                return Err(Ep2Error::Collinear { contacts, spread });
-            }
-            None => spanned,
-            Some(domain) => domain,
-        };
-        for ([low, high], [start, end]) in spanned.into_iter().zip(domain) {
-            let is_good = start <= low && high <= end && end - start <= LARGEST;
-            let outer = if start <= low { end } else { start };
-            let expected = "a rectangle that holds all points";
-            Ep2Error::unless_good("domain", outer, is_good, expected)?;
-            if end - start < 1.0 / LARGEST {
-                return Err(Ep2Error::OutOfRange);
-            }
+        if widths.contains(&0.0) {
+            let spread = 0.0;
+            return Err(Ep2Error::Collinear { contacts, spread });
         }
-        Ok(domain)
+        let is_in_range = |width: &f64| (1.0 / LARGEST..=LARGEST).contains(width);
+        match widths.iter().all(is_in_range) {
+            true => Ok(spanned),
+            false => Err(Ep2Error::OutOfRange),
+        }
     }
 }

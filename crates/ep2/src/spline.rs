@@ -11,19 +11,19 @@ pub(crate) const LANES: usize = 2;
 
 /// Height, slopes and second derivatives of a graph, at one place or, with `Lanes`, at several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Jet<T = f64> {
+pub(crate) struct Jet<T = f64> {
     /// Height.
-    pub w: T,
+    pub(crate) w: T,
     /// ∂w/∂u.
-    pub u: T,
+    pub(crate) u: T,
     /// ∂w/∂v.
-    pub v: T,
+    pub(crate) v: T,
     /// ∂²w/∂u².
-    pub uu: T,
+    pub(crate) uu: T,
     /// ∂²w/∂u∂v.
-    pub uv: T,
+    pub(crate) uv: T,
     /// ∂²w/∂v².
-    pub vv: T,
+    pub(crate) vv: T,
 }
 
 /// The B-splines of one variable that do not vanish at one place or several, with two derivatives.
@@ -101,19 +101,19 @@ impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
 ///
 /// Outside of the rectangle, the polynomials at its edge are extrapolated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TensorSpline {
+pub(crate) struct TensorSpline {
     /// Knots along u.
-    pub u: Knots,
+    pub(crate) u: Knots,
     /// Knots along v.
-    pub v: Knots,
+    pub(crate) v: Knots,
     /// Coefficients, grouped by the B-spline in u: `u.functions() · v.functions()`.
-    pub coefficients: Vec<f64>,
+    pub(crate) coefficients: Vec<f64>,
 }
 
 impl TensorSpline {
     /// Height, slopes and second derivatives at `(u, v)`.
     #[inline]
-    pub fn jet(&self, u: f64, v: f64) -> Jet {
+    pub(crate) fn jet(&self, u: f64, v: f64) -> Jet {
         self.jet_in(&Local::of(&self.u, u), &Local::of(&self.v, v))
     }
 
@@ -134,7 +134,7 @@ impl TensorSpline {
 
     /// Height at `(u, v)`.
     #[inline]
-    pub fn value(&self, u: f64, v: f64) -> f64 {
+    pub(crate) fn value(&self, u: f64, v: f64) -> f64 {
         let (first_u, first_v) = (self.u.first_function(u), self.v.first_function(v));
         let (basis_u, basis_v) = (self.u.values(first_u, u), self.v.values(first_v, v));
         let width = self.v.functions();

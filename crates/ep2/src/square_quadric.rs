@@ -2,8 +2,9 @@
 
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
+use crate::knots::Knots;
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
-use crate::{Ep2Error, Knots, Patch, Sample};
+use crate::{Ep2Error, Patch, Sample};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
 pub(crate) const UNKNOWNS: usize = 6;

@@ -5,10 +5,9 @@ use palpate_statistics::BadSetting;
 
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
-use crate::{
-    Ep2Error, Fit, Method, MisfitTest, Patch, Penalised, Sample, Smoothed, SmoothingSpline, Status,
-    TensorSpline, WeightedPoint,
-};
+use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};
+use crate::spline::TensorSpline;
+use crate::{Ep2Error, Fit, Method, MisfitTest, Patch, Penalised, Sample, Status};
 
 /// The normals to which the tangents of the second pass are perpendicular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,7 +44,7 @@ pub enum Passes {
 /// curvature is then of no use; [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
-    /// Degree of the first spline in both directions, 1 to [`MAX_DEGREE`].
+    /// Degree of the first spline in both directions, 1 to 5.
     pub first_degree: usize,
     /// Degree of the second spline.
     pub second_degree: usize,
@@ -86,50 +85,8 @@ impl Default for TwoPass {
     }
 }
 
-/// The result of one of the splines: its sum of squares and its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
-    /// Whether it met its sum of squares.
-    pub status: Status,
-    /// Its sum of squared weighted residuals, in the unit of the settings.
-    pub residual_sum: f64,
-    /// Number of its coefficients.
-    pub coefficients: usize,
-    /// Number of coefficients that the points determine.
-    pub rank: usize,
-}
-
-/// A fit and how it came about.
-#[derive(Clone, Debug)]
-pub struct TwoPassFit {
-    /// The fit; its effective unknowns are those of the last spline.
-    pub fit: Fit,
-    /// The first spline.
-    pub first: Pass,
-    /// The second spline, if there is one.
-    pub second: Option<Pass>,
-}
-
 impl Method for TwoPass {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        Ok(self.fit_passes(patch)?.fit)
-    }
-
-    /// Misfit of [`Penalised`] with estimated noise: a contact that contradicts the others does so for any fit. It is empty if
-    /// the contacts do not determine its spline.
-    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
-        Ok(Penalised::default().misfit(patch).unwrap_or_default())
-    }
-}
-
-impl TwoPass {
-    /// The fit, and the result of either spline.
-    ///
-    /// # Errors
-    /// [`Ep2Error`]: `bad-setting`, also where the contacts are of one finger and no unit is set;
-    /// `too-few-contacts`; `undetermined` where contacts leave the polynomial open whose normals
-    /// or curvature are wanted; `out-of-range`.
-    pub fn fit_passes(&self, patch: &Patch) -> Result<TwoPassFit, Ep2Error> {
         self.check(patch)?;
         let unit = self.unit(patch)?;
         let points: Vec<WeightedPoint> = patch
@@ -142,23 +99,23 @@ impl TwoPass {
             .fit(&points)?;
         if self.passes == Passes::One {
             determined(&first, patch)?;
-            return Ok(TwoPassFit {
-                first: Pass::of(&first),
-                second: None,
-                fit: fit(patch, first, None),
-            });
+            return Ok(fit(patch, first, None));
         }
         let points = self.second_points(patch, unit, &first)?;
         let second = self.spline(self.second_degree, self.second_smoothing);
         let second = second.fit(&points)?;
         determined(&second, patch)?;
-        Ok(TwoPassFit {
-            first: Pass::of(&first),
-            second: Some(Pass::of(&second)),
-            fit: fit(patch, second, Some(first.status)),
-        })
+        Ok(fit(patch, second, Some(first.status)))
     }
 
+    /// Misfit of [`Penalised`] with estimated noise: a contact that contradicts the others does so for any fit. It is empty if
+    /// the contacts do not determine its spline.
+    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+        Ok(Penalised::default().misfit(patch).unwrap_or_default())
+    }
+}
+
+impl TwoPass {
     fn spline(&self, degree: usize, smoothing: f64) -> SmoothingSpline {
         SmoothingSpline {
             most_knots: [self.most_knots; 2],
@@ -262,17 +219,6 @@ impl TwoPass {
             });
         }
         Ok(())
-    }
-}
-
-impl Pass {
-    fn of(smoothed: &Smoothed) -> Self {
-        Self {
-            status: smoothed.status,
-            residual_sum: smoothed.residual_sum,
-            coefficients: smoothed.spline.coefficients.len(),
-            rank: smoothed.rank,
-        }
     }
 }
 

@@ -32,14 +32,22 @@ pub(super) fn few() -> Result<Vec<Figure>> {
         (
             "one pass, the same spline",
             Box::new(one_pass),
-            without_stds,
+            Fit::without_uncertainty,
         ),
-        ("two-pass", Box::new(TwoPass::default()), without_stds),
-        ("quadric", Box::new(Quadric::default()), without_stds),
+        (
+            "two-pass",
+            Box::new(TwoPass::default()),
+            Fit::without_uncertainty,
+        ),
+        (
+            "quadric",
+            Box::new(Quadric::default()),
+            Fit::without_uncertainty,
+        ),
         (
             "penalised",
             Box::new(Estimate(Penalised::default())),
-            without_stds,
+            Fit::without_uncertainty,
         ),
         (
             "quadric, with standard deviations",
@@ -78,14 +86,6 @@ struct Estimate(Penalised);
 impl Method for Estimate {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
         self.0.estimate(patch)
-    }
-}
-
-/// A fit without standard deviations, which the peers do not compute.
-fn without_stds(fit: Fit) -> Fit {
-    Fit {
-        posterior: None,
-        ..fit
     }
 }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::Patch;
+use crate::knots::Knots;
 use crate::noise::Kinds;
 use crate::square_quadric::{Square, SquareQuadric};
-use crate::{Knots, Patch};
 
 /// Degree of the spline.
 pub(super) const DEGREE: usize = 3;

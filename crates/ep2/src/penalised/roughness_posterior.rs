@@ -7,10 +7,11 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
 use super::gaussian_process;
 use super::series::SeriesEquations;
 use super::tridiagonal::{Factors, Tridiagonal};
+use crate::Ep2Error;
 use crate::chebyshev::count;
 use crate::matrix::{add_symmetric, product};
+use crate::posterior::Posterior;
 use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
-use crate::{Ep2Error, Posterior};
 
 /// The longest length of roughness, in half sides of the square. A longer process is nearly a cubic.
 const MAX_LENGTH: f64 = 3.0;

@@ -2,8 +2,8 @@
 
 use super::observations::IntervalSums;
 use super::triangle::{Block, Triangle};
-use crate::knots::MAX_DEGREE;
-use crate::{Knots, TensorSpline};
+use crate::knots::{Knots, MAX_DEGREE};
+use crate::spline::TensorSpline;
 
 /// Largest ratio of the two parts into which a new knot splits an interval.
 const MAX_PART_RATIO: f64 = 10.0;

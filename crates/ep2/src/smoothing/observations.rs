@@ -2,21 +2,20 @@
 
 use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
-use crate::Knots;
-use crate::knots::Basis;
+use crate::knots::{Basis, Knots};
 
 /// A height over a place in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WeightedPoint {
+pub(crate) struct WeightedPoint {
     /// Place along the first variable.
-    pub u: f64,
+    pub(crate) u: f64,
     /// Place along the second one.
-    pub v: f64,
+    pub(crate) v: f64,
     /// Height.
-    pub w: f64,
+    pub(crate) w: f64,
     /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
     /// of f costs it the digits of f: from 1e15 on none are left.
-    pub weight: f64,
+    pub(crate) weight: f64,
 }
 
 /// Points with the B-splines there.

@@ -3,8 +3,8 @@
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric,
-    SmoothingSpline, TwoPass, Uncertainty, WeightedPoint, regions,
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric, TwoPass,
+    Uncertainty, regions,
 };
 use palpate_geometry::ShapeThresholds;
 use proptest::prelude::*;
@@ -274,53 +274,6 @@ proptest! {
             for point in fit.points_at(&[Point3::from(place)]).into_iter().chain(fit.map(4)).flatten() {
                 prop_assert!(is_finite(&point), "{point:?}");
             }
-        }
-    }
-
-    /// Heights of any size on a grid of points can be smoothed with any residual sum.
-    #[test]
-    fn grids_of_points_are_smoothed(
-        heights in prop::collection::vec(-1.0..1.0, 64),
-        (degree, smoothing) in (1..4_usize, 0.0..100.0),
-        power in -9.0..9.0_f64,
-    ) {
-        let unit = libm::pow(10.0, power);
-        let point = |index: usize| WeightedPoint {
-            u: (index % 8) as f64,
-            v: (index / 8) as f64,
-            w: heights[index] * unit,
-            weight: 1.0 / unit,
-        };
-        let points: Vec<_> = (0..64).map(point).collect();
-        let found = SmoothingSpline::new(degree, smoothing).fit(&points).unwrap();
-        prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
-        prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
-    }
-
-    #[test]
-    fn any_points_return_numbers_or_the_expected_error(
-        numbers in prop::collection::vec(prop::array::uniform4(any_number()), 0..30),
-        degree in 0..4_usize,
-        smoothing in any_number(),
-    ) {
-        let point = |&[u, v, w, weight]: &[f64; 4]| WeightedPoint { u, v, w, weight: weight.abs() };
-        let points: Vec<_> = numbers.iter().map(point).collect();
-        let flaw = |point: &WeightedPoint| {
-            let is_number = point.u.abs() + point.v.abs() + point.w.abs() <= 1e150 && point.weight <= 1e150;
-            if is_number { (point.weight == 0.0).then_some("bad-weight") } else { Some("not-finite") }
-        };
-        let expected_error = if degree == 0 || smoothing.is_nan() {
-            Some("bad-setting")
-        } else {
-            points.iter().find_map(flaw).or((points.len() < (degree + 1).pow(2)).then_some("too-few-contacts"))
-        };
-        let found = SmoothingSpline::new(degree, smoothing.abs()).fit(&points);
-        if let Some(expected_error) = expected_error {
-            prop_assert_eq!(found.as_ref().unwrap_err().name(), expected_error);
-        }
-        if let Ok(found) = found {
-            prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
-            prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
         }
     }
 }

@@ -3,12 +3,9 @@
 
 mod any_number;
 mod drawn_shapes;
-mod fitpack;
 mod misfit;
 mod penalised;
 mod refusals;
 mod samples;
 mod shapes;
-mod smoothing;
 mod tips;
-mod two_pass;

@@ -1,7 +1,8 @@
 //! Smoothing splines compared with those of FITPACK's `surfit` (from SciPy 1.17.1), with as many knots as the data
 //! allow.
 
-use palpate_ep2::{Smoothed, SmoothingSpline, Status, WeightedPoint};
+use crate::Status;
+use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};
 
 struct Golden {
     points: Vec<WeightedPoint>,
@@ -71,8 +72,8 @@ impl Golden {
 macro_rules! golden {
     ($name:literal) => {
         Golden::parse(
-            include_str!(concat!("../fitpack/", $name, ".points.csv")),
-            include_str!(concat!("../fitpack/", $name, ".spline.csv")),
+            include_str!(concat!("../../tests/fitpack/", $name, ".points.csv")),
+            include_str!(concat!("../../tests/fitpack/", $name, ".spline.csv")),
         )
     };
 }
