@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use palpate_scene::{SceneTrial, Scenes};
 use palpate_study::config::{ConfigError, Study};
-use palpate_sweep::{Batches, CERTAIN, Curves, Growth, Runner, ScoreRequest, Scores};
+use palpate_sweep::{Batches, CERTAIN, Growth, Runner};
 
 use crate::error::AnswerError;
 use crate::region::{Region, Sample};
+use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::trial_counts::TrialCounts;
 

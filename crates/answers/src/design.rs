@@ -13,13 +13,14 @@
 use std::cell::Cell;
 
 use palpate_study::config::Study;
-use palpate_sweep::{Clock, Curves, Run, Runner, ScoreRequest, Search, Side, search};
+use palpate_sweep::{Clock, Runner};
 
 use crate::cell_trials::CellTrials;
 use crate::error::AnswerError;
 use crate::grid::{combinations, neighbours};
 use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
+use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
 /// Number of trials of the best value if no value meets the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
@@ -33,9 +34,9 @@ const REFINEMENTS: usize = 3;
 ///
 /// ```
 /// use std::time::Instant;
-/// use palpate_answers::{Extreme, Question, Sought, design};
+/// use palpate_answers::{Extreme, Question, Side, Sought, design};
 /// use palpate_study::config::parse;
-/// use palpate_sweep::{RunOptions, Runner, Side};
+/// use palpate_sweep::{RunOptions, Runner};
 ///
 /// let text = r#"
 /// name = "a-ball"

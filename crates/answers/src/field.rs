@@ -2,9 +2,9 @@
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
-use palpate_sweep::{SearchRange, Span};
 
 use crate::error::AnswerError;
+use crate::search::{SearchRange, Span};
 
 /// Varied field.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +99,7 @@ impl Field {
     }
 
     /// Value as a number; `None` for a listed value that is not a number.
-    pub fn number(&self, value: f64) -> Option<f64> {
+    pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
             Some(toml::Value::Integer(number)) => Some(*number as f64),
@@ -109,12 +109,12 @@ impl Field {
     }
 
     /// Whether the values are listed. Else they are the numbers of a range.
-    pub fn is_listed(&self) -> bool {
+    pub(crate) fn is_listed(&self) -> bool {
         !self.listed.is_empty()
     }
 
     /// Value with its unit.
-    pub fn value(&self, value: f64) -> String {
+    pub(crate) fn value(&self, value: f64) -> String {
         self.label.value(&self.text(value))
     }
 
@@ -135,7 +135,7 @@ impl Field {
     }
 
     /// Value as the tables show it.
-    pub fn text(&self, value: f64) -> String {
+    pub(crate) fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {
             Some(toml::Value::String(text)) => text.clone(),
             Some(toml::Value::Table(table)) => {

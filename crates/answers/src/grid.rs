@@ -1,9 +1,8 @@
 //! Grid of the fields that are not searched: all combinations of their values.
 
-use palpate_sweep::SearchRange;
-
 use crate::error::AnswerError;
 use crate::field::Field;
+use crate::search::SearchRange;
 
 /// Largest number of combinations of the grid's values.
 pub(crate) const MAX_COLUMNS: usize = 64;

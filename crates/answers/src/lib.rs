@@ -20,6 +20,7 @@ mod region;
 mod region_figure;
 mod region_table;
 mod region_text;
+mod search;
 mod sensitivity;
 mod target_score;
 mod trial_counts;
@@ -32,8 +33,15 @@ pub use error::AnswerError;
 pub use field::Field;
 pub use question::{Extreme, Question, Sought};
 pub use region::{Best, DesignPoint, Region, RegionColumn, Sample};
+pub use search::{EndReason, Run, Side, Span};
 pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
 pub use trial_counts::TrialCounts;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    mod search;
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

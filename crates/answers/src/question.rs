@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use palpate_study::Target;
 use palpate_study::config::{Varied, Vary};
-use palpate_sweep::Span;
 
 use crate::error::AnswerError;
+use crate::search::Span;
 
 /// Question: which values of one or several fields, taken together, meet a target?
 #[derive(Clone, Debug, PartialEq)]

@@ -5,11 +5,11 @@ use std::cmp::Ordering;
 use palpate_scene::quantities_of;
 use palpate_study::config::Study;
 use palpate_study::{Bound, Target};
-use palpate_sweep::{EndReason, Run, Side};
 
 use crate::error::{AnswerError, MAX_CELLS};
 use crate::field::Field;
 use crate::question::{Extreme, Question, Sought};
+use crate::search::{EndReason, Run, Side};
 use crate::trial_counts::TrialCounts;
 
 /// Values of one or several fields that, taken together, meet a target.
@@ -167,7 +167,7 @@ impl Region {
     }
 
     /// Best value of the sought field that certainly meets the target; `None` if there is none, or no field is sought.
-    pub fn best(&self) -> Option<Best<'_>> {
+    pub(crate) fn best(&self) -> Option<Best<'_>> {
         let sought = self.question.sought.as_ref()?;
         let (field, place) = self.sought_field(sought);
         let number = |value: f64| field.number(value).unwrap_or(value);
@@ -232,7 +232,7 @@ impl Region {
 
     /// Value that comes nearest to the target in some columns, with its column and its decisive sample: the best statistic
     /// of the values with few enough failures, else the fewest failures.
-    pub fn nearest<'a>(
+    pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,
     ) -> Option<(&'a RegionColumn, &'a DesignPoint, &'a Sample)> {

@@ -5,10 +5,10 @@ use palpate_report::{
     MapPanel, ReportError, Stretch, design_figure,
 };
 use palpate_study::number;
-use palpate_sweep::Side;
 
 use crate::field::Field;
 use crate::region::{DesignPoint, Region, RegionColumn, Sample};
+use crate::search::Side;
 use crate::words::settings_in_words;
 
 /// Largest number of cells with a line each. If there are more, only the decisive cell is drawn.

@@ -2,11 +2,11 @@
 
 use palpate_study::config::Study;
 use palpate_study::{Table, number};
-use palpate_sweep::Side;
 use serde_json::{Map, Value, json};
 
 use crate::field::Field;
 use crate::region::{DesignPoint, Region, RegionColumn, Sample};
+use crate::search::Side;
 
 impl Region {
     /// Table of all trials: one row per combination of the grid, value, cell and sample (trials of the search, and fresh

@@ -1,10 +1,10 @@
 //! Answer of a design in sentences.
 
 use palpate_study::{Bound, Label, Statistic, number};
-use palpate_sweep::{EndReason, Run, Side};
 
 use crate::question::Sought;
 use crate::region::{Best, DesignPoint, Region, RegionColumn, Sample};
+use crate::search::{EndReason, Run, Side};
 use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
 /// Digits of a standard error in a sentence.
@@ -88,7 +88,7 @@ impl Region {
     }
 
     /// Label of the target's statistic.
-    pub fn label(&self) -> Label {
+    pub(crate) fn label(&self) -> Label {
         let target = &self.question.target;
         let name = target.quantity.map_or("", |quantity| quantity.name);
         target.statistic.label(&[name], self.unit)

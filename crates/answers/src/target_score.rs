@@ -1,8 +1,9 @@
 //! Scores of the trials of a cell against a target: how certainly they meet it or miss it.
 
+use crate::search::Scores;
 use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
-use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Scores, Summary, share_at_most};
+use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
 /// Share of failures that a cell without any success must certainly exceed to miss the target.
 const NO_ESTIMATE_SHARE: f64 = 0.5;

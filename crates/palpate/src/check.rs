@@ -8,12 +8,13 @@ use palpate_scene::{Ladder, Need, Scene, SceneTrial, Scenes, SharedModels};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
-use palpate_sweep::{Clock, Pace, Runner, SweepError, Trial, spread};
+use palpate_sweep::{Clock, Runner, SweepError, Trial};
 
 use crate::coverage::{Coverage, coverage};
 use crate::ladder_timing::{EvaluationTime, neighbour_times};
 use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
+use crate::planner::{Pace, spread};
 
 /// Time limit for the set-up of cells with their cameras.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);

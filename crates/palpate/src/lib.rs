@@ -48,6 +48,7 @@ mod coverage;
 mod ladder_timing;
 mod output_check;
 mod plan;
+mod planner;
 mod readings;
 mod run_files;
 mod shard;
@@ -62,9 +63,9 @@ pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
 pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
 pub use palpate_answers::{
-    AnswerError, Best, DesignPoint, Discrimination, Extreme, Field, FieldEffect, Group, Object,
-    Pair, Question, Region, RegionColumn, Sample, Sensitivity, Sought, TrialCounts, design,
-    distinguish, sensitivity,
+    AnswerError, Best, DesignPoint, Discrimination, EndReason, Extreme, Field, FieldEffect, Group,
+    Object, Pair, Question, Region, RegionColumn, Run, Sample, Sensitivity, Side, Sought,
+    TrialCounts, design, distinguish, sensitivity,
 };
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;
@@ -78,17 +79,23 @@ pub use palpate_study::{
     Column, ColumnType, Quantity, Statistic, Table, Target, TargetError, Unit, Warning, glossary,
 };
 pub use palpate_sweep::{
-    CellStatistics, Clock, EndReason, FailingCell, Failure, Goal, MODEL_ERROR_SHARE, NoThreads,
-    Order, Plan, PlanError, Repeats, Run, RunOptions, Runner, Side, Summary, SweepError,
-    SweepOutput,
+    CellStatistics, Clock, Failure, NoThreads, Order, Repeats, RunOptions, Runner, Summary,
+    SweepError, SweepOutput,
 };
 pub use plan::plan;
+pub use planner::{FailingCell, Goal, MODEL_ERROR_SHARE, Plan, PlanError};
 pub use readings::{frame, readings};
 pub use run_files::{resolved, result_columns};
 pub use shard::Shard;
 pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, run};
 pub use trace_pass::{TraceError, trace};
 pub use warnings::{Warnings, warning_files};
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    mod planner;
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

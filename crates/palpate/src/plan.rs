@@ -6,9 +6,9 @@ use palpate_study::config::{
     self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
     PressSensorConfig, RollModelConfig, RollSensorConfig, SceneConfig, Study, StudyConfig,
 };
-use palpate_sweep::{
-    Clock, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, Runner,
-};
+use palpate_sweep::{Clock, Runner};
+
+use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
 
 /// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The study comes
 /// back as it is to be run: it states the choice, and running it again needs no plan.
@@ -52,7 +52,7 @@ pub fn plan(
         return Err(PlanError::SetUp(study.error_at(0, "trials", message)));
     }
     let cells = Chosen::new(study.clone(), numbers.to_vec());
-    let (planned, plan) = palpate_sweep::plan(&cells, goal, runner, clock)?;
+    let (planned, plan) = planner::plan(&cells, goal, runner, clock)?;
     let mut study = planned.study;
     if let Some(trials) = plan.trials() {
         let chosen = study.override_trials(trials.get());

@@ -102,11 +102,6 @@ impl Batches {
         }
     }
 
-    /// Number of trials so far.
-    pub fn trials(&self) -> u64 {
-        self.next - self.first
-    }
-
     /// Statistics of all trials. Statistics that are not stored are `None`.
     pub fn statistics(&self) -> CellStatistics {
         self.merged().statistics()

@@ -46,10 +46,8 @@ mod histogram;
 mod moments;
 mod order;
 mod partial_statistics;
-mod plan;
 mod queue;
 mod runner;
-mod search;
 mod simd_sums;
 mod squares;
 mod stream;
@@ -62,17 +60,10 @@ pub use cell::{BLOCK, Cell, StoppingRule, StoppingStatistic, Task, Trial};
 pub use certainty::share_at_most;
 pub use order::{Order, Repeats, TrialMeans, in_order, repeats};
 pub use palpate_statistics::CERTAIN;
-pub use plan::{
-    Clock, FailingCell, Goal, MODEL_ERROR_SHARE, Pace, Pass, PassQuantity, PassValue, Plan,
-    PlanError, Plannable, plan, spread,
-};
-pub use runner::{NoThreads, RunOptions, Runner, SweepError};
-pub use search::{
-    Curves, EndReason, Run, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
-    TestedValue, search,
-};
+pub use queue::JOB;
+pub use runner::{Clock, NoThreads, RunOptions, Runner, SweepError};
 pub use stream::{Sweep, SweepOutput};
-pub use summary::{CellStatistics, Failure, Summary};
+pub use summary::{CellStatistics, Failure, NOT_FINITE, Summary};
 pub use trial_record::{Observation, Observations, Record, TrialObservations};
 
 #[cfg(doctest)]

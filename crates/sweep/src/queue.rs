@@ -8,7 +8,7 @@ use crate::cell::BLOCK;
 use crate::cell::Task;
 
 /// Approximate time of a job's trials: long compared with the work of the queue, short compared with a run.
-pub(crate) const JOB: Duration = Duration::from_millis(4);
+pub const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
 /// Number of jobs by which fast threads may be ahead of a slow thread.

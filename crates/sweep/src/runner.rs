@@ -6,6 +6,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -13,6 +14,9 @@ use thiserror::Error;
 use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
+
+/// Returns the time since a computation began. It must advance: measurements with a clock that stands still never end.
+pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. They do not change its results.
 #[derive(Clone, Copy, Debug, Default)]

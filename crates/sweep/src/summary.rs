@@ -146,7 +146,7 @@ fn finite(value: Option<f64>) -> Option<f64> {
 }
 
 /// Failure kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
-pub(crate) const NOT_FINITE: &str = "not-finite";
+pub const NOT_FINITE: &str = "not-finite";
 /// Failure kind of a trial that recorded a standard deviation below zero.
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
 /// Failure kind of a trial that recorded a quantity outside `0..Trial::quantities()`.

@@ -1,14 +1,7 @@
-//! Statistics of trials with extreme values, and searches in ranges of any size.
-
-use std::convert::Infallible;
-use std::time::Duration;
+//! Statistics of trials with extreme values.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use palpate_sweep::{
-    Curves, Observation, Record, ScoreRequest, Scores, Search, SearchRange, Side, Span, Summary,
-    search,
-};
-use proptest::prelude::*;
+use palpate_sweep::{Observation, Record, Summary};
 
 use crate::{Function, observation, observing, run_cell};
 
@@ -119,74 +112,4 @@ fn invalid_observations_fail_their_trial() {
 fn no_statistic_is_defined_without_trials() {
     let none = summary(0, |_| observation(1.0, 1.0, None));
     assert_eq!(none, Summary::default());
-}
-
-/// Meets its target below 1; its scores grow with the number of trials.
-struct BelowOne;
-
-impl Curves for BelowOne {
-    type Error = Infallible;
-
-    fn cells(&self) -> usize {
-        1
-    }
-
-    fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
-        let score = |ask: &ScoreRequest| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
-        Ok(requests.iter().map(score).collect())
-    }
-}
-
-#[test]
-fn no_claim_is_wrong_whatever_its_probability_may_be() {
-    for wrong in [5e-324, 0.05, 1.0 - f64::EPSILON, 0.0, -1.0, 2.0, f64::NAN] {
-        let search_it = Search {
-            among: SearchRange::Span(Span::new(0.1, 10.0, false)),
-            gap: 0.2,
-            most_trials: 1 << 16,
-            budget: None,
-            wrong,
-        };
-        let Ok(found) = search(&mut BelowOne, &search_it, &|| Duration::ZERO);
-        let is_right = found.runs.iter().all(|run| match run.side {
-            Side::Meets => run.to < 1.0,
-            Side::Misses => run.from > 1.0,
-        });
-        assert!(is_right && found.tested.len() >= 16, "{wrong}: {found:?}");
-        assert!(wrong != 0.05 || found.runs.len() == 2, "{found:?}");
-    }
-}
-
-fn number() -> impl Strategy<Value = f64> {
-    let extremes = [0.0, -0.0, 5e-324, 1.0 + f64::EPSILON, f64::MAX, -f64::MAX];
-    prop_oneof![
-        proptest::sample::select(extremes.to_vec()),
-        any::<f64>(),
-        -2.0..2.0,
-    ]
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn values_ascend_within_their_range(
-        (one, other) in (number(), number()),
-        is_whole in any::<bool>(),
-        count in 0..20_usize,
-        gap in prop_oneof![Just(0.0), Just(f64::NAN), 0.0..0.5],
-    ) {
-        let span = Span::new(one.min(other), one.max(other), is_whole);
-        let is_value = |value: f64| {
-            (span.from..=span.to).contains(&value) && (!is_whole || value.fract() == 0.0)
-        };
-        let values = span.spread(count, gap);
-        prop_assert!(values.windows(2).all(|pair| pair[0] < pair[1]), "{values:?}");
-        prop_assert!(values.iter().all(|value| is_value(*value)), "{values:?}");
-        let is_bare = is_whole && span.from.ceil() > span.to.floor();
-        prop_assert!(values.is_empty() == is_bare && values.len() <= 2 * count.max(2));
-        let found = span.between(span.from, span.to, gap);
-        let is_between = |value: f64| is_value(value) && span.from < value && value < span.to;
-        prop_assert!(found.is_none_or(is_between), "{found:?}");
-    }
 }

@@ -5,8 +5,6 @@ mod any_number;
 mod determinism;
 mod extremes;
 mod order;
-mod plan;
-mod search;
 mod statistics;
 mod tasks;
 

@@ -5,31 +5,31 @@ const ROUNDING: f64 = 1e-12;
 
 /// Results of a noiseless pass of a cell with an ideal sensor.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pass {
+pub(crate) struct Pass {
     /// Quantities that the pass observes.
-    pub quantities: Vec<PassQuantity>,
+    pub(crate) quantities: Vec<PassQuantity>,
     /// Observations, in a fixed order.
-    pub values: Vec<PassValue>,
+    pub(crate) values: Vec<PassValue>,
 }
 
 /// Quantity of a noiseless pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassQuantity {
+pub(crate) struct PassQuantity {
     /// Magnitude with which a shift is compared if the rms error was not estimated, in the quantity's unit.
-    pub scale: f64,
+    pub(crate) scale: f64,
     /// Index of the same quantity in the cell's experiment, if the experiment observes it.
-    pub in_cell: Option<usize>,
+    pub(crate) in_cell: Option<usize>,
 }
 
 /// Observation of a noiseless pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassValue {
+pub(crate) struct PassValue {
     /// Index of the quantity in [`Pass::quantities`].
-    pub quantity: usize,
+    pub(crate) quantity: usize,
     /// Estimate, in the quantity's unit.
-    pub estimate: f64,
+    pub(crate) estimate: f64,
     /// True value, in the quantity's unit.
-    pub truth: f64,
+    pub(crate) truth: f64,
 }
 
 /// Largest shift of a cell's estimates that the model may cause.

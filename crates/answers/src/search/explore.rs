@@ -7,7 +7,7 @@ use super::{Curves, ScoreRequest};
 
 /// Values that a search may test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SearchRange {
+pub(crate) enum SearchRange {
     /// Numbers of a range.
     Span(Span),
     /// This many listed values, which are tested independently.

@@ -14,35 +14,37 @@ mod verify;
 
 use std::time::Duration;
 
-use crate::plan::Clock;
+use palpate_sweep::Clock;
+
 use limits::{Effort, Rules};
 
-pub use explore::{EndReason, SearchRange};
+pub use explore::EndReason;
+pub(crate) use explore::SearchRange;
 pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
 /// Scores of the two conditions of a target in one cell: the number of standard deviations by which the condition is
 /// met, negative if it is missed. The first score is for the statistic, the second for the share of trials that fail.
-pub type Scores = [f64; 2];
+pub(crate) type Scores = [f64; 2];
 
 /// Request for the scores of a cell at a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScoreRequest {
+pub(crate) struct ScoreRequest {
     /// Value of the varied field; for listed values, the index in the list.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Index of the cell among those that must all meet the target.
-    pub cell: usize,
+    pub(crate) cell: usize,
     /// Smallest number of trials.
-    pub trials: u64,
+    pub(crate) trials: u64,
     /// Whether the trials must be new: not used by this search before.
-    pub fresh: bool,
+    pub(crate) fresh: bool,
 }
 
 /// Scores of some cells over the values of a field.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
-pub trait Curves {
+pub(crate) trait Curves {
     /// Reason why a score is missing.
     type Error;
 
@@ -58,79 +60,54 @@ pub trait Curves {
 
 /// Settings of a search for values that meet a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
+pub(crate) struct Search {
     /// Values that the search may test.
-    pub among: SearchRange,
+    pub(crate) among: SearchRange,
     /// Largest gap that may stay between values that meet the target and values that miss it, by [`Span::gap`].
-    pub gap: f64,
+    pub(crate) gap: f64,
     /// Largest number of trials of a cell at one value.
-    pub most_trials: u64,
+    pub(crate) most_trials: u64,
     /// Time after which the search explores no more values; the scan and the verification are always done.
-    pub budget: Option<Duration>,
+    pub(crate) budget: Option<Duration>,
     /// Probability that any part of the answer is wrong, above 0 and below 1. If it is 0, negative or NaN, the answer
     /// is empty; a value above 1 counts as 1.
-    pub wrong: f64,
+    pub(crate) wrong: f64,
 }
 
 /// Values that meet a target, and values that miss it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SearchResult {
+pub(crate) struct SearchResult {
     /// Values that were tested, ascending.
-    pub tested: Vec<TestedValue>,
+    pub(crate) tested: Vec<TestedValue>,
     /// Ranges of neighbouring values on one side, ascending; values between the ranges are undecided.
-    pub runs: Vec<Run>,
+    pub(crate) runs: Vec<Run>,
     /// Number of ends of runs that fresh trials did not verify at the first attempt. Each was moved, or its run was
     /// dropped.
-    pub narrowed: usize,
+    pub(crate) narrowed: usize,
     /// Reason why the search ended.
-    pub ended: EndReason,
+    pub(crate) ended: EndReason,
 }
 
 /// Value that a search has tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TestedValue {
+pub(crate) struct TestedValue {
     /// The value.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Side of the target on which it lies; `None` if that is undecided.
-    pub side: Option<Side>,
+    pub(crate) side: Option<Side>,
     /// Cell with the smallest score.
-    pub worst: usize,
+    pub(crate) worst: usize,
     /// Largest number of trials of a cell.
-    pub trials: u64,
+    pub(crate) trials: u64,
 }
 
 /// Searches for the values at which all cells of a curve meet their target.
 ///
 /// Without a budget the result depends only on the scores.
 ///
-/// ```
-/// use std::convert::Infallible;
-/// use std::time::Duration;
-/// use palpate_sweep::{SearchRange, ScoreRequest, Curves, EndReason, Scores, Search, Side, Span, search};
-///
-/// /// Meets its target below 1. The scores grow with the number of trials.
-/// struct BelowOne;
-/// impl Curves for BelowOne {
-///     type Error = Infallible;
-///     fn cells(&self) -> usize { 1 }
-///     fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
-///         let score = |of: &ScoreRequest| [(1.0 - of.value) * (of.trials as f64).sqrt(), 40.0];
-///         Ok(requests.iter().map(score).collect())
-///     }
-/// }
-/// let among = SearchRange::Span(Span::new(0.1, 10.0, false));
-/// let search_it = Search { among, gap: 0.05, most_trials: 1 << 24, budget: None, wrong: 0.05 };
-/// let found = search(&mut BelowOne, &search_it, &|| Duration::ZERO)?;
-/// assert!(found.tested.len() > 16 && found.ended == EndReason::Known);
-/// let [meets, misses] = found.runs[..] else { panic!("one crossing") };
-/// assert_eq!((meets.from, meets.side, misses.to, misses.side), (0.1, Side::Meets, 10.0, Side::Misses));
-/// assert!(meets.to < 1.0 && misses.from > 1.0 && misses.from / meets.to < 1.05);
-/// # Ok::<(), Infallible>(())
-/// ```
-///
 /// # Errors
 /// The error of the curve.
-pub fn search<C: Curves + ?Sized>(
+pub(crate) fn search<C: Curves + ?Sized>(
     curves: &mut C,
     search: &Search,
     clock: &Clock<'_>,

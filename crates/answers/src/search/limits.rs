@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use palpate_statistics::score_of_tail;
-
-use crate::plan::Clock;
+use palpate_sweep::Clock;
 
 /// Share of the error probability for the exploration. The exploration decides the sides of values between verified
 /// ends.

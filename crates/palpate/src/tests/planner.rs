@@ -5,12 +5,12 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use palpate_sweep::{
-    FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, Record,
-    RunOptions, Runner, Trial, plan,
-};
+use palpate_sensing::{Channel, Stream};
+use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial};
 
-use crate::{normal, observation};
+use crate::planner::{
+    FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, plan,
+};
 
 /// Number of trials in all cells. Each trial counts as a microsecond.
 type Run = AtomicU64;
@@ -36,7 +36,8 @@ impl Trial for Experiment<'_> {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         self.run.fetch_add(1, Ordering::Relaxed);
-        record.observe(0, observation(1.0 + 0.1 * normal(trial), 1.0, None));
+        let error = 0.1 * Stream::new(1, trial, Channel::Position).standard_normal();
+        record.observe(0, Observation::plain(1.0 + error, 1.0));
         (trial % 10 < self.successes).then_some(()).ok_or("slipped")
     }
 }

@@ -2,15 +2,43 @@
 
 use std::collections::HashMap;
 use std::convert::Infallible;
+use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use palpate_sweep::{
-    Batches, Curves, EndReason, Growth, Record, Run, Runner, ScoreRequest, Scores, Search,
-    SearchRange, SearchResult, Side, Span, TestedValue, Trial, search, share_at_most,
+    Batches, Growth, Observation, Record, RunOptions, Runner, Trial, share_at_most,
+};
+use proptest::prelude::*;
+
+use crate::search::{
+    Curves, EndReason, Run, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
+    TestedValue, search,
 };
 
-use crate::{normal, observation, runner, uniform};
+fn runner(threads: usize) -> Runner {
+    let threads = NonZeroUsize::new(threads);
+    let options = RunOptions {
+        threads,
+        ..RunOptions::default()
+    };
+    Runner::new(&options).unwrap()
+}
+
+/// Independent numbers in (0, 1), a function of their index (SplitMix64).
+fn uniform(index: u64) -> f64 {
+    let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^= bits >> 31;
+    ((bits >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+}
+
+/// Independent standard normal numbers (Box and Muller).
+fn normal(index: u64) -> f64 {
+    let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
+    (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
+}
 
 /// Trials whose error is a normal number times `scale`, and which fail with the probability `fails`.
 struct Noisy {
@@ -26,7 +54,15 @@ impl Trial for Noisy {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         let number = (self.seed << 44) ^ trial;
-        record.observe(0, observation(self.scale * normal(number), 0.0, None));
+        record.observe(
+            0,
+            Observation {
+                estimate: self.scale * normal(number),
+                truth: 0.0,
+                std: None,
+                interval_holds: None,
+            },
+        );
         (uniform(!number) >= self.fails)
             .then_some(())
             .ok_or("slipped")
@@ -84,20 +120,23 @@ impl Curves for Noise<'_> {
             let first = if ask.fresh { 1 << 40 } else { 0 };
             let key = (ask.value.to_bits(), ask.cell, ask.fresh);
             let batches = self.known.entry(key).or_insert(Batches::from_trial(first));
-            let before = batches.trials();
+            let before = batches.statistics().trials;
             let trials = ask.trials;
             self.runner.grow(vec![Growth {
                 trial: &trial,
                 batches,
                 trials,
             }]);
-            self.trials += batches.trials() - before;
+            self.trials += batches.statistics().trials - before;
             let of_rms = batches
                 .estimate(|all| all.quantities[0].rms_error)
                 .and_then(|rms| rms.map(libm::log))
                 .map_or(0.0, |rms| rms.at_most(0.0));
             let failed = batches.statistics().failed();
-            [of_rms, share_at_most(failed, batches.trials(), 0.05)]
+            [
+                of_rms,
+                share_at_most(failed, batches.statistics().trials, 0.05),
+            ]
         };
         Ok(requests.iter().map(score).collect())
     }
@@ -225,7 +264,7 @@ fn the_worst_cell_decides() {
         .known
         .iter()
         .filter(|((_, cell, fresh), _)| *cell == 1 && !fresh);
-    assert!(easy.map(|(_, batches)| batches.trials()).max() < Some(10_000));
+    assert!(easy.map(|(_, batches)| batches.statistics().trials).max() < Some(10_000));
 }
 
 #[test]
@@ -355,4 +394,74 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
         "{gaps:?}"
     );
     assert!(gaps[0].0 > gaps[1].0 && gaps[1].0 > gaps[2].0, "{gaps:?}");
+}
+
+/// Meets its target below 1; its scores grow with the number of trials.
+struct BelowOne;
+
+impl Curves for BelowOne {
+    type Error = Infallible;
+
+    fn cells(&self) -> usize {
+        1
+    }
+
+    fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Infallible> {
+        let score = |ask: &ScoreRequest| [(1.0 - ask.value) * (ask.trials as f64).sqrt(), 40.0];
+        Ok(requests.iter().map(score).collect())
+    }
+}
+
+#[test]
+fn no_claim_is_wrong_whatever_its_probability_may_be() {
+    for wrong in [5e-324, 0.05, 1.0 - f64::EPSILON, 0.0, -1.0, 2.0, f64::NAN] {
+        let search_it = Search {
+            among: SearchRange::Span(Span::new(0.1, 10.0, false)),
+            gap: 0.2,
+            most_trials: 1 << 16,
+            budget: None,
+            wrong,
+        };
+        let Ok(found) = search(&mut BelowOne, &search_it, &|| Duration::ZERO);
+        let is_right = found.runs.iter().all(|run| match run.side {
+            Side::Meets => run.to < 1.0,
+            Side::Misses => run.from > 1.0,
+        });
+        assert!(is_right && found.tested.len() >= 16, "{wrong}: {found:?}");
+        assert!(wrong != 0.05 || found.runs.len() == 2, "{found:?}");
+    }
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    let extremes = [0.0, -0.0, 5e-324, 1.0 + f64::EPSILON, f64::MAX, -f64::MAX];
+    prop_oneof![
+        proptest::sample::select(extremes.to_vec()),
+        any::<f64>(),
+        -2.0..2.0,
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn values_ascend_within_their_range(
+        (one, other) in (number(), number()),
+        is_whole in any::<bool>(),
+        count in 0..20_usize,
+        gap in prop_oneof![Just(0.0), Just(f64::NAN), 0.0..0.5],
+    ) {
+        let span = Span::new(one.min(other), one.max(other), is_whole);
+        let is_value = |value: f64| {
+            (span.from..=span.to).contains(&value) && (!is_whole || value.fract() == 0.0)
+        };
+        let values = span.spread(count, gap);
+        prop_assert!(values.windows(2).all(|pair| pair[0] < pair[1]), "{values:?}");
+        prop_assert!(values.iter().all(|value| is_value(*value)), "{values:?}");
+        let is_bare = is_whole && span.from.ceil() > span.to.floor();
+        prop_assert!(values.is_empty() == is_bare && values.len() <= 2 * count.max(2));
+        let found = span.between(span.from, span.to, gap);
+        let is_between = |value: f64| is_value(value) && span.from < value && value < span.to;
+        prop_assert!(found.is_none_or(is_between), "{found:?}");
+    }
 }

@@ -3,10 +3,7 @@
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
-use super::Clock;
-use crate::cell::{Cell, Trial};
-use crate::queue::JOB;
-use crate::runner::Runner;
+use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
 /// Longest and shortest time in which trials of a cell are timed. A single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
@@ -17,35 +14,20 @@ const SLOW: Duration = Duration::from_millis(100);
 const MAX_TIMED: u64 = 1 << 20;
 
 /// Time per trial of each cell, s, on one thread while the other threads are busy too.
-///
-/// ```
-/// use std::time::{Duration, Instant};
-/// use palpate_sweep::{Pace, Record, RunOptions, Runner, Trial};
-///
-/// struct Sleeping;
-/// impl Trial for Sleeping {
-///     fn quantities(&self) -> usize { 0 }
-///     fn run(&self, _trial: u64, _record: &mut Record) -> Result<(), &'static str> {
-///         std::thread::sleep(Duration::from_millis(2));
-///         Ok(())
-///     }
-/// }
-/// let runner = Runner::new(&RunOptions::default())?;
-/// let start = Instant::now();
-/// let pace = Pace::of(&runner, &[&Sleeping], Duration::from_millis(5), &|| start.elapsed());
-/// assert!(pace.seconds_per_trial(0) >= 0.002);
-/// assert!(pace.run_seconds(&[100], runner.threads()) >= 0.2 / runner.threads().get() as f64);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug)]
-pub struct Pace {
+pub(crate) struct Pace {
     seconds: Vec<f64>,
 }
 
 impl Pace {
     /// Times a few trials of some cells, at least one cell, for about `limit`. The cells are spread evenly over all
     /// cells. Cells that are not timed get the largest measured time.
-    pub fn of<T: Trial>(runner: &Runner, cells: &[T], limit: Duration, clock: &Clock<'_>) -> Self {
+    pub(crate) fn of<T: Trial>(
+        runner: &Runner,
+        cells: &[T],
+        limit: Duration,
+        clock: &Clock<'_>,
+    ) -> Self {
         let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
         let start = clock();
         let mut seconds = vec![None; cells.len()];
@@ -63,13 +45,13 @@ impl Pace {
     }
 
     /// Seconds per trial of a cell, on one thread.
-    pub fn seconds_per_trial(&self, cell: usize) -> f64 {
+    pub(crate) fn seconds_per_trial(&self, cell: usize) -> f64 {
         self.seconds[cell]
     }
 
     /// Upper bound on the time (s) of a run with these trials of each cell on `threads` (Graham's bound on list
     /// scheduling, 1966): no thread is idle until the last job is handed out.
-    pub fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
+    pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
             sum += trials as f64 * seconds;
@@ -116,7 +98,7 @@ impl Pace {
 
 /// Numbers below `count` in the order of their reversed bits, so that the first few of them are spread over the whole
 /// range.
-pub fn spread(count: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
         .map(move |number| match bits {

@@ -31,7 +31,7 @@ const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
     /// Range between two finite numbers, `from` ≤ `to`, of all numbers or of the whole numbers.
-    pub fn new(from: f64, to: f64, is_whole: bool) -> Self {
+    pub(crate) fn new(from: f64, to: f64, is_whole: bool) -> Self {
         Self {
             from,
             to,
@@ -42,7 +42,7 @@ impl Span {
 
     /// Distance of two values, `low` ≤ `high`: relative to the first if values are spaced by ratios, otherwise to half
     /// the range.
-    pub fn gap(&self, low: f64, high: f64) -> f64 {
+    pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,
             false => 2.0 * (high - low) / (self.to - self.from),
@@ -91,7 +91,7 @@ impl Span {
     /// assert_eq!(Span::new(0.1, 10.0, false).spread(3, 0.05), [0.1, 1.0, 10.0]);
     /// assert_eq!(Span::new(2.0, 5.0, true).spread(3, 0.05), [2.0, 3.0, 4.0, 5.0]);
     /// ```
-    pub fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
+    pub(crate) fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
         let (first, last) = (self.from.ceil(), self.to.floor());
         if self.is_whole && first > last {
             return Vec::new();
@@ -114,7 +114,7 @@ impl Span {
 
     /// Value midway between two values, rounded to as many digits as gaps of this size need; `None` if no rounded value
     /// lies between them.
-    pub fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
+    pub(crate) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)
     }

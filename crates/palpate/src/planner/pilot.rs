@@ -6,10 +6,7 @@
 //!
 //! The result of a pilot depends only on its trials.
 
-use crate::batch_statistics::{Batches, Growth};
-use crate::cell::Trial;
-use crate::runner::Runner;
-use crate::summary::CellStatistics;
+use palpate_sweep::{Batches, CellStatistics, Growth, Runner, Trial};
 
 /// Safety margin that is added to v, in standard errors of v.
 const MARGIN: f64 = 2.0;

@@ -8,19 +8,13 @@ mod tolerance;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
+use palpate_sweep::{Clock, NOT_FINITE, Runner, Trial};
 use thiserror::Error;
 
-pub use pace::{Pace, spread};
-pub use tolerance::{Pass, PassQuantity, PassValue};
-
-use crate::cell::Trial;
-use crate::runner::Runner;
-use crate::summary::NOT_FINITE;
+pub(crate) use pace::{Pace, spread};
 use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
-
-/// Returns the time since planning began. It must advance: measurements with a clock that stands still never end.
-pub type Clock<'a> = dyn Fn() -> Duration + 'a;
+pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
 /// Largest shift of an estimate by the model's error, as a share of target error × rms error.
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
@@ -40,7 +34,7 @@ const MIN_PILOT: u64 = 32;
 const MAX_PILOT: u64 = 1024;
 
 /// Cells whose number of trials and model can be chosen.
-pub trait Plannable: Sized {
+pub(crate) trait Plannable: Sized {
     /// Experiment of a cell.
     type Trial: Trial;
     /// Error of setting up an experiment.
@@ -169,7 +163,7 @@ impl Plan {
 ///
 /// # Errors
 /// [`PlanError`].
-pub fn plan<C: Plannable>(
+pub(crate) fn plan<C: Plannable>(
     cells: &C,
     goal: &Goal,
     runner: &Runner,
