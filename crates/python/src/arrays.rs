@@ -12,7 +12,13 @@ use crate::error;
 /// Array of an argument, its last axis fastest: the caller's own memory if it has this layout, otherwise a copy.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
-    array: PyReadonlyArrayDyn<'py, f64>,
+    data: Data<'py>,
+}
+
+enum Data<'py> {
+    Array(PyReadonlyArrayDyn<'py, f64>),
+    /// Numbers and shape of a list of lists.
+    Lists(Vec<f64>, [usize; 2]),
 }
 
 impl<'py> Numbers<'py> {
@@ -21,7 +27,10 @@ impl<'py> Numbers<'py> {
         let array = match value.cast::<PyArrayDyn<f64>>() {
             Ok(array) if array.is_c_contiguous() => array.clone(),
             _ => match rows_of_lists(value) {
-                Some((numbers, shape)) => array(value.py(), numbers, &shape)?.cast_into()?,
+                Some((numbers, shape)) => {
+                    let data = Data::Lists(numbers, shape);
+                    return Ok(Self { name, data });
+                }
                 None => converted(name, value)?,
             },
         };
@@ -29,12 +38,15 @@ impl<'py> Numbers<'py> {
             let message = format!("{name}: is being written by another thread");
             error::argument(name, &[], None, message)
         };
-        let array = array.try_readonly().map_err(busy)?;
-        Ok(Self { name, array })
+        let data = Data::Array(array.try_readonly().map_err(busy)?);
+        Ok(Self { name, data })
     }
 
     pub(crate) fn shape(&self) -> &[usize] {
-        self.array.shape()
+        match &self.data {
+            Data::Array(array) => array.shape(),
+            Data::Lists(_, shape) => shape,
+        }
     }
 
     pub(crate) fn name(&self) -> &'static str {
@@ -42,7 +54,10 @@ impl<'py> Numbers<'py> {
     }
 
     pub(crate) fn flat(&self) -> &[f64] {
-        self.array.as_slice().unwrap_or_default()
+        match &self.data {
+            Data::Array(array) => array.as_slice().unwrap_or_default(),
+            Data::Lists(numbers, _) => numbers,
+        }
     }
 
     /// Rows of `D` numbers along the last axis; all axes before it run through them.

@@ -1,5 +1,7 @@
 //! Results with named fields.
 
+use std::sync::Arc;
+
 use palpate::Warning;
 use palpate::recorded::Value;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
@@ -31,6 +33,21 @@ pub(crate) trait Made: Send + Sync {
     }
 }
 
+/// A value needs no JSON for its numbers.
+impl Made for Value {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, self)
+    }
+
+    fn alone(&self, name: &str) -> Option<Alone> {
+        match name {
+            "value" => Some(Alone::Number(self.value.into())),
+            "std" => Some(Alone::Number(self.std)),
+            _ => None,
+        }
+    }
+}
+
 /// Field that is made without the others.
 pub(crate) enum Alone {
     Number(Option<f64>),
@@ -43,15 +60,19 @@ pub(crate) enum Alone {
 /// `float(record)` is its `value`; `record["name"]` is the field of any name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
-    made: Option<Box<dyn Made>>,
+    made: Option<Arc<dyn Made>>,
     fields: PyOnceLock<Py<PyDict>>,
     arrays: PyOnceLock<Py<PyDict>>,
 }
 
 impl Record {
     pub(crate) fn new(made: impl Made + 'static) -> Self {
+        Self::shared(Arc::new(made))
+    }
+
+    pub(crate) fn shared(made: Arc<dyn Made>) -> Self {
         Self {
-            made: Some(Box::new(made)),
+            made: Some(made),
             fields: PyOnceLock::new(),
             arrays: PyOnceLock::new(),
         }
@@ -59,27 +80,23 @@ impl Record {
 
     pub(crate) fn restored(fields: Bound<'_, PyDict>, arrays: Option<Bound<'_, PyDict>>) -> Self {
         let py = fields.py();
-        let arrays = arrays.unwrap_or_else(|| PyDict::new(py));
-        let full = |dict: Bound<'_, PyDict>| {
+        let lock = |dict: Option<Bound<'_, PyDict>>| {
             let lock = PyOnceLock::new();
-            lock.get_or_init(py, || dict.unbind());
+            if let Some(dict) = dict {
+                lock.get_or_init(py, || dict.unbind());
+            }
             lock
         };
         Self {
             made: None,
-            fields: full(fields),
-            arrays: full(arrays),
+            fields: lock(Some(fields)),
+            arrays: lock(arrays),
         }
     }
 
     /// Record of a value that serialises.
     pub(crate) fn of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
         field(to_python(py, value)?)
-    }
-
-    /// A field that is made without the others.
-    pub(crate) fn alone(&self, name: &str) -> Option<Alone> {
-        self.made.as_ref()?.alone(name)
     }
 
     pub(crate) fn fields<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
@@ -92,9 +109,11 @@ impl Record {
 
     /// The field with this name.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = match self.alone(name) {
+        let value = match self.made.as_ref().and_then(|made| made.alone(name)) {
             Some(Alone::Number(number)) => return Ok(Some(number.into_pyobject(py)?)),
-            Some(Alone::Value(value)) => Some(to_python(py, &value)?),
+            Some(Alone::Value(value)) => {
+                return Ok(Some(Bound::new(py, Self::new(value))?.into_any()));
+            }
             None => match self.array(py, name)? {
                 Some(value) => Some(value),
                 None => self.fields(py)?.get_item(name)?,
@@ -111,14 +130,15 @@ impl Record {
 
     /// A field that JSON does not have.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let arrays = self.made_arrays(py);
-        if let Some(value) = arrays.get_item(name)? {
+        if let Some(arrays) = self.arrays.get(py)
+            && let Some(value) = arrays.bind(py).get_item(name)?
+        {
             return Ok(Some(value));
         }
         match &self.made {
             Some(made) if made.others().contains(&name) => {
                 let value = made.other(py, name)?;
-                arrays.set_item(name, &value)?;
+                self.made_arrays(py).set_item(name, &value)?;
                 Ok(Some(value))
             }
             _ => Ok(None),

@@ -1,9 +1,12 @@
 //! Many estimates of one kind.
 
+use std::sync::Arc;
+
 use numpy::PyArray1;
 use palpate::recorded::{RecordedError, Value};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use rayon::prelude::*;
 
@@ -20,7 +23,41 @@ use crate::watch::{pool, watched};
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
     /// Estimates, or the errors in their place.
-    estimates: Vec<Result<Py<Record>, String>>,
+    estimates: Vec<Result<Member, String>>,
+}
+
+/// Makes the object of an estimate.
+type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
+
+/// Estimate of a batch.
+enum Member {
+    /// Value of the library, and its object, which is made when it is asked for.
+    Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
+    Restored(Py<Record>),
+}
+
+impl Member {
+    fn object(&self, py: Python<'_>) -> PyResult<&Py<Record>> {
+        match self {
+            Self::Made(made, class, object) => object.get_or_try_init(py, || {
+                let record = class(py, Record::shared(Arc::clone(made)))?;
+                Ok(record.cast_into()?.unbind())
+            }),
+            Self::Restored(object) => Ok(object),
+        }
+    }
+
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        self.object(py)?.bind(py).get().fields(py)
+    }
+
+    /// A field that is made without the others.
+    fn alone(&self, name: &str) -> Option<Alone> {
+        match self {
+            Self::Made(made, ..) => made.alone(name),
+            Self::Restored(_) => None,
+        }
+    }
 }
 
 /// Batch of estimates from sets of readings. Threads make them without the interpreter's lock.
@@ -29,20 +66,19 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     sets: Vec<R>,
     threads: Option<usize>,
     estimate: impl Fn(R) -> Result<E, RecordedError> + Send + Sync + 'static,
-    object: fn(Python<'py>, Record) -> PyResult<Bound<'py, PyAny>>,
+    class: Class,
 ) -> PyResult<Bound<'py, PyAny>> {
     let pool = pool(threads)?;
-    let made: Vec<Result<E, RecordedError>> = watched(py, None, move |watch| {
+    let member = move |readings: R| match estimate(readings) {
+        Ok(made) => Ok(Member::Made(Arc::new(made), class, PyOnceLock::new())),
+        Err(error) => Err(error::text(&error)),
+    };
+    let estimates = watched(py, None, move |watch| {
         pool.install(|| {
             let remaining = sets.into_par_iter().filter(|_| !watch.is_cancelled());
-            remaining.map(&estimate).collect()
+            remaining.map(&member).collect()
         })
     })?;
-    let record = |one: Result<E, RecordedError>| match one {
-        Ok(made) => Ok(Ok(object(py, Record::new(made))?.cast_into()?.unbind())),
-        Err(error) => Ok(Err(error::text(&error))),
-    };
-    let estimates = made.into_iter().map(record).collect::<PyResult<_>>()?;
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
@@ -155,7 +191,7 @@ impl Batch {
     /// Names of the fields.
     fn names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         match self.estimates.iter().flatten().next() {
-            Some(first) => Ok(first.bind(py).get().fields(py)?.keys()),
+            Some(first) => Ok(first.fields(py)?.keys()),
             None => Ok(PyList::empty(py)),
         }
     }
@@ -163,12 +199,12 @@ impl Batch {
     /// The field of all estimates with this name.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let first = self.estimates.iter().flatten().next();
-        if first.is_some_and(|first| first.bind(py).get().alone(name).is_some()) {
-            let alone = |one: &Result<Py<Record>, _>| one.as_ref().ok()?.bind(py).get().alone(name);
+        if first.is_some_and(|first| first.alone(name).is_some()) {
+            let alone = |one: &Result<Member, _>| one.as_ref().ok()?.alone(name);
             return of_alone(py, self.estimates.iter().map(alone).collect()).map(Some);
         }
-        let field = |one: &Result<Py<Record>, _>| match one {
-            Ok(estimate) => estimate.bind(py).get().fields(py)?.get_item(name),
+        let field = |one: &Result<Member, _>| match one {
+            Ok(estimate) => estimate.fields(py)?.get_item(name),
             Err(_) => Ok(None),
         };
         let all = self
@@ -185,7 +221,7 @@ impl Batch {
 impl Batch {
     #[new]
     fn new(estimates: Vec<(Option<Py<Record>>, String)>) -> Self {
-        let one = |(estimate, error): (Option<_>, String)| estimate.ok_or(error);
+        let one = |(estimate, error): (Option<_>, _)| estimate.map(Member::Restored).ok_or(error);
         Self {
             estimates: estimates.into_iter().map(one).collect(),
         }
@@ -200,7 +236,7 @@ impl Batch {
         let from_end = if index < 0 { count as isize } else { 0 };
         let place = usize::try_from(index + from_end).ok();
         match place.and_then(|place| self.estimates.get(place)) {
-            Some(Ok(estimate)) => Ok(estimate.clone_ref(py)),
+            Some(Ok(estimate)) => Ok(estimate.object(py)?.clone_ref(py)),
             Some(Err(message)) => Err(error::ReadingsError::new_err(message.clone())),
             None => {
                 let message = format!("index {index} of a batch of {count} estimates");
@@ -255,11 +291,12 @@ impl Batch {
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let py = slf.py();
-        let one = |one: &Result<Py<Record>, String>| match one {
-            Ok(estimate) => (Some(estimate.clone_ref(py)), String::new()),
-            Err(message) => (None, message.clone()),
+        let one = |one: &Result<Member, String>| match one {
+            Ok(estimate) => Ok((Some(estimate.object(py)?.clone_ref(py)), String::new())),
+            Err(message) => Ok((None, message.clone())),
         };
-        let estimates: Vec<_> = slf.get().estimates.iter().map(one).collect();
+        let estimates = slf.get().estimates.iter().map(one);
+        let estimates = estimates.collect::<PyResult<Vec<_>>>()?;
         Ok((slf.get_type().into_any(), PyTuple::new(py, [estimates])?))
     }
 
