@@ -56,11 +56,6 @@ impl LayoutError {
         Ok(BadSetting::unless(holds, setting, value, expected)?)
     }
 
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-
     /// The wrong setting with its name in the config, if a setting is the reason.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {

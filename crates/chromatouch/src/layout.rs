@@ -368,7 +368,11 @@ mod tests {
             (radius(5, f64::MAX), "around-the-sphere", Some("length")),
         ] {
             let error = layout.places(20.0).unwrap_err();
-            assert_eq!((error.name(), error.setting()), (name, setting), "{error}");
+            assert_eq!(
+                (<&str>::from(&error), error.setting()),
+                (name, setting),
+                "{error}"
+            );
         }
         for sensor_radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let error = Layout::published().places(sensor_radius).unwrap_err();

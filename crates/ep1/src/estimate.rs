@@ -25,7 +25,6 @@ pub struct Measured {
 /// ];
 /// let estimate = LeastSquares::of(2.0, ReadingNoise::default(), &readings)?;
 /// assert_eq!(estimate.gaussian_curvature.value, 0.0);
-/// assert_eq!(estimate.mobility()[(0, 0)], 2.0);
 /// assert_eq!(estimate.amplification(0.0), None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -44,6 +43,7 @@ pub struct Estimate {
     /// Mean length of the shifts, length.
     pub arc_length: f64,
     pub(crate) probe_curvature: f64,
+    /// Mobility `(K₁ + K₂)⁻¹`, length: the distance that the contact moves on the probe per radian.
     pub(crate) mobility: Matrix2<f64>,
 }
 
@@ -54,10 +54,5 @@ impl Estimate {
     pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
         let growth = 1.0 + self.probe_curvature / self.curvature.normal_curvature(angle_rad);
         growth.is_finite().then_some(growth)
-    }
-
-    /// Mobility `(K₁ + K₂)⁻¹`, length: the distance that the contact moves on the probe per radian.
-    pub const fn mobility(&self) -> &Matrix2<f64> {
-        &self.mobility
     }
 }

@@ -186,7 +186,7 @@ impl<'r> Refit<'r> {
     /// for example one that did not turn, are left out.
     fn weighted(&self) -> impl Iterator<Item = (usize, Vector2<f64>, Slopes)> {
         let [turned, least] = self.units;
-        let mobility = self.estimate.mobility() * self.estimate.probe_curvature;
+        let mobility = self.estimate.mobility * self.estimate.probe_curvature;
         let shape = mobility / mobility.amax();
         let product = shape * shape.transpose();
         let weighted = move |(probe, reading): (usize, &ProbeReading)| {
@@ -237,7 +237,7 @@ impl<'r> Refit<'r> {
 fn noise_sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
     let turned = reading.rotation.norm();
     let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);
-    let largest = estimate.mobility().amax() * estimate.probe_curvature;
+    let largest = estimate.mobility.amax() * estimate.probe_curvature;
     [
         noise.shift_std * estimate.probe_curvature,
         rotation_std * largest,

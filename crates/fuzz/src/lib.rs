@@ -117,7 +117,7 @@ pub fn readings(bytes: &[u8]) -> Outcome {
     let roll = finite(palpate_recorded::parse_roll(file())).map(|readings| {
         let estimate = palpate_recorded::estimate_roll(readings, &RollOptions::new(1.0));
         let _ = finite(estimate).map(|estimate| {
-            check_finite(&(estimate.values(), estimate.p_value(), estimate.warnings()));
+            check_finite(&estimate);
         });
     });
     let glide = finite(palpate_recorded::parse_glide(file())).map(|readings| {

@@ -1,6 +1,6 @@
 //! Curvature at a point: the form, its invariants and its classes.
 
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_statistics::{NORMAL_95, Number};
@@ -21,7 +21,7 @@ use thiserror::Error;
 /// assert_eq!(form.mean_curvature(), 0.25);
 /// assert_eq!((form.principal().k_min, form.principal().k_max), (0.0, 0.5));
 /// // The shape index of a ridge.
-/// assert!(form.shape_index().is_some_and(|index| (index - 0.5).abs() < 1e-15));
+/// assert!(form.principal().shape_index().is_some_and(|index| (index - 0.5).abs() < 1e-15));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CurvatureForm {
@@ -52,7 +52,9 @@ pub struct PrincipalCurvatures {
 }
 
 impl PrincipalCurvatures {
-    /// Shape index of a surface with these curvatures; see [`CurvatureForm::shape_index`].
+    /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap, 0 for a symmetric
+    /// saddle, −1 for a cup. Its error is at most 1e-15. `None` at a flat point, where it is undefined, or if a
+    /// curvature is not finite.
     pub fn shape_index(&self) -> Option<f64> {
         let Self { k_min, k_max, .. } = *self;
         if k_min == 0.0 && k_max == 0.0 {
@@ -79,7 +81,7 @@ impl CurvatureForm {
     }
 
     /// The symmetric part of a matrix as a form.
-    pub fn from_matrix(matrix: &Matrix2<f64>) -> Self {
+    pub(crate) fn from_matrix(matrix: &Matrix2<f64>) -> Self {
         Self {
             k_uu: matrix[(0, 0)],
             k_uv: 0.5 * (matrix[(0, 1)] + matrix[(1, 0)]),
@@ -166,21 +168,10 @@ impl CurvatureForm {
     }
 
     /// Normal curvature along a unit tangent vector with components `(u, v)`, 1/length.
-    pub fn along(&self, unit: &Vector2<f64>) -> f64 {
+    pub(crate) fn along(&self, unit: &Vector2<f64>) -> f64 {
         self.k_uu * unit.x * unit.x
             + 2.0 * self.k_uv * unit.x * unit.y
             + self.k_vv * unit.y * unit.y
-    }
-
-    /// The form in the tangent basis that is turned by `angle_rad` from `u` towards `v`.
-    pub fn rotated(&self, angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(angle_rad);
-        let (u, v) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
-        Self {
-            k_uu: self.along(&u),
-            k_uv: u.dot(&(self.matrix() * v)),
-            k_vv: self.along(&v),
-        }
     }
 
     /// The form in the contact frame of the other body: its normal is opposite and its axes are turned by the contact
@@ -189,19 +180,6 @@ impl CurvatureForm {
         let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);
         Self::from_matrix(&(reflection * self.matrix() * reflection))
-    }
-
-    /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap, 0 for a symmetric
-    /// saddle, −1 for a cup. Its error is at most 1e-15. `None` at a flat point, where it is undefined, or if a
-    /// curvature is not finite.
-    pub fn shape_index(&self) -> Option<f64> {
-        self.principal().shape_index()
-    }
-
-    /// Curvedness `√((k_min² + k_max²)/2)`, 1/length.
-    pub fn curvedness(&self) -> f64 {
-        let PrincipalCurvatures { k_min, k_max, .. } = self.principal();
-        libm::hypot(k_min, k_max) * FRAC_1_SQRT_2
     }
 }
 
@@ -366,33 +344,6 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn invariants_survive_a_turn_of_the_basis() {
-        let form = CurvatureForm {
-            k_uu: 2.0,
-            k_uv: -0.7,
-            k_vv: -1.0,
-        };
-        let turned = form.rotated(0.9);
-        assert_relative_eq!(
-            form.gaussian_curvature(),
-            turned.gaussian_curvature(),
-            epsilon = 1e-14
-        );
-        assert_relative_eq!(
-            form.mean_curvature(),
-            turned.mean_curvature(),
-            epsilon = 1e-14
-        );
-        let (a, b) = (form.principal(), turned.principal());
-        assert_relative_eq!(a.k_max, b.k_max, epsilon = 1e-14);
-        assert_relative_eq!(
-            a.angle_of_max_rad,
-            b.angle_of_max_rad + 0.9,
-            epsilon = 1e-14
-        );
-    }
-
-    #[test]
     fn principal_directions_carry_the_principal_curvatures() {
         let form = CurvatureForm {
             k_uu: 0.3,
@@ -416,13 +367,14 @@ mod tests {
     }
 
     #[test]
-    fn shape_index_and_curvedness_of_known_shapes() {
+    fn shape_index_of_known_shapes() {
         let index = |k_uu, k_vv| {
             CurvatureForm {
                 k_uu,
                 k_uv: 0.0,
                 k_vv,
             }
+            .principal()
             .shape_index()
         };
         assert_relative_eq!(index(0.2, 0.2).unwrap(), 1.0);
@@ -431,7 +383,6 @@ mod tests {
         assert_relative_eq!(index(-0.2, 0.0).unwrap(), -0.5);
         assert_relative_eq!(index(-0.2, -0.2).unwrap(), -1.0);
         assert_eq!(index(0.0, 0.0), None);
-        assert_relative_eq!(CurvatureForm::isotropic(-0.2).curvedness(), 0.2);
     }
 
     #[test]

@@ -52,11 +52,6 @@ fn place(coordinates: [(&str, &f64); 2]) -> String {
 }
 
 impl SurfaceError {
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-
     pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
         Self::NoClosestPoint {
             x: point.x,

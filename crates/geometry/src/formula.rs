@@ -46,10 +46,10 @@ pub struct Formula {
 
 impl Formula {
     /// Largest number of characters of a formula. It limits the length of the compiled program.
-    pub const MAX_CHARACTERS: usize = 10_000;
+    pub(crate) const MAX_CHARACTERS: usize = 10_000;
     /// Largest depth of nesting, which limits the parser's stack. Parentheses, calls, signs and right-hand sides of
     /// operators count.
-    pub const MAX_NESTING: usize = 100;
+    pub(crate) const MAX_NESTING: usize = 100;
 
     /// Parses a formula. `parameters` has the value of every name in it except `x`, `y`, `pi` and the functions.
     ///

@@ -103,7 +103,7 @@ impl ChartJet {
     /// # Errors
     /// [`SurfaceError::ChartSingular`] where the tangents vanish or are parallel (at a pole of the chart, not
     /// necessarily of the surface), or where a result is not finite.
-    pub fn geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
+    pub(crate) fn geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
         let singular = SurfaceError::ChartSingular { u: at.u, v: at.v };
         let m11 = self.du.norm();
         let x = self.du / m11;
@@ -148,14 +148,5 @@ impl ChartJet {
             .iter()
             .all(|value| value.is_finite());
         if finite { Ok(geometry) } else { Err(singular) }
-    }
-}
-
-impl ChartGeometry {
-    /// The shape operator as a linear map of space: `dn = S dq` for tangent `dq`, zero along the
-    /// normal. Units 1/length.
-    pub fn shape_operator(&self) -> nalgebra::Matrix3<f64> {
-        let tangents = nalgebra::Matrix3x2::from_columns(&[self.frame.x, self.frame.y]);
-        tangents * self.curvature.matrix() * tangents.transpose()
     }
 }

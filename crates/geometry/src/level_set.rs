@@ -22,7 +22,7 @@ impl LevelSet {
     /// Returns `None` where no normal can be computed: if the gradient vanishes or overflows when squared, or if a
     /// number is not finite.
     #[inline]
-    pub fn new(gradient: Vector3<f64>, hessian: Matrix3<f64>) -> Option<Self> {
+    pub(crate) fn new(gradient: Vector3<f64>, hessian: Matrix3<f64>) -> Option<Self> {
         let norm = gradient.norm();
         let inverse = 1.0 / norm;
         let level_set = Self {
@@ -91,7 +91,7 @@ impl TangentForm {
     }
 
     /// Unit normal, out of the solid.
-    pub fn normal(&self) -> Vector3<f64> {
+    pub(crate) fn normal(&self) -> Vector3<f64> {
         self.gradient / self.steepness
     }
 

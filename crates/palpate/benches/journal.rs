@@ -67,7 +67,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
     let mut journal = Journal::new(dir, &header).unwrap();
     let made = |results: palpate::CellResults| {
         let rows = simulation.rows(&results);
-        CellRecord::new(results.cell(), rows)
+        CellRecord::new(results.cell, rows)
     };
     let take = &mut |_, taken| {
         if let SweepOutput::Result(record) = taken {

@@ -164,7 +164,7 @@ impl Family {
     pub const HOLDS: [f64; 2] = [0.92, 0.98];
 
     /// Whether the share is near 95 %.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
     }
 

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 
 impl RollEstimate {
     /// Contradictions between the readings and the model, and likely mistakes in the readings.
-    pub fn warnings(&self) -> Vec<Warning> {
+    pub(crate) fn warnings(&self) -> Vec<Warning> {
         let RollRecording { readings, note, .. } = &self.recorded;
         let words = ReadingWords {
             reading: &|probe| format!("probe {}", self.recorded.probe(probe)),

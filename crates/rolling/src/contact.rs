@@ -46,7 +46,7 @@ impl Contact {
     ///
     /// # Errors
     /// As [`Surface::contact_at`].
-    pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
+    pub(crate) fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
         // +x projected onto the tangent plane; +y on a wall whose normal is along x.
@@ -66,7 +66,7 @@ impl Contact {
     }
 
     /// `y₁`, the second axis of the probe's contact frame, in the object's frame.
-    pub fn y_axis(&self) -> Vector3<f64> {
+    pub(crate) fn y_axis(&self) -> Vector3<f64> {
         self.x_axis.cross(&self.normal)
     }
 
@@ -76,7 +76,7 @@ impl Contact {
     }
 
     /// The direction of the contact from the probe's centre, in the probe's body frame.
-    pub fn probe_direction(&self) -> Vector3<f64> {
+    pub(crate) fn probe_direction(&self) -> Vector3<f64> {
         self.body_from_contact * Vector3::z()
     }
 

@@ -118,11 +118,6 @@ impl Glider {
         &self.object
     }
 
-    /// The fingertip.
-    pub const fn fingertip(&self) -> Fingertip {
-        self.fingertip
-    }
-
     /// The contact of a tip whose centre is on the vertical line through `(x, y)`: the first contact on the way down,
     /// on the same side of the object as [`Surface::contact_at`].
     ///

@@ -3,13 +3,13 @@
 mod dop853;
 mod rk4;
 
-pub use dop853::Dop853;
-pub use rk4::Rk4;
+pub(crate) use dop853::Dop853;
+pub(crate) use rk4::Rk4;
 
 use crate::error::RollFault;
 
 /// An autonomous system of `N` ordinary differential equations.
-pub trait System<const N: usize> {
+pub(crate) trait System<const N: usize> {
     /// Number of leading components that the derivative reads. The other components are integrals along the path. They
     /// are not computed at every stage and are meaningless there.
     const READ: usize = N;
@@ -28,22 +28,22 @@ pub trait System<const N: usize> {
 
 /// The result of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Integrated<const N: usize> {
+pub(crate) struct Integrated<const N: usize> {
     /// The state at the end.
-    pub state: [f64; N],
+    pub(crate) state: [f64; N],
     /// Number of evaluations of the derivative.
-    pub evaluations: usize,
+    pub(crate) evaluations: usize,
 }
 
 /// An integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stopped<const N: usize> {
+pub(crate) struct Stopped<const N: usize> {
     /// The reason.
-    pub fault: RollFault,
+    pub(crate) fault: RollFault,
     /// Time since the start.
-    pub time_s: f64,
+    pub(crate) time_s: f64,
     /// The last valid state.
-    pub state: [f64; N],
+    pub(crate) state: [f64; N],
 }
 
 /// `y + h Σ aⱼ kⱼ` in the components that the derivative reads.

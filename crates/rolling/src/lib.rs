@@ -32,7 +32,7 @@ mod contact_equations;
 mod error;
 mod glide;
 mod integration;
-pub mod integrator;
+mod integrator;
 mod ladder;
 mod ladder_errors;
 mod meridian;

@@ -47,7 +47,7 @@ impl MeasuredSensor {
         if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
                 .map_err(|error| FieldError::at(format!("{LAYOUT}.gores"), error))?;
-            values.extend([strain.greatest(), strain.rms()].map(Some));
+            values.extend([strain.greatest, strain.rms].map(Some));
             needs.push(format!("strain of folding {gores} gores: closed form").into());
         }
         if sphere.discs.is_some() {

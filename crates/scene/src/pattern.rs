@@ -175,7 +175,7 @@ fn strain_by_gores() -> Result<Table, PatternError> {
     let mut table = Table::new(std::iter::once(Column::count("gores")).chain(strains));
     for gores in 3..=12 {
         let strain = FoldStrain::of(gores)?;
-        table.push(gores as usize, [strain.greatest(), strain.rms()]);
+        table.push(gores as usize, [strain.greatest, strain.rms]);
     }
     Ok(table)
 }

@@ -51,11 +51,6 @@ impl PositionError {
         self.axes
     }
 
-    /// Standard deviation along each of the axes, length.
-    pub fn std(&self) -> f64 {
-        self.distribution.std(self.size)
-    }
-
     /// Whether a reading draws random numbers. If not, the reading is exact.
     pub fn is_random(&self) -> bool {
         self.size > 0.0
@@ -107,7 +102,7 @@ mod tests {
                     }
                     assert!(mean(&|error| error[axis]).abs() < 0.004);
                     let std = mean(&|error| error[axis].powi(2)).sqrt();
-                    assert_relative_eq!(std, sensor.std(), max_relative = 0.01);
+                    assert_relative_eq!(std, distribution.std(0.3), max_relative = 0.01);
                     let next = (axis + 1) % 3;
                     assert!(mean(&|error| error[axis] * error[next]).abs() < 0.001);
                 }

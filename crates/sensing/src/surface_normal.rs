@@ -22,12 +22,6 @@ impl NormalError {
         Ok(Self { std_rad })
     }
 
-    /// Standard deviation about each tangent, rad. The total tilt has a Rayleigh distribution, whose mean square is
-    /// twice the square of this value.
-    pub const fn std_rad(&self) -> f64 {
-        self.std_rad
-    }
-
     /// Whether a reading draws random numbers. If not, the reading is exact.
     pub fn is_random(&self) -> bool {
         self.std_rad > 0.0

@@ -15,7 +15,7 @@ pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 pub use hue::{hue_turns, saturated_hue};
 pub use misfit::{Misfit, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
-pub use number_format::{Number, Percent};
+pub use number_format::Number;
 pub use score_test::{Explained, LEFT, least_likely};
 pub use tails::{chi_squared_tail, ratio_tail, student_half_width};
 

@@ -1,4 +1,4 @@
-//! Numbers and probabilities in messages.
+//! Numbers in messages.
 
 use std::fmt;
 
@@ -56,29 +56,6 @@ impl fmt::Display for Number {
             fmt::LowerExp::fmt(&number, f)
         } else {
             fmt::Display::fmt(&number, f)
-        }
-    }
-}
-
-/// Smallest probability that is displayed as a number. Real noise does not follow the model in such far tails.
-const MIN_DISPLAYED: f64 = 1e-12;
-
-/// A probability as messages display it.
-///
-/// ```
-/// use palpate_statistics::Percent;
-///
-/// assert_eq!(Percent(0.00123456).to_string(), "0.00123");
-/// assert_eq!(Percent(1e-200).to_string(), "fewer than 1e-12");
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Percent(pub f64);
-
-impl fmt::Display for Percent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 < MIN_DISPLAYED {
-            true => write!(f, "fewer than {}", Number(MIN_DISPLAYED)),
-            false => write!(f, "{}", Number::rounded(self.0)),
         }
     }
 }

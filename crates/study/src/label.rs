@@ -34,7 +34,7 @@ impl Label {
     }
 
     /// Label of shares; `unit` is a percent sign, optionally with its reference, such as `% of the IFD`.
-    pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
+    pub(crate) fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
             unit: unit.to_owned(),

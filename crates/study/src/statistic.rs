@@ -162,7 +162,7 @@ impl Statistic {
     }
 
     /// Whether the statistic is divided by the true value.
-    pub const fn is_relative(self) -> bool {
+    pub(crate) const fn is_relative(self) -> bool {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 

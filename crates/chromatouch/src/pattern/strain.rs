@@ -40,7 +40,7 @@ const NODES: usize = 16;
 ///
 /// let strain = FoldStrain::of(4)?;
 /// // With the stretch σ, σ − 1/σ is the shear: π/4 where the seams of four gores meet the apex.
-/// let stretch = 1.0 + strain.greatest();
+/// let stretch = 1.0 + strain.greatest;
 /// assert!((stretch - 1.0 / stretch - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
 /// // The middle meridian keeps its length.
 /// assert_eq!(strain.at(0.0, 1.0)?, 0.0);
@@ -49,8 +49,10 @@ const NODES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldStrain {
     gores: u32,
-    greatest: f64,
-    rms: f64,
+    /// Greatest strain of the gore, at its edges next to the apex.
+    pub greatest: f64,
+    /// Root mean square of the strain over the gore's area.
+    pub rms: f64,
 }
 
 impl FoldStrain {
@@ -65,16 +67,6 @@ impl FoldStrain {
             greatest: strain_of_shear(PI / f64::from(gores)),
             rms: rms(gores),
         })
-    }
-
-    /// Greatest strain of the gore, at its edges next to the apex.
-    pub const fn greatest(&self) -> f64 {
-        self.greatest
-    }
-
-    /// Root mean square of the strain over the gore's area.
-    pub const fn rms(&self) -> f64 {
-        self.rms
     }
 
     /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, rad. The other
@@ -136,7 +128,7 @@ mod tests {
     #[test]
     fn four_six_and_eight_gores_stretch_by_47_30_and_22_percent() {
         for (gores, percent) in [(4, 47.0), (6, 30.0), (8, 22.0)] {
-            let greatest = FoldStrain::of(gores).unwrap().greatest();
+            let greatest = FoldStrain::of(gores).unwrap().greatest;
             assert_eq!((100.0 * greatest).round(), percent);
         }
     }
@@ -180,7 +172,7 @@ mod tests {
                     let expected = 1.0 + strain.at(longitude, latitude).unwrap();
                     assert_relative_eq!(greatest, expected, max_relative = 1e-8);
                     assert_relative_eq!(least, 1.0 / expected, max_relative = 1e-8);
-                    assert!(expected - 1.0 <= strain.greatest());
+                    assert!(expected - 1.0 <= strain.greatest);
                 }
             }
         }
@@ -207,7 +199,7 @@ mod tests {
         for gores in 3..=12 {
             let strain = FoldStrain::of(gores).unwrap();
             let series = mean_square_by_series(gores).sqrt();
-            assert_relative_eq!(strain.rms(), series, max_relative = 1e-11);
+            assert_relative_eq!(strain.rms, series, max_relative = 1e-11);
         }
     }
 
@@ -215,14 +207,14 @@ mod tests {
     fn more_gores_strain_less_in_proportion_in_the_end() {
         let strains: Vec<_> = (3..=12).map(|n| FoldStrain::of(n).unwrap()).collect();
         for pair in strains.windows(2) {
-            assert!(pair[1].greatest() < pair[0].greatest() && pair[1].rms() < pair[0].rms());
+            assert!(pair[1].greatest < pair[0].greatest && pair[1].rms < pair[0].rms);
         }
         // Where s is small, the strain is s/2, at most π/2n, and the rms a third of that.
         for gores in [1_000_000, u32::MAX] {
             let strain = FoldStrain::of(gores).unwrap();
             let limit = FRAC_PI_2 / f64::from(gores);
-            assert_relative_eq!(strain.greatest(), limit, max_relative = 1e-5);
-            assert_relative_eq!(strain.rms(), limit / 3.0, max_relative = 1e-5);
+            assert_relative_eq!(strain.greatest, limit, max_relative = 1e-5);
+            assert_relative_eq!(strain.rms, limit / 3.0, max_relative = 1e-5);
         }
     }
 

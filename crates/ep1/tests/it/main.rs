@@ -8,7 +8,7 @@ mod exact;
 mod misfit;
 mod refusals;
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::ProbeReading;
 use palpate_geometry::CurvatureForm;
 
@@ -27,6 +27,17 @@ pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<
             }
         })
         .collect()
+}
+
+/// The form of an object whose curvatures `form` are in axes turned by `-angle_rad`.
+pub fn rotated(form: &CurvatureForm, angle_rad: f64) -> CurvatureForm {
+    let turn = Rotation2::new(angle_rad);
+    let matrix = turn.inverse() * form.matrix() * turn;
+    CurvatureForm {
+        k_uu: matrix[(0, 0)],
+        k_uv: matrix[(0, 1)],
+        k_vv: matrix[(1, 1)],
+    }
 }
 
 /// Two probes in each of ±u and ±v.

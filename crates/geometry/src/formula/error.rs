@@ -29,10 +29,10 @@ pub enum FormulaErrorKind {
     /// No text, or only white space.
     #[error("the formula is empty")]
     Empty,
-    /// Longer than [`Formula::MAX_CHARACTERS`].
+    /// Longer than 10,000 characters.
     #[error("the formula has {0} characters; at most {max} are allowed", max = Formula::MAX_CHARACTERS)]
     TooLong(usize),
-    /// Nested deeper than [`Formula::MAX_NESTING`].
+    /// Nested deeper than 100 levels.
     #[error("nested more than {} deep", Formula::MAX_NESTING)]
     TooDeep,
     /// A character that is not allowed in formulas.

@@ -29,7 +29,7 @@ impl Ellipsoid {
     }
 
     /// Its semi-axes along x, y and z.
-    pub fn semi_axes(&self) -> [f64; 3] {
+    pub(crate) fn semi_axes(&self) -> [f64; 3] {
         self.semi_axes.into()
     }
 }

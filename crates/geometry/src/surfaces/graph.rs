@@ -84,7 +84,7 @@ pub struct HeightField {
 
 impl<H> Graph<H> {
     /// The graph of a height.
-    pub const fn of_height(height: H) -> Self {
+    pub(crate) const fn of_height(height: H) -> Self {
         Self { height }
     }
 }

@@ -44,16 +44,6 @@ impl Torus {
             minor_radius,
         })
     }
-
-    /// Radius of the circle of the tube's centres.
-    pub const fn major_radius(&self) -> f64 {
-        self.major_radius
-    }
-
-    /// Radius of the tube.
-    pub const fn minor_radius(&self) -> f64 {
-        self.minor_radius
-    }
 }
 
 impl Surface for Torus {

@@ -145,7 +145,7 @@ fn paraboloid_and_saddle_at_the_origin() {
         let form = at_origin(&Graph::saddle(a).unwrap());
         assert_eq!((form.k_uu, form.k_vv), (-2.0 * a, 2.0 * a));
         assert_eq!(form.k_uv, 0.0);
-        assert_eq!(form.shape_index(), Some(0.0));
+        assert_eq!(form.principal().shape_index(), Some(0.0));
         assert_abs_diff_eq!(form.normal_curvature(FRAC_PI_4), 0.0, epsilon = 1e-15);
         let steepest = if a > 0.0 { FRAC_PI_2 } else { 0.0 };
         assert_eq!(form.principal().angle_of_max_rad, steepest);

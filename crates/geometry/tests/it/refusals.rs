@@ -59,7 +59,7 @@ fn places_that_are_no_numbers_have_their_errors() {
                 shape.closest_point(&place).map(drop),
                 shape.contact_at(bad, bad).map(drop),
             ]
-            .map(|answer| answer.unwrap_err().name());
+            .map(|answer| <&str>::from(answer.unwrap_err()));
             assert_eq!(found, expected, "{shape:?} at {bad}");
         }
     }

@@ -11,7 +11,8 @@ use crate::run_files::Row;
 /// Results of a cell after its last trial.
 #[derive(Clone, Debug)]
 pub struct CellResults {
-    pub(super) cell: usize,
+    /// Number of the cell.
+    pub cell: usize,
     pub(super) truth: Arc<CellTruth>,
     pub(super) warnings: Vec<Warning>,
     pub(super) map: Option<Table>,
@@ -37,11 +38,6 @@ pub struct CellRows {
 }
 
 impl CellResults {
-    /// Number of the cell.
-    pub fn cell(&self) -> usize {
-        self.cell
-    }
-
     pub(super) fn row(&self) -> Row<'_> {
         Row {
             cell: self.cell,

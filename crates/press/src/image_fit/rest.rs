@@ -9,7 +9,7 @@ use super::departure_prior::FreePrior;
 use super::view::{
     MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View, difference,
 };
-use crate::{GoodnessOfFit, MarkerDisplacement, PressError};
+use crate::{MarkerDisplacement, PressError};
 
 /// The sensor fitted to its markers at rest: misalignments, and departures common to all markers.
 #[derive(Clone, Debug)]
@@ -41,11 +41,6 @@ impl Rest {
             common: self.common.clone(),
             misalignments: self.misalignments.clone(),
         }
-    }
-
-    /// Goodness of fit of the sensor to its frame; the p-value is small if the frame contradicts the priors.
-    pub fn goodness(&self) -> GoodnessOfFit {
-        GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
     /// Covariance of the common departures that are not exact, in their standard deviations; `None` if it cannot be computed.

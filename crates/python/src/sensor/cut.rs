@@ -23,8 +23,8 @@ impl Made for Cut {
         let fields = json!({
             "gores": cut.gores,
             "markers": cut.markers,
-            "greatest_fold_strain": cut.fold_strain.greatest(),
-            "rms_fold_strain": cut.fold_strain.rms(),
+            "greatest_fold_strain": cut.fold_strain.greatest,
+            "rms_fold_strain": cut.fold_strain.rms,
         });
         to_python(py, &fields)
     }

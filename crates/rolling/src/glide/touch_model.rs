@@ -37,7 +37,7 @@ impl Default for TouchModel {
 
 impl TouchModel {
     /// Default tolerance, relative to the tip's radius.
-    pub const DEFAULT_TOLERANCE: f64 = 1e-12;
+    pub(crate) const DEFAULT_TOLERANCE: f64 = 1e-12;
 }
 
 /// A glide that cannot be set up.

@@ -28,11 +28,11 @@ use crate::RollFault;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dop853 {
+pub(crate) struct Dop853 {
     /// Bound on the weighted local error of a step (root mean square over the components).
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Largest number of steps, accepted or rejected. The integration fails beyond it.
-    pub most_steps: usize,
+    pub(crate) most_steps: usize,
 }
 
 /// The first step changes the state by this much (weighted, root mean square) at tolerance 1.
@@ -55,7 +55,7 @@ impl Dop853 {
     ///
     /// # Errors
     /// [`Stopped`] with the last valid state.
-    pub fn integrate<const N: usize>(
+    pub(crate) fn integrate<const N: usize>(
         &self,
         system: &impl System<N>,
         state: [f64; N],

@@ -4,9 +4,9 @@ use super::{Integrated, Stopped, System, stage, weighted};
 
 /// RK4 with a fixed number of equal steps; its global error is `O(h⁴)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rk4 {
+pub(crate) struct Rk4 {
     /// Number of steps; 0 counts as 1.
-    pub steps: usize,
+    pub(crate) steps: usize,
 }
 
 impl Rk4 {
@@ -14,7 +14,7 @@ impl Rk4 {
     ///
     /// # Errors
     /// [`Stopped`] with the last valid state, if a step leaves the domain.
-    pub fn integrate<const N: usize>(
+    pub(crate) fn integrate<const N: usize>(
         &self,
         system: &impl System<N>,
         state: [f64; N],

@@ -71,12 +71,7 @@ fn models(tolerance: f64) -> [Model; 6] {
 
 /// Whether a contact has finite numbers and unit axes.
 fn is_sound(contact: &Contact) -> bool {
-    let units = [
-        contact.normal,
-        contact.x_axis,
-        contact.y_axis(),
-        contact.probe_direction(),
-    ];
+    let units = [contact.normal, contact.x_axis, contact.on_probe(1.0).coords];
     contact.on_object.iter().all(|x| x.is_finite())
         && units.iter().all(|unit| (unit.norm() - 1.0).abs() < 1e-9)
         && contact.arc_length.is_finite()

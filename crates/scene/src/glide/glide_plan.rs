@@ -30,7 +30,7 @@ impl GlideScene {
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
-    pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, FieldError> {
+    pub(crate) fn new(config: &GlideConfig, seed: u64) -> Result<Self, FieldError> {
         let glider = Self::glider(config)?;
         let (_, radius) = tip(config);
         let middle = middle(config, glider.object())?;

@@ -126,13 +126,13 @@ impl RollScene {
     }
 
     /// Commanded motion of each probe.
-    pub fn commands(&self) -> impl Iterator<Item = &Motion> {
+    pub(crate) fn commands(&self) -> impl Iterator<Item = &Motion> {
         self.rolls.iter().map(|roll| &roll.command)
     }
 
     /// The true values, in the order of [`Trials::quantities`].
     #[inline]
-    pub fn truths(&self) -> [f64; ROLL_QUANTITIES.len()] {
+    pub(crate) fn truths(&self) -> [f64; ROLL_QUANTITIES.len()] {
         let Truth {
             curvature,
             arc_length,

@@ -353,7 +353,7 @@ impl Study {
     }
 
     /// File that it was read from, as errors name it.
-    pub fn file(&self) -> &str {
+    pub(crate) fn file(&self) -> &str {
         &self.source.file
     }
 

@@ -130,7 +130,7 @@ impl Range {
     }
 
     /// Whether it holds a number.
-    pub fn holds(&self, number: f64) -> bool {
+    pub(crate) fn holds(&self, number: f64) -> bool {
         self.violated(number).is_none()
     }
 

@@ -211,7 +211,7 @@ pub enum LengthUnit {
 
 impl LengthUnit {
     /// All units.
-    pub const ALL: [Self; 5] = [Self::M, Self::Cm, Self::Mm, Self::Um, Self::Unit];
+    pub(crate) const ALL: [Self; 5] = [Self::M, Self::Cm, Self::Mm, Self::Um, Self::Unit];
 
     /// The unit as in configs and column names.
     pub fn as_str(self) -> &'static str {

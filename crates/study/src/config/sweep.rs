@@ -61,7 +61,7 @@ pub enum Sample {
 
 impl SweepConfig {
     /// The fields that the axis sets.
-    pub fn targets(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn targets(&self) -> impl Iterator<Item = &str> {
         self.path
             .iter()
             .chain(self.paths.iter().flatten())

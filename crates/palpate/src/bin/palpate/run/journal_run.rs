@@ -113,7 +113,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
             first,
             signals.stop(),
             &|trials| progress.add(trials),
-            |results: CellResults| CellRecord::new(results.cell(), simulation.rows(&results)),
+            |results: CellResults| CellRecord::new(results.cell, simulation.rows(&results)),
             &mut |number, taken| match self.take(number, taken) {
                 Ok(()) => {
                     progress.show_failures(&self.totals);

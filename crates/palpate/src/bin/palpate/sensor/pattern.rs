@@ -16,8 +16,8 @@ pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
         study.config.name,
         pattern.gores,
         pattern.markers,
-        percent(pattern.fold_strain.greatest()),
-        percent(pattern.fold_strain.rms()),
+        percent(pattern.fold_strain.greatest),
+        percent(pattern.fold_strain.rms),
         args.out.display()
     );
     let of_study = StudyId::new(&study.config.name, &palpate::resolved(&study));
