@@ -2,6 +2,8 @@
 //!
 //! By Hertz F = 4/3 E* √R δ^(3/2), linear in E*√R. Without the modulus E* = E/(1 − ν²), a curve determines no more than that.
 
+use std::collections::HashSet;
+
 use palpate_estimators::large_contact_warning;
 use palpate_statistics::{GoodnessOfFit, NORMAL_95, Number, student_half_width};
 use palpate_study::config::{LengthUnit, SettingError};
@@ -54,31 +56,25 @@ impl LoadOptions {
     /// # Errors
     /// [`SettingError`] with the setting.
     pub fn check(&self) -> Result<(), SettingError> {
-        let positive = |key: &str, value: Option<f64>| match value {
-            Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(SettingError::of_number(key, value, "finite and > 0"))
-            }
-            _ => Ok(()),
-        };
-        positive("modulus_kpa", self.modulus_kpa)?;
-        positive("modulus_std_kpa", self.modulus_std_kpa)?;
-        positive("sensor_radius", self.sensor_radius)?;
-        positive("force_std_n", self.force_std_n)?;
-        let needs = [
+        let settings = [
+            ("modulus_kpa", self.modulus_kpa),
+            ("force_std_n", self.force_std_n),
             ("modulus_std_kpa", self.modulus_std_kpa),
             ("sensor_radius", self.sensor_radius),
         ];
-        let useless = needs.into_iter().find(|(_, given)| given.is_some());
-        match (self.modulus_kpa, useless) {
-            (None, Some((key, _))) => Err(SettingError::new(
-                key,
-                "is of use only with setting `modulus_kpa`",
-            )),
-            _ if !(0.0..=0.5).contains(&self.poisson) => {
-                let expected = "from 0 to 0.5";
-                Err(SettingError::of_number("poisson", self.poisson, expected))
+        for (index, (key, value)) in settings.into_iter().enumerate() {
+            let Some(value) = value else { continue };
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(SettingError::of_number(key, value, "finite and > 0"));
             }
-            _ => Ok(()),
+            if index >= 2 && self.modulus_kpa.is_none() {
+                let reason = "is of use only with setting `modulus_kpa`";
+                return Err(SettingError::new(key, reason));
+            }
+        }
+        match self.poisson {
+            0.0..=0.5 => Ok(()),
+            poisson => Err(SettingError::of_number("poisson", poisson, "from 0 to 0.5")),
         }
     }
 }
@@ -144,14 +140,12 @@ pub fn estimate_force(
     };
     let [deepest, strongest] = [largest(0), largest(1)];
     let count = curve.readings.len();
-    let mut pressed: Vec<f64> = curve.readings.iter().map(|row| row[0]).collect();
-    pressed.retain(|indentation| *indentation > 0.0);
-    pressed.sort_by(f64::total_cmp);
-    pressed.dedup();
+    let pressed = curve.readings.iter().filter(|row| row[0] > 0.0);
+    let pressed: HashSet<u64> = pressed.map(|row| row[0].to_bits()).collect();
     if pressed.len() < 3 {
-        let many = pressed.len();
         return fail(format!(
-            "has {many} different indentations above 0; at least 3 are needed"
+            "has {} different indentations above 0; at least 3 are needed",
+            pressed.len()
         ));
     }
     // In units of the largest indentation and force: F = q u with u = δ^(3/2), 0 before the first touch.
@@ -164,57 +158,42 @@ pub fn estimate_force(
     let information = sum(&|[load, ..]| load * load);
     let slope = sum(&|[load, _, force]| load * force) / information;
     if !(strongest > 0.0 && slope > 0.0) {
-        return fail(
-            "the force does not increase with the indentation; forces that press must be positive"
-                .to_owned(),
-        );
+        let message =
+            "the force does not increase with the indentation; forces that press must be positive";
+        return fail(message.to_owned());
     }
     let left = sum(&|[load, _, force]| (force - slope * load).powi(2));
     let found = (left / (count - 1) as f64).sqrt().max(LEAST_NOISE);
     let stated = options.force_std_n;
     let stated = stated.map(|std| (std / strongest).max(LEAST_NOISE));
     let std = stated.unwrap_or(found);
-    let half_width = |probability: f64, unknowns: usize| {
-        let freedom = if stated.is_some() {
-            1_000_000
-        } else {
-            count - unknowns
-        };
-        student_half_width(probability, freedom)
+    let half_width = |probability: f64, unknowns: usize| match stated {
+        Some(_) => student_half_width(probability, 1_000_000),
+        None => student_half_width(probability, count - unknowns),
     };
     let slope_std = std / information.sqrt();
 
     // The exponent: the derivative of q δ^n by n, without its part along δ^(3/2).
-    let log = |[load, depth, _]: &[f64; 3]| {
-        if *depth > 0.0 {
-            load * libm::log(*depth)
-        } else {
-            0.0
-        }
+    let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
+        true => load * libm::log(*depth),
+        false => 0.0,
     };
     let along = sum(&|row| log(row) * row[0]) / information;
     let beside = |row: &[f64; 3]| log(row) - along * row[0];
     let of_exponent = sum(&|row| beside(row).powi(2));
     let change = sum(&|row| beside(row) * (row[2] - slope * row[0])) / of_exponent;
-    let explained = change * change * of_exponent;
-    let rest = ((left - explained).max(0.0) / (count - 2) as f64)
-        .sqrt()
-        .max(LEAST_NOISE);
+    let rest = (left - change * change * of_exponent).max(0.0);
+    let rest = (rest / (count - 2) as f64).sqrt().max(LEAST_NOISE);
     let exponent_std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
     let exponent = 1.5 + change / slope;
 
     // F/(4/3 δ^(3/2)) in N per length^(3/2) to kPa √length.
     let per_kpa = 4.0 / 3.0 * 1e3 * metres * metres;
     let scale = strongest / per_kpa / deepest / deepest.sqrt();
+    let [value, value_std] = [slope, slope_std].map(|one| one * scale);
     let stiffness = Value {
         unit: format!("kPa {}^0.5", unit.as_str()).into(),
-        ..Value::within(
-            slope * scale,
-            Some(slope_std * scale),
-            half_width(0.95, 1),
-            Unit::One,
-            unit,
-        )
+        ..Value::within(value, Some(value_std), half_width(0.95, 1), Unit::One, unit)
     };
     let share = half_width(0.95, 1) * slope_std / slope;
     let radius = options.modulus_kpa.map(|modulus| {
@@ -230,42 +209,32 @@ pub fn estimate_force(
     });
     let lengths = radius
         .iter()
-        .flat_map(|radius| [Some(radius.number()), radius.std]);
+        .map(|radius| radius.std.map(|std| [radius.number(), std]));
     let numbers = [
-        Some(stiffness.number()),
-        stiffness.std,
-        Some(exponent),
-        Some(exponent_std),
+        Some([stiffness.number(), value_std]),
+        Some([exponent_std, exponent]),
     ];
-    let is_sound = |number: Option<f64>| number.is_some_and(f64::is_finite);
-    if !numbers.into_iter().chain(lengths).all(is_sound)
-        || stiffness.number() <= 0.0
-        || radius.as_ref().is_some_and(|radius| radius.number() <= 0.0)
-    {
+    let is_sound = |pair: Option<[f64; 2]>| {
+        pair.is_some_and(|pair| pair[0] > 0.0 && pair.into_iter().all(f64::is_finite))
+    };
+    if !numbers.into_iter().chain(lengths).all(is_sound) {
         return fail("the numbers are too large or too small for an estimate".to_owned());
     }
-    let curvature = radius
-        .as_ref()
-        .zip(options.sensor_radius)
-        .map(|(radius, sensor)| {
-            let less = |end: Option<f64>| {
-                Some(end?.recip() - sensor.recip()).filter(|one| one.is_finite())
-            };
-            let [low, high] = radius.interval95.unwrap_or_default();
-            Value {
-                std: radius
-                    .std
-                    .and_then(|std| finite(std / radius.number() / radius.number())),
-                interval95: Some([
-                    high.map_or(Some(-sensor.recip()), |high| less(Some(high))),
-                    less(low),
-                ]),
-                ..Value::bare(
-                    radius.number().recip() - sensor.recip(),
-                    Unit::PerLength.of(unit),
-                )
-            }
-        });
+    let curvature = radius.as_ref().zip(options.sensor_radius);
+    let curvature = curvature.map(|(radius, sensor)| {
+        let less = |end: Option<f64>| finite(end.map_or(0.0, f64::recip) - sensor.recip());
+        let [low, high] = radius.interval95.unwrap_or_default();
+        Value {
+            std: radius
+                .std
+                .and_then(|std| finite(std / radius.number() / radius.number())),
+            interval95: Some([less(high), less(low)]),
+            ..Value::bare(
+                radius.number().recip() - sensor.recip(),
+                Unit::PerLength.of(unit),
+            )
+        }
+    });
     let mut warnings = Vec::new();
     if (exponent - 1.5).abs() > half_width(LEVEL, 2) * exponent_std {
         let [power, std] = [exponent, exponent_std].map(Number::rounded);
@@ -283,15 +252,13 @@ pub fn estimate_force(
         );
         warnings.push(Warning::new("poor-fit", text, [("p_value", p_value)]));
     }
-    warnings.extend(
-        radius
-            .as_ref()
-            .zip(options.sensor_radius)
-            .and_then(|(radius, sensor)| {
-                let contact = (radius.number() * deepest).sqrt();
-                large_contact_warning(radius.number().recip(), contact, sensor, false)
-            }),
-    );
+    if let Some((radius, sensor)) = radius.as_ref().zip(options.sensor_radius) {
+        let contact = (radius.number() * deepest).sqrt();
+        let relative = radius.number().recip();
+        warnings.extend(large_contact_warning(relative, contact, sensor, false));
+    }
+    let exponent_std = Some(exponent_std);
+    let exponent = Value::within(exponent, exponent_std, half_width(0.95, 2), Unit::One, unit);
     Ok(LoadEstimate {
         format_version: FORMAT_VERSION,
         readings: count,
@@ -299,13 +266,7 @@ pub fn estimate_force(
         stiffness,
         effective_radius: radius,
         object_curvature: curvature,
-        exponent: Value::within(
-            exponent,
-            Some(exponent_std),
-            half_width(0.95, 2),
-            Unit::One,
-            unit,
-        ),
+        exponent,
         force_std_n: std * strongest,
         p_value: goodness.map(|goodness| goodness.p_value),
         warnings,
