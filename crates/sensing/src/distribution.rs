@@ -30,7 +30,7 @@ impl Distribution {
     }
 }
 
-/// An independent Gaussian error with mean 0, added to a measured number such as a displacement or a gain.
+/// An independent Gaussian error, added to a measured number such as a displacement or a gain.
 ///
 /// ```
 /// use palpate_sensing::{Channel, GaussianError, Stream};
@@ -45,6 +45,7 @@ impl Distribution {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianError {
     std: f64,
+    bias: f64,
 }
 
 impl GaussianError {
@@ -55,7 +56,22 @@ impl GaussianError {
     pub fn new(std: f64) -> Result<Self, InvalidSensor> {
         let holds = (0.0..=1e150).contains(&std);
         InvalidSensor::unless(holds, "std", std, "from 0 to 1e150")?;
-        Ok(Self { std })
+        Ok(Self { std, bias: 0.0 })
+    }
+
+    /// The same error with this mean instead of 0.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless it is from −10¹⁵⁰ to 10¹⁵⁰.
+    pub fn with_bias(self, bias: f64) -> Result<Self, InvalidSensor> {
+        let holds = bias.abs() <= 1e150;
+        InvalidSensor::unless(holds, "bias", bias, "from -1e150 to 1e150")?;
+        Ok(Self { bias, ..self })
+    }
+
+    /// The mean.
+    pub const fn bias(&self) -> f64 {
+        self.bias
     }
 
     /// The standard deviation.
@@ -68,21 +84,22 @@ impl GaussianError {
     pub fn averaged(&self, readings: u32) -> Self {
         Self {
             std: self.std / f64::from(readings.max(1)).sqrt(),
+            ..*self
         }
     }
 
-    /// Whether a reading draws random numbers. If not, the reading is exact.
+    /// Whether a reading draws random numbers. If not, its error is the bias.
     pub fn is_random(&self) -> bool {
         self.std > 0.0
     }
 
-    /// Draws the error of one reading, from one random number. Draws no random number if the error is 0.
+    /// Draws the error of one reading, from one random number. Draws no random number if the standard deviation is 0.
     #[inline]
     pub fn draw(&self, stream: &mut Stream) -> f64 {
         if !self.is_random() {
-            return 0.0;
+            return self.bias;
         }
-        self.std * stream.standard_normal()
+        self.bias + self.std * stream.standard_normal()
     }
 }
 
@@ -109,6 +126,17 @@ mod tests {
             assert!(mean.abs() < 0.02 * std, "{mean}");
             assert_relative_eq!(square.sqrt(), std, max_relative = 0.01);
         }
+    }
+
+    #[test]
+    fn a_bias_is_added_to_each_draw_and_stays_in_the_mean() {
+        let error = GaussianError::new(0.3).unwrap();
+        let biased = error.with_bias(-2.0).unwrap();
+        let draw = |error: GaussianError| error.draw(&mut Stream::new(5, 0, Channel::Gain));
+        assert_eq!(draw(biased.averaged(9)), draw(error.averaged(9)) - 2.0);
+        let exact = GaussianError::new(0.0).unwrap().with_bias(0.5).unwrap();
+        assert!(!exact.is_random() && draw(exact) == 0.5);
+        assert_eq!(error.with_bias(f64::NAN).unwrap_err().setting, "bias");
     }
 
     #[test]

@@ -218,9 +218,23 @@ fn displacement_noise(noise: &PressNoise) -> Option<String> {
         (noise.gain.is_random(), "the gain of a press"),
         (noise.has_outliers(), "outliers among the markers"),
     ];
+    let biases = [
+        (noise.normal.bias(), "a bias of all normal displacements"),
+        (
+            noise.indentation.error.bias(),
+            "a bias of the given indentation",
+        ),
+    ];
     let errors = errors.into_iter().filter(|(is_random, _)| *is_random);
     let errors: Vec<&str> = errors.map(|(_, quantity)| quantity).collect();
-    (!errors.is_empty()).then(|| format!("noise: Gaussian errors of {}", errors.join("; of ")))
+    let random =
+        (!errors.is_empty()).then(|| format!("Gaussian errors of {}", errors.join("; of ")));
+    let biases = biases.into_iter().filter(|(bias, _)| *bias != 0.0);
+    let all = random
+        .into_iter()
+        .chain(biases.map(|(_, quantity)| quantity.to_owned()));
+    let all: Vec<String> = all.collect();
+    (!all.is_empty()).then(|| format!("noise: {}", all.join("; ")))
 }
 
 fn averaged(frames: u32) -> String {

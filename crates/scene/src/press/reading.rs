@@ -187,15 +187,23 @@ impl PressNoise {
         let length = |noise: Option<ReadingNoise<Length>>, key: &str| {
             gaussian(noise.map(|ReadingNoise::Gaussian { std }| std.0), key)
         };
+        let biased = |error: GaussianError, bias: Option<f64>, key: &str| {
+            let path = format!("scene.noise.{key}");
+            error
+                .with_bias(bias.unwrap_or(0.0))
+                .map_err(|error| FieldError::at(path, error))
+        };
+        let normal = length(config.normal_displacement, "normal_displacement")?.averaged(frames);
+        let indentation = length(config.indentation, "indentation")?;
         let gain = config.gain.map(|ReadingNoise::Gaussian { std }| std.0);
         let wrong = config.wrong_markers.as_ref();
         Ok(Self {
             outliers: marker_count(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?,
-            normal: length(config.normal_displacement, "normal_displacement")?.averaged(frames),
+            normal: biased(normal, config.normal_bias, "normal_bias")?,
             tangential: length(config.tangential_displacement, "tangential_displacement")?
                 .averaged(frames),
             indentation: IndentationSensor {
-                error: length(config.indentation, "indentation")?,
+                error: biased(indentation, config.indentation_bias, "indentation_bias")?,
                 seed,
             },
             gain: gaussian(gain, "gain")?,

@@ -59,9 +59,9 @@ impl RollScene {
         let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
         let fit = LeastSquares::new(radius, reading_noise, &rotations)
             .map_or_else(RollFit::NoFit, RollFit::Fit);
-        let linear = match rotation_sensor.is_random() {
-            true => None,
-            false => LinearRolls::new(&roller, &rolls, noise.as_ref()),
+        let linear = match rotation_sensor.is_exact() {
+            true => LinearRolls::new(&roller, &rolls, noise.as_ref()),
+            false => None,
         };
         Ok(Self {
             seed,

@@ -6,7 +6,7 @@ use palpate_sensing::{
     BeyondPads, Channel, Encoder, GaussianError, PadOffset, PadPlacement, Pads, Stream, Wrist,
 };
 use palpate_statistics::Number;
-use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig};
+use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig, RotationNoise};
 
 use crate::config_conversion::{pad_layout, sensor_error};
 use palpate_study::FieldError;
@@ -137,6 +137,8 @@ impl SensorTrial<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
+    /// Growth of the error of each component, rad/s.
+    drift_rad_per_s: f64,
     encoder: Option<Encoder>,
 }
 
@@ -149,13 +151,18 @@ pub(super) struct RotationTrial<'a> {
 
 impl RotationSensor {
     pub(super) fn new(noise: &RollNoiseConfig) -> Result<Self, FieldError> {
-        let std_rad = noise.rotation.as_ref().map_or(0.0, |noise| noise.std_rad());
+        let rotation = noise.rotation.as_ref();
+        let number = |of: fn(&RotationNoise) -> f64| rotation.map_or(0.0, of);
         let encoder = noise
             .encoder
             .as_ref()
             .map(|encoder| Encoder::new(encoder.step_rad()));
         Ok(Self {
-            error: GaussianError::new(std_rad)
+            drift_rad_per_s: number(|noise| noise.drift_deg_per_s.unwrap_or(0.0).to_radians()),
+            error: GaussianError::new(number(RotationNoise::std_rad))
+                .and_then(|error| {
+                    error.with_bias(number(|noise| noise.bias_deg.unwrap_or(0.0).to_radians()))
+                })
                 .map_err(|error| sensor_error("scene.noise.rotation", error))?,
             encoder: encoder
                 .transpose()
@@ -165,6 +172,11 @@ impl RotationSensor {
 
     pub(super) fn is_random(&self) -> bool {
         self.error.is_random() || self.encoder.is_some()
+    }
+
+    /// Whether the sensor reports the true rotations.
+    pub(super) fn is_exact(&self) -> bool {
+        !self.is_random() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
     /// Config path of the larger of the two errors.
@@ -201,16 +213,29 @@ impl RotationSensor {
         let encoder = self
             .encoder
             .map(|_| "encoders count the rotation in steps".to_owned());
-        let needs: Vec<String> = error.into_iter().chain(encoder).collect();
+        let offsets = [
+            ("bias", self.error.bias(), "rad"),
+            ("drift", self.drift_rad_per_s, "rad/s"),
+        ];
+        let offsets = offsets.into_iter().filter(|(_, size, _)| *size != 0.0);
+        let offsets = offsets.map(|(name, size, unit)| {
+            format!("a {name} of measured rotations of {} {unit}", Number(size))
+        });
+        let needs: Vec<String> = error.into_iter().chain(encoder).chain(offsets).collect();
         (!needs.is_empty()).then(|| needs.join("; "))
     }
 }
 
 impl RotationTrial<'_> {
-    /// The rotation (rad) that the sensor reports for a true `rotation`.
-    pub(super) fn read(&mut self, rotation: Vector2<f64>) -> Vector2<f64> {
-        let RotationSensor { error, encoder } = self.sensor;
-        let measured = rotation.map(|angle| angle + error.draw(&mut self.errors));
+    /// The rotation (rad) that the sensor reports for a true `rotation` in a roll of this duration.
+    pub(super) fn read(&mut self, rotation: Vector2<f64>, duration_s: f64) -> Vector2<f64> {
+        let RotationSensor {
+            error,
+            drift_rad_per_s,
+            encoder,
+        } = self.sensor;
+        let drifted = drift_rad_per_s * duration_s;
+        let measured = rotation.map(|angle| angle + drifted + error.draw(&mut self.errors));
         match encoder {
             Some(encoder) => encoder.read(&mut self.phases, &measured),
             None => measured,

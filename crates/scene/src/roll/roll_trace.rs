@@ -58,7 +58,7 @@ impl RollScene {
                 .read(&shift.displacement)
                 .map_err(|error| TraceError::Sensor { probe, error })?;
             let rotation = match &mut rotations {
-                Some(rotations) => rotations.read(rotation),
+                Some(rotations) => rotations.read(rotation, command.duration_s),
                 None => rotation,
             };
             readings.push([rotation.x, rotation.y, shift.x, shift.y]);

@@ -241,7 +241,7 @@ impl RollScene {
     /// Runs a trial of any kind of roll.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
-        let is_measured = self.rotation_sensor.is_random()
+        let is_measured = !self.rotation_sensor.is_exact()
             || self
                 .noise
                 .is_some_and(|noise| noise.side == Side::Measurement);
@@ -293,7 +293,7 @@ impl RollScene {
             let (displacement, rotation) = noise
                 .roll(&self.roller, roll)
                 .map_err(|error| error.fault.name())?;
-            let rotation = rotations.read(rotation);
+            let rotation = rotations.read(rotation, roll.command.duration_s);
             let shift = sensor.read(&displacement).map_err(|error| error.name())?;
             report(ProbeReading { rotation, shift });
         }

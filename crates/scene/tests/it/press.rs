@@ -424,6 +424,37 @@ fn a_gain_is_one_factor_and_wrong_markers_have_the_stated_number() {
 }
 
 #[test]
+fn biases_shift_all_readings_alike() {
+    let noise = "noise = { normal_bias = -0.03, indentation_bias = 0.1 }\n";
+    let press = press(&text(BALL, noise));
+    let [exact, read] = [None, Some(0)].map(|trial| press.trace(trial, LengthUnit::Mm).unwrap());
+    for (exact, read) in std::iter::zip(numbers(&exact.readings), numbers(&read.readings)) {
+        assert!(
+            (read[2] - exact[2] + 0.03).abs() < 1e-12,
+            "{read:?} {exact:?}"
+        );
+        assert_eq!(read[3..], exact[3..]);
+    }
+    assert!(
+        read.what.contains("a stated indentation of 1.1 "),
+        "{}",
+        read.what
+    );
+    let scene = scene_of(&text(BALL, noise));
+    assert_eq!(scene.trials(1000), 1);
+    assert!(
+        needs_of(&scene)
+            .contains("noise: a bias of all normal displacements; a bias of the given indentation")
+    );
+    assert!(outcomes(&scene, 0).unwrap()[2].1.estimate != 1.0 / 80.0);
+    let large = refused(&text(BALL, "noise = { normal_bias = 1e200 }\n"));
+    assert!(
+        large.starts_with("scene.noise.normal_bias: bias is 1e200"),
+        "{large}"
+    );
+}
+
+#[test]
 fn cells_share_their_draws() {
     let readings = |object: &str, lines: &str| {
         let press = press(&text(object, &format!("{NOISE}{lines}")));

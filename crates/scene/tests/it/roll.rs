@@ -2,12 +2,12 @@
 
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
-use palpate_study::config::parse;
+use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
 /// A probe of radius 1 rolls by 0.1 rad; `lines` add fields of the scene.
-fn scene(object: &str, lines: &str) -> Scene {
-    let text = format!(
+fn text(object: &str, lines: &str) -> String {
+    format!(
         r#"name = "a-study"
 seed = 3
 
@@ -18,8 +18,11 @@ object = {object}
 motion.rate_rad_per_s = 0.1
 motion.duration_s = 1.0
 {lines}"#
-    );
-    let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    )
+}
+
+fn scene(object: &str, lines: &str) -> Scene {
+    let study = parse("study.toml", &text(object, lines)).unwrap_or_else(|error| panic!("{error}"));
     study
         .estimable_scene(0)
         .unwrap_or_else(|error| panic!("{error}"))
@@ -38,6 +41,48 @@ fn trial(scene: &Scene, trial: u64) -> Vec<(f64, f64)> {
 }
 
 const NOISE: &str = r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }"#;
+
+#[test]
+fn a_bias_and_a_drift_shift_all_measured_rotations() {
+    let ball = r#"{ kind = "sphere", radius = 4 }"#;
+    let scene = |noise: &str| {
+        let noise = format!(
+            "noise.rotation = {{ std_rad = 0.0, {noise} }}\nmotion.duration_s = 2.0\nmotion.directions_deg = [0, 90]"
+        );
+        let text = text(ball, &noise).replacen("motion.duration_s = 1.0\n", "", 1);
+        parse("study.toml", &text)
+            .unwrap()
+            .estimable_scene(0)
+            .unwrap()
+    };
+    let rotations = |scene: &Scene, trial: Option<u64>| -> Vec<f64> {
+        let readings = scene.trace(trial, LengthUnit::Mm).unwrap().readings;
+        let rows = readings.rows.iter();
+        rows.flat_map(|row| [1, 2].map(|column: usize| row[column].parse().unwrap()))
+            .collect()
+    };
+    let degree = 1_f64.to_radians();
+    for (noise, shift) in [
+        ("bias_deg = 0.5", 0.5 * degree),
+        ("drift_deg_per_s = -0.1", -0.2 * degree),
+        ("bias_deg = 0.5, drift_deg_per_s = -0.1", 0.3 * degree),
+        ("bias_deg = 0.0", 0.0),
+    ] {
+        let scene = scene(noise);
+        assert_eq!(scene.trials(1000), 1, "nothing is random");
+        let [exact, read] = [None, Some(0)].map(|trial| rotations(&scene, trial));
+        assert!(exact.len() >= 4);
+        for (exact, read) in exact.iter().zip(&read) {
+            assert!(
+                (read - exact - shift).abs() < 1e-12,
+                "{noise}: {read} {exact}"
+            );
+        }
+        // Errors of opposite rolls would cancel; these two are at right angles.
+        let curvature = trial(&scene, 0)[3].0;
+        assert_eq!((curvature - 0.25).abs() < 1e-12, shift == 0.0, "{noise}");
+    }
+}
 
 #[test]
 fn without_noise_spheres_are_exact() {

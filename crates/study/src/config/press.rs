@@ -368,6 +368,12 @@ pub struct PressNoiseConfig {
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,
+    /// Constant error of all normal displacements.
+    #[schemars(extend("x-unit" = "length"))]
+    pub normal_bias: Option<f64>,
+    /// Constant error of the indentation that the estimator receives.
+    #[schemars(extend("x-unit" = "length"))]
+    pub indentation_bias: Option<f64>,
     /// Error of the factor on all normal displacements of a press, which should be 1.
     pub gain: Option<ReadingNoise<Pure>>,
     /// Markers with a larger error, drawn anew in every trial.

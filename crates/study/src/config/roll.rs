@@ -278,7 +278,7 @@ pub enum RollSensorConfig {
 pub struct RollNoiseConfig {
     /// Error of the angular velocity.
     pub angular_velocity: Option<AngularVelocityNoise>,
-    /// Gaussian error of the measured rotation.
+    /// Error of the measured rotation.
     pub rotation: Option<RotationNoise>,
     /// Quantisation of the measured rotation.
     pub encoder: Option<EncoderConfig>,
@@ -335,7 +335,7 @@ pub enum Side {
     Measurement,
 }
 
-/// Gaussian error of the measured rotation, drawn for each roll and component.
+/// Error of the measured rotation: Gaussian, drawn for each roll and component, with a bias and a drift.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotationNoise {
@@ -348,6 +348,12 @@ pub struct RotationNoise {
     /// Its standard deviation. Give either this or `std_deg`.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
+    /// Constant error of each component.
+    #[schemars(extend("minimum" = -180, "maximum" = 180))]
+    pub bias_deg: Option<f64>,
+    /// Error of each component that grows during a roll, such as the drift of a gyroscope.
+    #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
+    pub drift_deg_per_s: Option<f64>,
 }
 
 impl RotationNoise {
