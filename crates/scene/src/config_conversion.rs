@@ -66,6 +66,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
 pub(crate) const fn pad_layout(layout: config::PadLayout) -> PadLayout {
     match layout {
         config::PadLayout::Square => PadLayout::Square,
+        config::PadLayout::Hexagonal => PadLayout::Hexagonal,
         config::PadLayout::Uniform => PadLayout::Uniform,
     }
 }

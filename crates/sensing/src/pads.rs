@@ -18,6 +18,8 @@ pub enum PadLayout {
     /// A square grid in arc lengths on the fingertip, as in the paper. On the sphere, the pads become narrower away
     /// from the middle.
     Square,
+    /// Hexagons in arc lengths on the fingertip, with a row of neighbours along x; distorted on the sphere as the square grid is.
+    Hexagonal,
     /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
     Uniform,
 }
@@ -59,6 +61,7 @@ pub struct Pads {
 #[derive(Clone, Debug)]
 enum Tiling {
     Square,
+    Hexagonal,
     Uniform(UniformLattice),
 }
 
@@ -70,6 +73,8 @@ pub struct PadPlacement(Placement);
 enum Placement {
     /// Offset of the first contact from the nearest pad's centre, in pitches.
     Square(Vector2<f64>),
+    /// Position of the first contact on hexagonal pads, in pitches.
+    Hexagonal(Vector2<f64>),
     /// Rotation from the contact frame to the lattice's frame, and the direction of the pad at the first contact.
     Uniform {
         lattice_from_contact: UnitQuaternion<f64>,
@@ -110,6 +115,7 @@ impl Pads {
         InvalidSensor::unless(cap, "cap_deg", cap_rad.to_degrees(), "> 0 and at most 180")?;
         let tiling = match layout {
             PadLayout::Square => Tiling::Square,
+            PadLayout::Hexagonal => Tiling::Hexagonal,
             PadLayout::Uniform => Tiling::Uniform(UniformLattice::with_pitch(pitch / radius)?),
         };
         Ok(Self {
@@ -124,6 +130,16 @@ impl Pads {
     /// Distance between neighbouring pads, length.
     pub const fn pitch(&self) -> f64 {
         self.pitch
+    }
+
+    /// Standard deviation per axis and largest size along an axis of the rounding error of one end, relative to those of square
+    /// pads of the same pitch.
+    pub fn rounding(&self) -> [f64; 2] {
+        match self.tiling {
+            // A hexagon has the second moment 5/72 pitch², a square 1/12, and its corners are 1/√3 pitch from the middle.
+            Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
+            Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
+        }
     }
 
     /// Position of the first contact on the pads.
@@ -146,6 +162,12 @@ impl Pads {
             (Tiling::Square, PadOffset::Random | PadOffset::RandomPerTrial) => {
                 let mut half = || 0.5 * stream.symmetric_uniform();
                 Placement::Square(Vector2::new(half(), half()))
+            }
+            (Tiling::Hexagonal, PadOffset::Centred) => Placement::Hexagonal(Vector2::zeros()),
+            (Tiling::Hexagonal, PadOffset::Random | PadOffset::RandomPerTrial) => {
+                // The pattern repeats in a rectangle of one pitch by √3 pitches, which holds two pads.
+                let mut half = || 0.5 * stream.symmetric_uniform();
+                Placement::Hexagonal(Vector2::new(half(), 3.0_f64.sqrt() * half()))
             }
             (Tiling::Uniform(lattice), PadOffset::Centred) => {
                 let first_pad = lattice.direction(0);
@@ -181,6 +203,7 @@ impl Pads {
     /// centres, in the tangent basis at the first contact.
     ///
     /// Largest error on a square grid: half a pitch along each axis if the first contact is centred, else one pitch. On
+    /// hexagons: 0.58 pitches for each end that is not centred. On
     /// a uniform lattice: 1.05 pitches for each end that is not centred, multiplied by θ/sin θ at an angle θ.
     ///
     /// # Errors
@@ -203,6 +226,10 @@ impl Pads {
                 let pad = lattice.direction(lattice.nearest(&contact));
                 let back = lattice_from_contact.inverse();
                 Ok(displacement_between(&(back * first_pad), &(back * pad)) * self.radius)
+            }
+            (Tiling::Hexagonal, Placement::Hexagonal(first)) => {
+                let pad = nearest_hexagon(&(displacement / self.pitch + first));
+                Ok((pad - nearest_hexagon(first)) * self.pitch)
             }
             (_, placement) => {
                 let pads =
@@ -229,8 +256,26 @@ impl Placement {
     fn offset(&self) -> Vector2<f64> {
         match self {
             Self::Square(offset) => *offset,
-            Self::Uniform { .. } => Vector2::zeros(),
+            Self::Hexagonal(_) | Self::Uniform { .. } => Vector2::zeros(),
         }
+    }
+}
+
+/// Centre of the hexagon at a place, in pitches. The centres are two rectangular grids of 1 by √3.
+fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
+    let period = Vector2::new(1.0, 3.0_f64.sqrt());
+    let nearest = |corner: Vector2<f64>| {
+        (place - corner)
+            .component_div(&period)
+            .map(f64::round)
+            .component_mul(&period)
+            + corner
+    };
+    let [one, other] = [nearest(Vector2::zeros()), nearest(0.5 * period)];
+    if (place - one).norm_squared() <= (place - other).norm_squared() {
+        one
+    } else {
+        other
     }
 }
 

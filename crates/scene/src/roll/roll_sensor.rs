@@ -73,7 +73,13 @@ impl RollSensor {
                     PadOffset::Random => PadStart::PerRoll,
                     PadOffset::RandomPerTrial => PadStart::PerTrial,
                 };
-                ReadingNoise::of_pads(pads.pitch(), start)
+                let square = ReadingNoise::of_pads(pads.pitch(), start);
+                let [std, largest] = pads.rounding();
+                ReadingNoise {
+                    shift_std: std * square.shift_std,
+                    shift_resolution: largest * square.shift_resolution,
+                    ..square
+                }
             }
         }
     }

@@ -85,6 +85,26 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 }
 
 #[test]
+fn hexagonal_pads_err_less_than_square_ones() {
+    let ball = r#"{ kind = "sphere", radius = 4 }"#;
+    let rms = |layout: &str| {
+        let pads = "kind = \"pads\", pitch = 0.02, offset = \"random\"";
+        let scene = scene(
+            ball,
+            &format!("sensor = {{ {pads}, layout = \"{layout}\" }}"),
+        );
+        let errors = (0..2000).map(|number| trial(&scene, number)[3]);
+        let squares: f64 = errors
+            .map(|(estimate, truth)| (estimate - truth).powi(2))
+            .sum();
+        (squares / 2000.0).sqrt()
+    };
+    let ratio = rms("hexagonal") / rms("square");
+    // The rounding errors of a hexagon are √(5/6) = 0.91 of those of a square.
+    assert!((0.8..1.0).contains(&ratio), "{ratio}");
+}
+
+#[test]
 fn without_noise_spheres_are_exact() {
     for (object, curvature) in [
         (r#"{ kind = "sphere", radius = 4 }"#, 0.25),

@@ -33,8 +33,42 @@ fn the_papers_reading_of_a_fifty_millimetre_sphere() {
 }
 
 #[test]
+fn hexagonal_pads_read_the_nearest_centre() {
+    let pads = pads(0.5, PadLayout::Hexagonal, PadOffset::Centred);
+    let centres: Vec<Vector2<f64>> = (-30..=30)
+        .flat_map(|row| (-30..=30).map(move |column| (f64::from(row), f64::from(column))))
+        .map(|(row, column)| {
+            let x = column + 0.5 * row.rem_euclid(2.0);
+            Vector2::new(0.5 * x, 0.25 * 3.0_f64.sqrt() * row)
+        })
+        .collect();
+    let mut stream = Stream::new(43, 0, Channel::Position);
+    let (count, mut square) = (20_000, 0.0);
+    for _ in 0..count {
+        let place = Vector2::new(stream.symmetric_uniform(), stream.symmetric_uniform()) * 4.0;
+        let found = read(&pads, 0, place);
+        square += (found - place).norm_squared();
+        if square < 40.0 {
+            let distances = centres.iter().map(|centre| (centre - place).norm());
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            assert!(((found - place).norm() - nearest).abs() < 1e-12, "{place}");
+            assert!(centres.iter().any(|centre| (centre - found).norm() < 1e-12));
+        }
+    }
+    // The second moment of a hexagon is 5/72 pitch².
+    let per_axis = square / f64::from(2 * count);
+    assert!(
+        (per_axis / (0.25 * 5.0 / 72.0) - 1.0).abs() < 0.02,
+        "{per_axis}"
+    );
+    let [std, largest] = pads.rounding();
+    assert!((std * std / 12.0 - 5.0 / 72.0).abs() < 1e-15);
+    assert!((0.5 * largest - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+}
+
+#[test]
 fn beyond_the_cap_is_an_error() {
-    for layout in [PadLayout::Square, PadLayout::Uniform] {
+    for layout in [PadLayout::Square, PadLayout::Hexagonal, PadLayout::Uniform] {
         let pads = Pads::new(10.0, 0.5, layout, PadOffset::Centred, 0.5).unwrap();
         let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
         assert!(pads.read(&placement, &Vector2::new(4.9, 0.0)).is_ok());
@@ -46,7 +80,7 @@ fn beyond_the_cap_is_an_error() {
 
 #[test]
 fn centred_pads_draw_nothing() {
-    for layout in [PadLayout::Square, PadLayout::Uniform] {
+    for layout in [PadLayout::Square, PadLayout::Hexagonal, PadLayout::Uniform] {
         let mut stream = Stream::new(1, 0, Channel::PadOffset);
         let first = stream.clone().symmetric_uniform();
         pads(0.5, layout, PadOffset::Centred).place(&mut stream);
@@ -98,6 +132,8 @@ proptest! {
         for (layout, offset, bound) in [
             (PadLayout::Square, PadOffset::Centred, 0.5),
             (PadLayout::Square, PadOffset::Random, 1.0),
+            (PadLayout::Hexagonal, PadOffset::Centred, 0.578),
+            (PadLayout::Hexagonal, PadOffset::Random, 1.156),
             (PadLayout::Uniform, PadOffset::Centred, 1.05 * stretch.max(1.0)),
             (PadLayout::Uniform, PadOffset::Random, 2.1 * stretch.max(1.0)),
         ] {

@@ -412,6 +412,8 @@ pub enum PadLayout {
     /// A square grid in the arc lengths of the surface.
     #[default]
     Square,
+    /// Hexagons in the arc lengths of the surface.
+    Hexagonal,
     /// A nearly uniform lattice over the cap.
     Uniform,
 }
