@@ -292,37 +292,18 @@ fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
 impl Sensitivity {
     /// Table with one row per field, the largest effect first.
     pub fn table(&self) -> Table {
-        let columns = [
-            "field",
-            "value",
-            "low",
-            "high",
-            "quantity",
-            "unit",
-            "rms_error_low",
-            "rms_error_high",
-            "effect",
-            "effect_std",
-            "trials",
-            "failures",
-        ];
-        let mut table = Table::new(columns.map(str::to_owned));
+        let columns = "field value low high rms_error_low rms_error_high effect effect_std failures trials quantity unit";
+        let mut table = Table::new(columns.split(' ').map(str::to_owned));
         table.rows.extend(self.effects.iter().map(|one| {
-            let text = number::shortest;
-            vec![
-                one.column.clone(),
-                text(one.value),
-                text(one.values[0]),
-                text(one.values[1]),
-                self.quantity.name.to_owned(),
-                self.unit.to_owned(),
-                text(one.rms_errors[0]),
-                text(one.rms_errors[1]),
-                text(one.effect),
-                text(one.effect_std),
-                self.trials.to_string(),
-                one.failures.to_string(),
-            ]
+            let ([low, high], [low_error, high_error]) = (one.values, one.rms_errors);
+            let of_errors = [low_error, high_error, one.effect, one.effect_std];
+            let values = [one.value, low, high].into_iter().chain(of_errors);
+            let counts = [one.failures, self.trials].map(|count| count.to_string());
+            let words = [self.quantity.name, self.unit].map(str::to_owned);
+            let values = [one.column.clone()]
+                .into_iter()
+                .chain(values.map(number::shortest));
+            values.chain(counts).chain(words).collect()
         }));
         table
     }
