@@ -1,6 +1,7 @@
 //! How many independent readings a log holds: copies, rests and noise that is correlated along a stroke.
 
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use nalgebra::Vector3;
 
@@ -117,8 +118,14 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     for contact in contacts {
         let position = contact.position;
         let unit = contact.normal.map(|normal| normal / normal.amax());
-        let copied = with_copies.then(|| *copies.entry(bits_of(contact)).or_insert(runs.len()));
-        let copied = copied.filter(|&run| run < runs.len());
+        let key = || {
+            let mut hasher = DefaultHasher::new();
+            bits_of(contact).hash(&mut hasher);
+            hasher.finish()
+        };
+        let copied = with_copies.then(|| *copies.entry(key()).or_insert(runs.len()));
+        let is_copy = |run: &Run| bits_of(&run.first) == bits_of(contact);
+        let copied = copied.filter(|&run| runs.get(run).is_some_and(is_copy));
         let rested = open
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].first.position).norm() <= limit);

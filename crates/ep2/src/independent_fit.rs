@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::effective_readings::{
     DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
 };
-use crate::patch::FingerMap;
+use crate::patch::{FingerMap, check};
 use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
 
 /// Smallest number of contacts of a finger from which correlation is estimated.
@@ -57,7 +57,7 @@ struct Log<'a, M> {
 }
 
 impl IndependentFit {
-    /// Fits contacts. `method` returns the method with stated standard deviations of positions and normals multiplied by
+    /// Fits contacts; `distinct` are those of [`SoundContacts`](crate::SoundContacts), if they were computed. `method` returns the method with stated standard deviations of positions and normals multiplied by
     /// these factors.
     ///
     /// # Errors
@@ -65,10 +65,16 @@ impl IndependentFit {
     pub fn new<M: Method>(
         method: impl Fn([f64; 2]) -> M,
         contacts: &[Contact],
+        distinct: Option<DistinctContacts>,
         outward: &Vector3<f64>,
     ) -> Result<Self, Ep2Error> {
-        crate::patch::check(contacts)?;
-        let distinct = distinct_contacts(contacts);
+        let distinct = match distinct {
+            Some(distinct) => distinct,
+            None => {
+                check(contacts)?;
+                distinct_contacts(contacts)
+            }
+        };
         let mut strokes: FingerMap<Vec<usize>> = FingerMap::default();
         for (index, contact) in distinct.contacts.iter().enumerate() {
             strokes.entry(contact.finger).push(index);

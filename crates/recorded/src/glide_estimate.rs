@@ -89,8 +89,11 @@ impl<'r> GlideFitResult<'r> {
         let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
-        let SoundContacts { outliers, rows, .. } =
-            SoundContacts::new(all).map_err(shape_refused)?;
+        let SoundContacts {
+            outliers,
+            rows,
+            distinct,
+        } = SoundContacts::new(all).map_err(shape_refused)?;
         let sound: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
         let options = with_length_noise(&recorded, &sound, given)?;
         let stated = options.thresholds();
@@ -101,10 +104,11 @@ impl<'r> GlideFitResult<'r> {
             GlideMethod::Graph(method) => {
                 let contacts = |tip: RoundTip| tip.contacts(&sound, &outward, &method);
                 let of_tips = tip.map(contacts).transpose().map_err(refused)?;
+                let distinct = Some(distinct).filter(|_| of_tips.is_none());
                 let contacts = of_tips.unwrap_or(sound);
                 let with_noise = |factors| method.clone().with_noise_factors(factors);
                 let at_row = |error| of_row(error, &rows);
-                let fitted = IndependentFit::new(with_noise, &contacts, &outward);
+                let fitted = IndependentFit::new(with_noise, &contacts, distinct, &outward);
                 let mut fitted = fitted.map_err(|error| {
                     let along = stroke_curvature(&contacts, &outward);
                     stroke_refused(&recorded, &at_row(error), along, unit)

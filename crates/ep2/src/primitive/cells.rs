@@ -80,7 +80,8 @@ impl Cells {
     }
 }
 
-/// Divides at quantiles along the longest side until the cells are as many as wanted.
+/// Divides along the longest side until the cells are as many as wanted, at the widest gap near a quantile: a cell that ends
+/// within a stroke would collect errors of one sign.
 fn divide(
     places: &[Vector3<f64>],
     members: &mut [usize],
@@ -97,11 +98,14 @@ fn divide(
         high = high.sup(&places[member]);
     }
     let axis = (high - low).imax();
-    let first = wanted / 2;
-    let split = (members.len() * first / wanted).clamp(1, members.len() - 1);
-    members.select_nth_unstable_by(split, |&one, &other| {
-        places[one][axis].total_cmp(&places[other][axis])
-    });
+    members.sort_unstable_by(|&one, &other| places[one][axis].total_cmp(&places[other][axis]));
+    let (count, first) = (members.len(), wanted / 2);
+    let target = count * first / wanted;
+    let near = count / 5;
+    let window = target.saturating_sub(near).max(1)..(target + near + 1).min(count);
+    let gap = |place: &usize| places[members[*place]][axis] - places[members[*place - 1]][axis];
+    let widest = window.max_by(|one, other| gap(one).total_cmp(&gap(other)));
+    let split = widest.unwrap_or(target).clamp(1, count - 1);
     let (before, after) = members.split_at_mut(split);
     divide(places, before, first, take);
     divide(places, after, wanted - first, take);

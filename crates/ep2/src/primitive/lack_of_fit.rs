@@ -16,6 +16,9 @@ const MAX_DEGREE: usize = 4;
 const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of which less than this share is independent of earlier columns is skipped.
 const RANK_TOLERANCE: f64 = 1e-9;
+/// The same share relative to the variance of places, and its largest value.
+const MIN_NOISE_RATIO: f64 = 10.0;
+const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. Of more contacts an even selection is used.
 const MAX_CONTACTS: usize = 20_000;
 /// Number of contacts from which the coordinates' range is computed.
@@ -207,7 +210,10 @@ fn tested(
             }
         }
     }
-    let solved = Sequential::new(&gram, &right);
+    // Noise moves footpoints, so that columns differ by it.
+    let tolerance = MIN_NOISE_RATIO * solution.variances[0];
+    let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
+    let solved = Sequential::new(&gram, &right, tolerance);
     let explained: f64 = solved.parts[UNKNOWNS..]
         .iter()
         .map(|part| part * part)
@@ -284,7 +290,7 @@ struct Sequential {
 }
 
 impl Sequential {
-    fn new(gram: &DMatrix<f64>, right: &DVector<f64>) -> Self {
+    fn new(gram: &DMatrix<f64>, right: &DVector<f64>, tolerance: f64) -> Self {
         let size = right.len();
         let mut factor = DMatrix::zeros(size, size);
         let (mut parts, mut is_kept) = (vec![0.0; size], vec![false; size]);
@@ -304,7 +310,7 @@ impl Sequential {
                 pivot -= factor[(row, before)] * factor[(row, before)];
                 part -= factor[(row, before)] * parts[before];
             }
-            is_kept[row] = pivot > RANK_TOLERANCE * gram[(row, row)] && pivot > 0.0;
+            is_kept[row] = pivot > tolerance * gram[(row, row)] && pivot > 0.0;
             if is_kept[row] {
                 factor[(row, row)] = pivot.sqrt();
                 parts[row] = part / factor[(row, row)];

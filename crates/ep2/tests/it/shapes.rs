@@ -239,7 +239,7 @@ fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] 
     let mut shares = [0.0; 2];
     let mut count = 0.0;
     for log in logs {
-        let fit = IndependentFit::new(|_| Penalised::default(), &log, &Vector3::z()).unwrap();
+        let fit = IndependentFit::new(|_| Penalised::default(), &log, None, &Vector3::z()).unwrap();
         let found = fit.fit.centre().unwrap().curvature;
         let half = 1.96 * found.uncertainty.unwrap().mean_std;
         shares[0] += f64::from((found.mean - truth).abs() <= half);
