@@ -41,7 +41,7 @@ impl Made for Value {
 
     fn alone(&self, name: &str) -> Option<Alone> {
         match name {
-            "value" => Some(Alone::Number(self.value.into())),
+            "value" => Some(Alone::Number(self.value)),
             "std" => Some(Alone::Number(self.std)),
             _ => None,
         }
