@@ -193,7 +193,7 @@ fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
         let plain = ball_log(random, 10);
         let times = |row: usize| match kind {
             0 | 1 => 4,
-            _ if row % 10 == 0 => 200,
+            _ if row.is_multiple_of(10) => 200,
             _ => 1,
         };
         let rows = plain.iter().enumerate();
