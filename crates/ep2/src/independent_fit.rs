@@ -75,6 +75,10 @@ impl IndependentFit {
                 distinct_contacts(contacts)
             }
         };
+        if distinct.contacts.len() == 1 && contacts.len() > 1 {
+            let (contacts, extent) = (contacts.len(), 0.0);
+            return Err(Ep2Error::Coincident { contacts, extent });
+        }
         let mut strokes: FingerMap<Vec<usize>> = FingerMap::default();
         for (index, contact) in distinct.contacts.iter().enumerate() {
             strokes.entry(contact.finger).push(index);
