@@ -10,6 +10,9 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
+/// Largest scale of start values, in extents of the markers.
+const MAX_SCALE: f64 = 10.0;
+
 /// Markers at points under the skin.
 #[derive(Clone, Debug)]
 pub struct Markers {
@@ -96,6 +99,19 @@ impl Markers {
     /// Places of the markers.
     pub fn places(&self) -> &[Place] {
         &self.places
+    }
+
+    /// Length by which a fit scales its start values: the skin's radius or, if it is smaller, a multiple of the largest
+    /// distance between the first marker and another.
+    pub(crate) fn scale(&self) -> f64 {
+        let directions = || self.places.iter().map(|place| place.direction.as_ref());
+        let first = directions().next();
+        let chords = first.map(|first| directions().map(move |other| (other - first).norm()));
+        let extent = chords.into_iter().flatten().fold(0.0, f64::max);
+        match extent > 0.0 {
+            true => self.skin.radius() * (MAX_SCALE * extent).min(1.0),
+            false => self.skin.radius(),
+        }
     }
 
     /// Arc distances of the markers from a point of the skin at chart coordinates.

@@ -14,11 +14,11 @@ use crate::{Displacement, Place};
 /// Number of markers, those that moved most, at which a contact is tried; it is also tried between the first two, three, …
 /// of them.
 const MARKERS: usize = 4;
-/// Angles beyond the markers at which a contact is also tried, rad.
+/// Distances beyond the markers at which a contact is also tried, in scales of the markers.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// A start beyond the markers is omitted if its chi-squared is larger by more than this.
 const MAX_EXCESS: f64 = 50.0;
-/// Tried radii of the contact, in radii of the sensor, a medium one first.
+/// Tried radii of the contact, in scales of the markers, a medium one first.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of directions in which all radii are tried.
 const VIEWS: usize = 3;
@@ -41,7 +41,8 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Displacements by contacts of some radii, at nodes whose distances go up to the far pole of the sensor.
+/// Displacements by contacts of some radii, at nodes whose distances go up to the far pole of a sensor of the markers'
+/// scale.
 pub(super) struct Shapes {
     /// Distance of the last node, length.
     furthest: f64,
@@ -54,12 +55,12 @@ impl Shapes {
     /// Number of intervals between nodes.
     const INTERVALS: f64 = 64.0;
 
-    /// The displacements by contacts of these radii, in radii of the sensor.
+    /// The displacements by contacts of these radii, in scales of the markers.
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
-        let skin = problem.reading.markers.skin();
-        let furthest = PI * skin.radius();
+        let scale = problem.reading.markers.scale();
+        let furthest = PI * scale;
         let shape = |share: &f64| {
-            let unit = problem.fit.body.unit_contact(share * skin.radius()).ok()?;
+            let unit = problem.fit.body.unit_contact(share * scale).ok()?;
             let at = |node: u32| {
                 let share = f64::from(node) / Self::INTERVALS;
                 unit.displacement(furthest * share * share)
@@ -218,10 +219,12 @@ fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let rim = directions()
         .map(|direction| direction.dot(&middle))
         .fold(1.0, f64::min);
+    let markers = problem.reading.markers;
+    let unit = markers.scale() / markers.skin().radius();
     let at = |angle: f64| middle * libm::cos(angle) + outward * libm::sin(angle);
     BEYOND
         .iter()
-        .map(|beyond| at(libm::acos(rim) + beyond))
+        .map(|beyond| at(libm::acos(rim) + beyond * unit))
         .collect()
 }
 
