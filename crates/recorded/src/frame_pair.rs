@@ -1,10 +1,9 @@
-//! Frames of a camera sensor: from PNG files, and the markers of a frame at rest in a pressed one.
+//! Frames of a camera sensor: from image files, and the markers of a frame at rest in a pressed one.
 
 use std::io::Cursor;
 use std::num::NonZeroU8;
 
-use image::codecs::png::PngDecoder;
-use image::{DynamicImage, ImageDecoder, ImageError, RgbImage};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, RgbImage};
 use palpate_tracking::{
     Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
@@ -27,24 +26,76 @@ pub struct Frame {
 /// Largest side of a frame, px. Larger frames are rejected before they are decoded.
 const LARGEST_SIDE: u32 = 8192;
 
-/// Signature that every PNG file begins with.
-const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+/// Formats of frames, with their names.
+const FORMATS: [(ImageFormat, &str); 5] = [
+    (ImageFormat::Png, "PNG"),
+    (ImageFormat::Jpeg, "JPEG"),
+    (ImageFormat::Bmp, "BMP"),
+    (ImageFormat::Tiff, "TIFF"),
+    (ImageFormat::WebP, "WebP"),
+];
+
+/// Markers of a JPEG file: the start of the last scan and the end of the image.
+const SCAN: &[u8] = b"\xff\xda";
+const END: &[u8] = b"\xff\xd9";
+
+impl Frame {
+    /// The frame with its pixels linear in the light, if they are encoded by the curve of sRGB.
+    #[must_use]
+    pub fn linearised(mut self) -> Self {
+        let linear = |level: u8| {
+            let share = f64::from(level) / 255.0;
+            let linear = match share <= 0.04045 {
+                true => share / 12.92,
+                false => libm::pow((share + 0.055) / 1.055, 2.4),
+            };
+            libm::round(255.0 * linear) as u8
+        };
+        let levels: Vec<u8> = (0..=u8::MAX).map(linear).collect();
+        for pixel in self.image.pixels_mut() {
+            pixel.0 = pixel.0.map(|level| levels[usize::from(level)]);
+        }
+        self
+    }
+
+    /// The square in the middle of the frame, whose side is the shorter one of the frame.
+    #[must_use]
+    pub fn central_square(self) -> Self {
+        let (width, height) = self.image.dimensions();
+        let side = width.min(height);
+        let [left, top] = [width, height].map(|length| (length - side) / 2);
+        let view = image::imageops::crop_imm(&self.image, left, top, side, side);
+        Self {
+            image: view.to_image(),
+            ..self
+        }
+    }
+}
 
 /// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. An alpha channel is
 /// allowed if no pixel is transparent, because transparent pixels have no colour.
 ///
 /// # Errors
-/// [`RecordedError::File`] if the file is no PNG image, or is broken, larger than 8192 px to a side, or transparent.
+/// [`RecordedError::File`] if the file is no PNG, JPEG, BMP, TIFF or WebP image, or is broken, truncated, larger than 8192
+/// px to a side, or transparent.
 pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if file.bytes.is_empty() {
-        return Err(file.error("is empty; a PNG image is needed"));
+        return Err(file.error("is empty; an image is needed"));
     }
-    if !file.bytes.starts_with(&SIGNATURE) {
-        return Err(file.error("is not a PNG image"));
-    }
+    let format = image::guess_format(&file.bytes).ok();
+    let format = FORMATS.into_iter().find(|(one, _)| Some(*one) == format);
+    let (format, name) =
+        format.ok_or_else(|| file.error("is not a PNG, JPEG, BMP, TIFF or WebP image"))?;
     let broken =
-        |error: ImageError| file.error(format!("is a broken or truncated PNG image: {error}"));
-    let decoder = PngDecoder::new(Cursor::new(&file.bytes)).map_err(broken)?;
+        |error: ImageError| file.error(format!("is a broken or truncated {name} image: {error}"));
+    let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
+    let scan = &file.bytes[scan.unwrap_or_default()..];
+    // The decoder fills what is missing with grey.
+    if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
+        return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
+    }
+    let reader = ImageReader::with_format(Cursor::new(&file.bytes), format);
+    let decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     if width > LARGEST_SIDE || height > LARGEST_SIDE {
         return Err(file.error(format!(

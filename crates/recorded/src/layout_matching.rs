@@ -34,9 +34,10 @@ const ROUNDS: usize = 4;
 /// Standard deviations that allow for misaligned discs in the rough rounds: both centroid coordinates, px; hue,
 /// turns; logarithm of the size.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Smallest share of the layout's markers that must be found: in the final round, and in the rough rounds.
-const MIN_FOUND: f64 = 0.8;
-const MIN_FOUND_ROUGHLY: f64 = 0.5;
+/// Smallest share of the layout's markers that must be found, and largest share of other markers: in the final round, and
+/// in the rough rounds.
+const SHARES: [f64; 2] = [0.66, 0.2];
+const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest median difference between measured and nominal hues, turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Reduced χ² above which the frame contradicts the layout, and above which uncertainties are widened.
@@ -47,7 +48,7 @@ const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
 /// Possible causes if the layout is not found in a frame.
-const CAUSES: &str = "is it from another layout or camera, does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
+const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
 /// Largest number of repeated fits, each around the optics of the last, and the decrease of χ² below which they stop.
 const MAX_FITS: usize = 12;
 const MIN_DECREASE: f64 = 1e-3;
@@ -101,15 +102,15 @@ impl Matched {
         let mut optics = optics;
         for _ in 0..ROUNDS {
             let fit = nominal.fit(&optics)?;
-            let (_, images) = Self::images(nominal, &fit, found, MIN_FOUND_ROUGHLY)?;
+            let (_, images) = Self::images(nominal, &fit, found, ROUGH_SHARES)?;
             let rough: Vec<Option<Seen>> =
                 images.into_iter().map(|image| image.map(roughly)).collect();
             let rest = fit.at_rest(&rough).map_err(other_layout)?;
             optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
         }
         let fit = nominal.fit(&optics)?;
-        let (markers, images) = Self::images(nominal, &fit, found, MIN_FOUND)?;
-        let missing = missing_markers(&law(&fit, None)?, &images, found, MIN_FOUND)?;
+        let (markers, images) = Self::images(nominal, &fit, found, SHARES)?;
+        let missing = missing_markers(&law(&fit, None)?, &images, found, SHARES)?;
         let rest = fit.at_rest(&images).map_err(other_layout)?;
         let (fit, rest, optics) = match nominal.has_exact_lens() {
             true => (fit, rest, optics),
@@ -130,7 +131,7 @@ impl Matched {
         nominal: &NominalSensor<'_>,
         fit: &ImageFit<ImageModel>,
         found: &Found,
-        least: f64,
+        shares: [f64; 2],
     ) -> Result<Matches, String> {
         let expected = law(fit, None)?;
         let markers = nearest(&centroids(&expected), found);
@@ -140,7 +141,7 @@ impl Matched {
             Some(nominal.clear(at, picture))
         };
         let images: Vec<Option<Seen>> = markers.iter().enumerate().map(picture).collect();
-        missing_markers(&expected, &images, found, least).map(|_| (markers, images))
+        missing_markers(&expected, &images, found, shares).map(|_| (markers, images))
     }
 
     /// Quantity (places, hues or sizes) in which the markers differ most from the fitted model.
@@ -372,13 +373,13 @@ fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],
     found: &Found,
-    least: f64,
+    [least, most]: [f64; 2],
 ) -> Result<usize, String> {
     let wanted = expected.iter().flatten().count();
     let there = images.iter().flatten().count();
     let beside = found.markers.len().saturating_sub(there);
     let few = (there as f64) < least * wanted as f64;
-    if few || beside as f64 > (1.0 - least) * wanted as f64 {
+    if few || beside as f64 > most * wanted as f64 {
         return Err(format!(
             "shows {there} of the {wanted} markers of the layout that are in view of the camera, and {beside} others: {CAUSES}"
         ));

@@ -242,7 +242,11 @@ fn unusable_frames_are_refused() {
     let plain = |colour| RgbImage::from_pixel(SIDE, SIDE, Rgb(colour));
     let frames: Vec<(&str, Vec<u8>, &str)> = vec![
         ("empty.png", vec![], "is empty"),
-        ("text.png", b"x,y\n1,2\n".to_vec(), "is not a PNG image"),
+        (
+            "text.png",
+            b"x,y\n1,2\n".to_vec(),
+            "is not a PNG, JPEG, BMP, TIFF or WebP image",
+        ),
         ("cut.png", whole[..whole.len() / 2].to_vec(), "truncated"),
         ("stub.png", whole[..20].to_vec(), "truncated"),
         (

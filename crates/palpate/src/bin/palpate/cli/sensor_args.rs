@@ -43,7 +43,7 @@ function of it.
 
 ", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
 
-Frames are PNG images, the first at rest; --normal and --tangential state the displacement of the marker that
+Frames are PNG, JPEG, BMP, TIFF or WebP images, the first at rest; --normal and --tangential state the displacement of the marker that
 changes most in each of the others.
 
 Prints slope, its standard error, R^2 and residual, of all points and of each series: of the line with an intercept,
@@ -63,8 +63,8 @@ Examples:
   palpate sensor calibrate --rest rest.png --layout examples/press-with-a-camera.toml \\
     --out camera.toml");
 
-const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
-is transparent. Writes to DIR
+const TRACK_HELP: &str = "Frames are PNG, JPEG, BMP, TIFF or WebP images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is
+allowed if nothing is transparent. With --like, the central square of the frames is used. Writes to DIR
   markers.csv     marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,dmean_hue_turns
   overlay.png     the pressed frame with a circle around each marker: blue tracked, red lost, orange merged,
                   violet split, cyan new, grey cut by the rim at rest; arrows are 5 times the shifts
@@ -140,6 +140,9 @@ pub(crate) struct CalibrateArgs {
     pub(crate) px_per_rad: Option<f64>,
     #[command(flatten)]
     pub(crate) form: FormArgs,
+    /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
+    #[arg(long)]
+    pub(crate) srgb: bool,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
@@ -168,6 +171,9 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin [default: 0].
     #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) filter: Option<f64>,
+    /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
+    #[arg(long)]
+    pub(crate) srgb: bool,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,

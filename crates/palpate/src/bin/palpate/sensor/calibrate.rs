@@ -59,8 +59,14 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     let Ok(cell) = study.cell(args.cell) else {
         return Err(Failure::no_cell(args.cell, &study));
     };
-    let frame = read_frame(rest)?;
-    let camera = calibrate_camera(&frame, &cell.config).map_err(Failure::work)?;
+    let frame = read_frame(rest, args.srgb)?.central_square();
+    let camera = calibrate_camera(&frame, &cell.config).map_err(|error| {
+        let linear = (!args.srgb).then(|| calibrate_camera(&frame.linearised(), &cell.config));
+        match linear {
+            Some(Ok(_)) => Failure::work(anyhow!("{error}; with setting `srgb` the frame fits")),
+            _ => Failure::work(error),
+        }
+    })?;
     out.write(camera.to_toml().as_bytes())?;
     for warning in &camera.warnings {
         eprintln!("{warning}");
@@ -69,18 +75,23 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     out.print(&lines.join("\n"))
 }
 
-/// The frame of a PNG file.
-pub(super) fn read_frame(path: &Path) -> Result<Frame, Failure> {
+/// The frame of an image file, whose pixels are linear in the light or encoded by sRGB.
+pub(super) fn read_frame(path: &Path, srgb: bool) -> Result<Frame, Failure> {
     let frame = RecordedFile::read(path).and_then(|file| parse_frame(&file));
-    frame.map_err(Failure::work)
+    let frame = frame.map_err(Failure::work)?;
+    Ok(if srgb { frame.linearised() } else { frame })
 }
 
 fn is_frame(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+    let extension = extension.unwrap_or_default().to_lowercase();
+    matches!(
+        extension.as_str(),
+        "png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff" | "webp"
+    )
 }
 
-/// Whether the inputs are camera frames (PNG files) instead of tables. Rejects options that have no effect on such inputs.
+/// Whether the inputs are camera frames instead of tables. Rejects options that have no effect on such inputs.
 fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
     let frames = args.inputs.iter().filter(|path| is_frame(path)).count();
@@ -93,7 +104,7 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     }
     if frames > 0 && frames < args.inputs.len() {
         return refuse(format!(
-            "{frames} of the {} inputs are PNG images; give tables or frames, not both",
+            "{frames} of the {} inputs are images; give tables or frames, not both",
             args.inputs.len()
         ));
     }
@@ -127,7 +138,7 @@ fn points_of_frames(
         from: args.from,
         px_per_rad: args.px_per_rad,
     };
-    let frames = args.inputs.iter().map(|path| read_frame(path));
+    let frames = args.inputs.iter().map(|path| read_frame(path, args.srgb));
     let frames: Vec<Frame> = frames.collect::<Result<_, _>>()?;
     let Some((rest, pressed)) = frames.split_first() else {
         return Err(Failure::Usage(anyhow!("there are no frames")));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    FrameReader, PictureOptions, RecordedError, RecordedFile, TrackCounts, difference_image,
+    Frame, FrameReader, PictureOptions, RecordedError, RecordedFile, TrackCounts, difference_image,
     overlay, parse_calibration, parse_camera, track_frames,
 };
 
@@ -20,7 +20,15 @@ const GRID: u32 = 30;
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     let reader = reader(args)?;
     output::make_directory(&args.out)?;
-    let [rest, pressed] = [read_frame(&args.rest)?, read_frame(&args.pressed)?];
+    let mut both = [
+        read_frame(&args.rest, args.srgb)?,
+        read_frame(&args.pressed, args.srgb)?,
+    ];
+    // A study's camera takes square frames.
+    if args.sensor.like.like.is_some() {
+        both = both.map(Frame::central_square);
+    }
+    let [rest, pressed] = both;
     let frames = track_frames(&rest, &pressed).map_err(Failure::work)?;
     let difference = difference_image(&rest, &pressed).map_err(Failure::work)?;
     let mut files = vec![
