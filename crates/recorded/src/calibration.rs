@@ -69,7 +69,7 @@ const MAX_TURN: f64 = 0.5;
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
-    let table = TextTable::of(file)?;
+    let table = TextTable::of(file, &[])?;
     let columns = columns(&header(&table, &CALIBRATIONS)?);
     let sheet = ReadingTable::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);

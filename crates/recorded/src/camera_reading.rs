@@ -321,8 +321,7 @@ fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
     file.map_or_else(ReadingSource::arrays, |name| {
         // Line 1 is the header.
         let lines = (2..frames.tracks.len() + 2).collect();
-        let rows = Vec::new();
-        ReadingSource { name, lines, rows }
+        ReadingSource::new(&name, lines)
     })
 }
 

@@ -1,4 +1,4 @@
-//! Tables of fields that are separated by commas, semicolons or tabs.
+//! Tables of fields that are separated by commas, semicolons, tabs or spaces.
 
 use csv::{ReaderBuilder, StringRecord, Terminator};
 use palpate_study::readings::Measure;
@@ -15,13 +15,13 @@ const DECIDING_ROWS: usize = 100;
 pub(super) struct DelimitedText<'a> {
     pub(super) text: Text<'a>,
     pub(super) delimiter: Delimiter,
-    /// Whether the row after the header has the units of the columns.
-    has_units: bool,
+    /// Number of lines before the readings: the names of the columns, and their units.
+    heading: usize,
 }
 
 impl<'a> DelimitedText<'a> {
-    /// The table with its column names. `first` is the header with its line, `stated` the stated delimiter, and `fail`
-    /// makes an error in a line.
+    /// The table with its column names; they are numbers from 0 if the first line holds numbers. `first` is the header with its
+    /// line, `stated` the stated delimiter, and `fail` makes an error in a line.
     pub(super) fn of(
         text: Text<'a>,
         (first, header_line): (&str, usize),
@@ -36,7 +36,20 @@ impl<'a> DelimitedText<'a> {
                 "a quotation mark is not closed before the delimiter or the end of the line";
             return Err(fail(line, message.to_owned()));
         }
-        let fields = split(text, first, delimiter);
+        if delimiter != Delimiter::Comma || stated.is_some() || first.contains(',') {
+            let fields = split(text, first, delimiter);
+            if has_numbers(&fields) {
+                let heading = 0;
+                let table = Self {
+                    text,
+                    delimiter,
+                    heading,
+                };
+                let header = (0..fields.len()).map(|place| place.to_string());
+                return Ok((table, header.collect()));
+            }
+        }
+        let fields = names(text, first, delimiter);
         let mut header: Vec<String> = fields.iter().map(|name| tidy(name).to_owned()).collect();
         let row = text.rows_after(header_line).next();
         let units = row.and_then(|(row, _)| units(&split(text, row, delimiter), header.len()));
@@ -51,23 +64,39 @@ impl<'a> DelimitedText<'a> {
                 }
             }
         }
-        let has_units = units.is_some();
         let table = Self {
             text,
             delimiter,
-            has_units,
+            heading: 1 + usize::from(units.is_some()),
         };
         Ok((table, header))
+    }
+
+    /// Calls `take` with every row of a table whose delimiters are spaces.
+    fn spaced_rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+        let mut before = None;
+        for (row, line) in self.text.rows_after(0).skip(self.heading) {
+            take(Record {
+                line,
+                is_after_gap: before.is_some_and(|before| line > before + 1),
+                fields: &row.split_whitespace().collect(),
+            })?;
+            before = Some(line);
+        }
+        Ok(())
     }
 
     /// Calls `take` with every row that is not blank. No row spans lines, because open quotation marks are rejected
     /// before.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let text = self.text;
+        if self.delimiter == Delimiter::Space {
+            return self.spaced_rows(take);
+        }
         let bytes = text.all.as_bytes();
         let is_end = |byte: &&u8| char::from(**byte) == text.end;
         let (mut at, mut line) = (0, text.line);
-        let (mut heading, mut is_after_gap) = (1 + usize::from(self.has_units), false);
+        let (mut heading, mut is_after_gap) = (self.heading, false);
         let mut fields = StringRecord::new();
         let mut reader = reader(text, text.all, self.delimiter);
         // The text is UTF-8 and rows may have any length, so that no row is an error.
@@ -80,7 +109,7 @@ impl<'a> DelimitedText<'a> {
             line += lines;
             is_after_gap |= lines > 1;
             at = begin;
-            let is_header = heading == 1 + usize::from(self.has_units);
+            let is_header = heading > 0 && heading == self.heading;
             if fields.iter().all(|field| field.trim().is_empty())
                 && (fields.len() == 1 || !is_header)
             {
@@ -102,6 +131,23 @@ impl<'a> DelimitedText<'a> {
     }
 }
 
+/// Whether a first line holds numbers instead of names. Whole numbers that count the columns from 0 are names: pandas
+/// writes them for arrays.
+fn has_numbers(fields: &StringRecord) -> bool {
+    let mut numbers = fields.iter().map(|field| tidy(field).parse::<f64>());
+    let counts = |(field, column): (&str, usize)| tidy(field).parse() == Ok(column);
+    !fields.iter().zip(0..).all(counts) && numbers.all(|number| number.is_ok())
+}
+
+/// Names in a header. NumPy writes the header as it is given, so that commas may separate the names above numbers that
+/// are separated by spaces.
+fn names(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
+    match delimiter {
+        Delimiter::Space if line.contains(',') => split(text, line, Delimiter::Comma),
+        delimiter => split(text, line, delimiter),
+    }
+}
+
 fn reader<'t>(text: Text<'_>, part: &'t str, delimiter: Delimiter) -> csv::Reader<&'t [u8]> {
     ReaderBuilder::new()
         .delimiter(delimiter.byte())
@@ -113,6 +159,9 @@ fn reader<'t>(text: Text<'_>, part: &'t str, delimiter: Delimiter) -> csv::Reade
 
 /// Fields of one line.
 fn split(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
+    if delimiter == Delimiter::Space {
+        return line.split_whitespace().collect();
+    }
     let mut records = reader(text, line, delimiter).into_records();
     records.next().and_then(Result::ok).unwrap_or_default()
 }
@@ -140,9 +189,10 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
     let mut possible = Delimiter::ALL.to_vec();
-    possible.retain(|&delimiter| fields(header, delimiter) > 1);
-    if possible.is_empty() && has_spaces(header, rows().next().unwrap_or_default()) {
-        return Err("fields are separated by spaces; separate them by commas".to_owned());
+    possible.retain(|&delimiter| delimiter != Delimiter::Space && fields(header, delimiter) > 1);
+    let has_spaces = |row| has_spaces(names(text, header, Delimiter::Space).len(), row);
+    if rows().next().is_some_and(has_spaces) {
+        return Ok(Delimiter::Space);
     }
     if possible.len() > 1 {
         let fits = |&delimiter: &Delimiter| {
@@ -166,13 +216,11 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
-/// Whether spaces separate the fields of the header and the numbers of the first row.
-fn has_spaces(header: &str, row: &str) -> bool {
-    let count = header.split_whitespace().count();
+/// Whether spaces separate the numbers of the first row, as many as there are names.
+fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
-    count > 1
-        && row.split_whitespace().count() == count
-        && numbers.all(|one| one.parse::<f64>().is_ok())
+    let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;
+    is_spaced && numbers.all(|one| one.parse::<f64>().is_ok())
 }
 
 /// Units from the row after the header, without brackets, if that row has only units.
@@ -212,7 +260,7 @@ fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
         Quoted,
         Closed,
     }
-    if !text.all.contains('"') {
+    if !text.all.contains('"') || delimiter == Delimiter::Space {
         return None;
     }
     let (delimiter, end) = (char::from(delimiter.byte()), text.end);

@@ -334,6 +334,7 @@ impl<'r> GlideFitResult<'r> {
                 of_used.repeated("contact", rows, 0.0),
             ))
             .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
+            .chain(recorded.source.notes.iter().cloned())
             .collect()
     }
 

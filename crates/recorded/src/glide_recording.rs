@@ -101,7 +101,8 @@ impl Fingers {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> {
-    let table = TextTable::of(&file)?;
+    let orders = [&GLIDES[1..4], &GLIDES[..4], &GLIDES[1..], &GLIDES];
+    let table = TextTable::of(&file, &orders)?;
     let header = header(&table, &GLIDES)?;
     let [finger, places @ .., _, _, _] = &GLIDES;
     let names_fingers = header.has(finger);

@@ -7,7 +7,7 @@ use palpate_study::readings::{
 use super::table_format::pair;
 
 /// A name in the file's header.
-struct Heading<'a> {
+pub(super) struct Heading<'a> {
     name: &'a str,
     /// The name without a unit in brackets, normalised by [`spelt`].
     base: String,
@@ -18,7 +18,7 @@ struct Heading<'a> {
 }
 
 impl<'a> Heading<'a> {
-    fn of(name: &'a str) -> Self {
+    pub(super) fn of(name: &'a str) -> Self {
         let name = name.trim();
         let (base, bracket) = bracketed(name);
         let base = spelt(base);
@@ -107,6 +107,15 @@ impl<'a> Header<'a> {
             .iter()
             .find(is_time)
             .map(|heading| heading.name)
+    }
+
+    /// Pairs that give the names of some columns in the file to others.
+    pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
+        let pairs = columns.iter().zip(others).filter_map(|(column, other)| {
+            let place = self.place(column).ok().flatten()?;
+            Some(pair(other.stem(), self.name(place.index)))
+        });
+        pairs.collect::<Vec<_>>().join(",")
     }
 
     /// Whether the user assigned a name in the file to one of these columns.
@@ -265,17 +274,11 @@ impl<'a> Header<'a> {
         missing: &[Column],
         found: &[Option<Place>],
     ) -> String {
+        let optional = columns[1];
         let [wanted, may] = columns.map(|columns| {
             let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
             names.join(",")
         });
-        let is_number = |heading: &Heading<'_>| heading.name.parse::<f64>().is_ok();
-        if !self.headings.is_empty() && self.headings.iter().all(is_number) {
-            return format!(
-                "no column `{}`: the first line holds numbers; put the columns' names before it: {wanted}",
-                missing[0].name
-            );
-        }
         let names: Vec<String> = missing
             .iter()
             .map(|column| format!("`{}`", column.name))
@@ -293,15 +296,13 @@ impl<'a> Header<'a> {
             .iter()
             .any(|column| column.measure == Measure::Angle);
         if of_angle && self.headings.iter().any(is_quaternion) {
-            message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part: name them by setting `columns`";
+            message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part";
         }
-        let is_free = |index: &usize| {
-            let mut taken = found.iter().flatten();
-            !self.headings[*index].name.is_empty() && taken.all(|place| place.index != *index)
-        };
-        let free: Vec<usize> = (0..self.headings.len()).filter(is_free).collect();
+        let places: Vec<Place> = found.iter().flatten().copied().collect();
+        let mut free = self.free(&places);
         if !free.is_empty() {
-            let pairs = self.proposed(missing, &free);
+            let mut pairs = self.proposed(missing, &mut free);
+            pairs.extend(self.optional(optional, &mut free));
             message += &format!(
                 "; write setting `columns` '{}'",
                 pairs.join(",").replace('\'', "'\\''")
@@ -313,9 +314,45 @@ impl<'a> Header<'a> {
         message
     }
 
+    /// Names of the file that are not read.
+    fn free(&self, places: &[Place]) -> Vec<usize> {
+        let is_free = |index: &usize| {
+            let mut taken = places.iter();
+            !self.headings[*index].name.is_empty() && taken.all(|place| place.index != *index)
+        };
+        (0..self.headings.len()).filter(is_free).collect()
+    }
+
+    /// Note on names of the file that may be those of optional columns, with the setting that reads them.
+    pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
+        let pairs = self.optional(may, &mut self.free(places));
+        (!pairs.is_empty()).then(|| {
+            let pairs = pairs.join(",").replace('\'', "'\\''");
+            format!("optional columns are not read; setting `columns` '{pairs}' reads them")
+        })
+    }
+
+    /// Pairs of names for optional columns, if free names are similar to all columns of a quantity.
+    fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
+        let quantity = |column: &Column| match column.stem().rsplit_once('_') {
+            Some((quantity, axis)) if axis.len() == 1 => quantity,
+            _ => column.stem(),
+        };
+        let parts = may.chunk_by(|one, other| quantity(one) == quantity(other));
+        let pairs = parts.flat_map(|part| {
+            let mut rest = free.clone();
+            let pairs = self.proposed(part, &mut rest);
+            let is_whole = pairs.iter().all(|pair| !pair.ends_with('…'));
+            if is_whole {
+                *free = rest;
+            }
+            pairs.into_iter().filter(move |_| is_whole)
+        });
+        pairs.collect()
+    }
+
     /// Pairs of names for the missing columns; `…` if no free name is similar.
-    fn proposed(&self, missing: &[Column], free: &[usize]) -> Vec<String> {
-        let mut free = free.to_vec();
+    fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let mut pair_of = |column: &Column| {
             let similar = |&index: &usize| is_similar(column, &self.headings[index]);
             let Some(place) = free.iter().position(similar) else {
@@ -381,9 +418,10 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
 
 /// Whether a name in the file may denote the column: it has a unit of the column or none, and all words of the column's
 /// name or its quantity and axis.
-fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
+pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion is not an angle.
-    let is_angle = is_quaternion(heading) && column.measure != Measure::Length;
+    let is_angle =
+        is_quaternion(heading) && (column.measure != Measure::Length || heading.part.is_some());
     let is_unit = |unit: &str| column.measure.unit(unit).is_some();
     if is_angle || heading.bracket.is_some_and(|unit| !is_unit(unit)) {
         return false;
@@ -402,7 +440,14 @@ fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     {
         return false;
     }
-    column.stem().split('_').all(|word| words.contains(&word)) || is_of_axis(column, &words)
+    // Logs count rolls by other names.
+    let is_probe = column.name == "probe"
+        && words
+            .iter()
+            .any(|word| matches!(*word, "trial" | "roll" | "episode"));
+    is_probe
+        || column.stem().split('_').all(|word| words.contains(&word))
+        || is_of_axis(column, &words)
 }
 
 /// Whether a name in the file denotes the same quantity and axis, by its letters or its list index: `px` and
@@ -412,7 +457,10 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         Some((quantity, axis)) => (quantity, axis),
         None => ("", column.stem()),
     };
-    let is_no_unit = |word: &&&str| column.measure.unit(word).is_none() || words.len() == 1;
+    // A number is an index here, although 1 is also the unit of plain numbers.
+    let is_no_unit = |word: &&&str| {
+        column.measure.unit(word).is_none() || words.len() == 1 || word.parse::<u8>().is_ok()
+    };
     let words: Vec<&str> = words.iter().filter(is_no_unit).copied().collect();
     let Some((last, rest)) = words.split_last().filter(|_| axis.len() == 1) else {
         return false;
@@ -422,15 +470,21 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "y" | "v" => "1",
         _ => "2",
     };
+    let says = |quantity: &str| {
+        let is_start = |word: &&str| word.len() > 2 && quantity.starts_with(*word);
+        rest.iter().any(is_start) || (quantity == "contact" && rest.contains(&"cop"))
+    };
+    // On the probe, some call u and v x and y.
+    let other = match axis {
+        "u" if says(quantity) => "x",
+        "v" if says(quantity) => "y",
+        axis => axis,
+    };
     // The words before the letter or the index name the quantity.
-    let letter = match last.strip_suffix(axis) {
+    let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
         _ if *last == index && !rest.is_empty() => "",
         _ => return false,
-    };
-    let says = |quantity: &str| {
-        let is_start = |word: &&str| word.len() > 2 && quantity.starts_with(*word);
-        rest.iter().any(is_start)
     };
     let letters: &[&str] = match quantity {
         "" => {
@@ -441,6 +495,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
                 && matches!(letter, "" | "p");
         }
         "rotation" => &["r", "w"],
+        "contact" => &["", "c"],
         "shift" => &["", "d", "s"],
         "normal" => &["n"],
         "tangential" => &["d"],
@@ -450,7 +505,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
 }
 
 /// Quantities with axes that are not places.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 11] = [
     "normal",
     "rotation",
     "shift",
@@ -458,4 +513,8 @@ const OTHERS: [&str; 7] = [
     "force",
     "torque",
     "velocity",
+    "acceleration",
+    "linear",
+    "angular",
+    "twist",
 ];

@@ -2,8 +2,8 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | a file to rows of text | `file`, `text_table` with a file per format: `delimited_text`, `json_lines` |
-//! | rows to columns of numbers in one unit | `header`, `decimal`, `reading_table` |
+//! | a file to rows of text | `file`, `text_table` with a file per format: `delimited_text`, `json_table`, `numpy` |
+//! | rows to columns of numbers in one unit | `header`, `table_layout`, `decimal`, `reading_table` |
 //! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
 //! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
 //! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate`, `load_curve` |
@@ -32,12 +32,13 @@ mod glide_report;
 mod glide_warnings;
 mod header;
 mod image_estimate;
-mod json_lines;
+mod json_table;
 mod layout_matching;
 mod load_curve;
 mod log_warnings;
 mod misfit_warning;
 mod nominal_sensor;
+mod numpy;
 mod overlay;
 mod press_estimate;
 mod press_options;
@@ -48,13 +49,16 @@ mod reading_table;
 mod roll_estimate;
 mod roll_options;
 mod roll_recording;
+mod roll_rotation;
 mod roll_warnings;
 mod shape_report;
 mod source;
 mod study_options;
 mod table_format;
+mod table_layout;
 mod text_table;
 mod value;
+mod zip_archive;
 
 pub use calibration::{
     CalibrateOptions, CalibrationPoints, KnownDisplacements, calibrate, frame_calibration_points,
@@ -85,6 +89,7 @@ pub use press_report::PressReport;
 pub use roll_estimate::{RollEstimate, RollValues, estimate_roll};
 pub use roll_options::{RollOptions, RollSettings};
 pub use roll_recording::{RollRecording, parse_roll};
+pub use roll_rotation::RotationFrame;
 pub use study_options::StudyMismatch;
 pub use table_format::{Decimal, Delimiter, Form, column_names};
 pub use value::Value;

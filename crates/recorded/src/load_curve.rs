@@ -105,7 +105,7 @@ pub struct LoadEstimate {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> {
-    let table = TextTable::of(&file)?;
+    let table = TextTable::of(&file, &[&LOADS])?;
     header(&table, &LOADS)?;
     let sheet = ReadingTable::read(&table, &LOADS, &[])?;
     let rows = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();

@@ -101,7 +101,8 @@ impl PressRecording {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> {
-    let table = TextTable::of(&file)?;
+    let orders = [&PRESSES[..3], &PRESS_ROW, &PRESSES];
+    let table = TextTable::of(&file, &orders)?;
     let header = header(&table, &columns_of("press"))?;
     let has = |column: &Column| header.has(column);
     let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {

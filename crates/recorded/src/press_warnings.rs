@@ -120,6 +120,7 @@ pub(super) fn of_estimate(
         .into_iter()
         .chain(Warning::of("unstated-depth", depth))
         .chain(Warning::of("unseen-contact", contact))
+        .chain(recorded.source.notes.iter().cloned())
         .chain(Warning::of("lone-marker", alone))
         .chain(large_contact(estimate, options.radius(), is_layer))
         .chain(unexplained)

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use palpate_statistics::Number;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
 
@@ -118,9 +119,12 @@ impl ReadingTable {
                 false => Ok(()),
             }
         })?;
-        let name = table.file.name.clone();
-        let rows = Vec::new();
-        let source = ReadingSource { name, lines, rows };
+        let mut source = ReadingSource::new(&table.file.name, lines);
+        let notes = [table.note(), header.unread(may, &places)];
+        let notes = notes.into_iter().flatten();
+        source
+            .notes
+            .extend(notes.map(|note| Warning::new("assumed-columns", note, [])));
         if source.lines.is_empty() {
             return Err(source.fail("has a header but no readings"));
         }

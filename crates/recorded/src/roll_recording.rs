@@ -3,18 +3,20 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use palpate_ep1::ProbeReading;
-use palpate_statistics::Number;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
+use palpate_study::readings::{CONTACTS, Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
 
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::finger_assignment::parted;
 use super::header::Header;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
+use super::roll_rotation::{RotationForm, RotationFrame, between};
 use super::source::{ReadingSource, copies, finite, same_length};
+use super::table_format::pair;
 use super::text_table::TextTable;
 
 /// Largest number of rolls that are compared with each other directly.
@@ -121,113 +123,281 @@ impl RollRecording {
     }
 }
 
-/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. The rotation of one row per
-/// probe may be a unit quaternion, `qx,qy,qz,qw`, from the start of the roll to its end. Without a column `probe`,
-/// each row or series counts as a probe. A new series starts after a blank line or where the time does not increase.
+/// Reads recorded rolls: one row per probe, or a time series per probe. Of a series with columns `pad_u,pad_v` the last
+/// row counts; of one with `contact_u,contact_v` the last row relative to the first. The rotation may be a vector, a
+/// unit quaternion, a matrix, or an axis with an angle. Without a column `probe`, each row or series counts as a probe. A
+/// new series starts after a blank line or where the time does not increase.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
-    let table = TextTable::of(&file)?;
+    let table = TextTable::of(&file, &[&ROLLS[1..], &ROLLS, &columns_of("roll")])?;
     let header = header(&table, &columns_of("roll"))?;
     let fail = |message: String| Err(file.fail(table.header_line, message));
-    let is_series = match is_series(&header) {
-        Ok(is_series) => is_series,
+    let kind = match Kind::of(&header) {
+        Ok(kind) => kind,
         Err(message) => return fail(message),
     };
     let has = |column: &Column| header.has(column);
-    let [probe, vector @ .., _, _] = &ROLLS;
-    let is_quaternion = !vector.iter().all(has) && QUATERNION.iter().any(has);
-    let names_probes = has(probe);
-    if is_quaternion && let Some(time) = header.time().filter(|_| is_series || !names_probes) {
-        return fail(format!(
-            "column `{time}`: a time series of a roll is not read with quaternions; give one row per roll, with a column `probe` and the rotation from start to end"
-        ));
-    }
-    let of_quaternion = [&[*probe][..], &QUATERNION, &ROLLS[3..]].concat();
-    let columns = match (is_quaternion, is_series) {
-        (true, _) => &of_quaternion[..],
-        (false, true) => &ROLL_SERIES[..],
-        (false, false) => &ROLLS[..],
+    let names_probes = has(&ROLLS[0]);
+    let form = RotationForm::of(has);
+    let as_series = |why: String| {
+        let names = header.pairs(&ROLLS[3..], &CONTACTS);
+        format!("{why}; if each roll is a time series, write setting `columns` '{names}'")
     };
-    let first = usize::from(names_probes);
-    let sheet = ReadingTable::read(&table, &columns[1 - first..], &[])?;
+    if kind == Kind::Rows && form != RotationForm::Vector && !names_probes {
+        if let Some(time) = header.time() {
+            return fail(as_series(format!(
+                "column `{time}`: the rows may be a time series"
+            )));
+        }
+    }
+    let (time, contacts) = match kind {
+        Kind::Rows => (&[][..], &ROLLS[3..]),
+        Kind::Pads => (&ROLL_SERIES[1..2], &ROLL_SERIES[4..]),
+        Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
+    };
+    let probe = &ROLLS[..usize::from(names_probes)];
+    let columns = [probe, time, form.columns(), contacts].concat();
+    let may = &ROLLS[..usize::from(!names_probes)];
+    let sheet = ReadingTable::read(&table, &columns, may)?;
+    let first = probe.len();
     let (probes, note) = match names_probes {
         true => {
             let rows = sheet.rows();
-            let index = rows.map(|(line, numbers)| sheet.index(line, probe.name, numbers[0]));
+            let index = rows.map(|(line, numbers)| sheet.index(line, probe[0].name, numbers[0]));
             (index.collect::<Result<Vec<u64>, _>>()?, None)
         }
         false => {
-            let (probes, note) = counted(&sheet, is_series);
+            let (probes, note) = counted(&sheet, kind != Kind::Rows);
             (probes, Some(note))
         }
     };
-    let mut recording = RollRecording {
-        unit: sheet.unit,
-        probes: Vec::new(),
-        readings: Vec::new(),
-        rows: Vec::new(),
-        note,
-        ..RollRecording::new::<2>(&[], &[], None)?
-    };
-    // Position and last time of each probe.
+    let mut rolls: Vec<Roll> = Vec::new();
+    // Position of each probe, and its last time.
     let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
     for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
-        let (time, one) = match numbers[first..] {
-            [x, y, u, v] => (None, reading(x, y, u, v)),
-            [t_s, x, y, u, v] => (Some(t_s), reading(x, y, u, v)),
-            [x, y, z, w, u, v] => {
-                let rotation = rotation_vector([x, y, z, w]);
-                let [x, y] = rotation.map_err(|message| sheet.fail(line, message))?;
-                (None, reading(x, y, u, v))
+        let numbers = &numbers[first..];
+        let (time, numbers) = numbers.split_at(time.len());
+        let t_s = time.first().copied().unwrap_or_default();
+        match earlier.entry(probe) {
+            Entry::Vacant(entry) => {
+                entry.insert((rolls.len(), t_s));
+                let (start, end) = ((line, numbers), (line, numbers));
+                rolls.push(Roll {
+                    probe,
+                    row,
+                    start,
+                    end,
+                });
             }
-            _ => continue,
-        };
-        match (earlier.entry(probe), time) {
-            (Entry::Vacant(entry), _) => {
-                entry.insert((recording.rows.len(), time.unwrap_or_default()));
-                recording.rows.push(row);
-                recording.probes.push(probe);
-                recording.readings.push(one);
-            }
-            (Entry::Occupied(mut entry), Some(t_s)) => {
+            Entry::Occupied(mut entry) => {
                 let (place, before) = *entry.get();
+                if kind == Kind::Rows {
+                    let twice = format!("probe {probe} occurs twice");
+                    return Err(sheet.fail(
+                        line,
+                        match header.time() {
+                            Some(_) => as_series(twice),
+                            None => twice,
+                        },
+                    ));
+                }
                 if t_s <= before {
                     let message =
                         format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
                     return Err(sheet.fail(line, message));
                 }
                 entry.insert((place, t_s));
-                recording.rows[place] = row;
-                recording.readings[place] = one;
-            }
-            (Entry::Occupied(_), None) => {
-                let more = match is_quaternion {
-                    true => ": a time series of a roll is not read with quaternions",
-                    false => "",
-                };
-                return Err(sheet.fail(line, format!("probe {probe} occurs twice{more}")));
+                (rolls[place].row, rolls[place].end) = (row, (line, numbers));
             }
         }
     }
-    recording.source.name = sheet.source.name;
+    let frame = file.form.rotation_frame;
+    let read = |form: RotationForm, order: [usize; 4], frame: RotationFrame| {
+        let relative = |roll: &Roll<'_>| roll.relative(kind, form, order, frame);
+        let fail = |(line, message): (usize, String)| sheet.fail(line, message);
+        rolls
+            .iter()
+            .map(|roll| relative(roll).map_err(fail))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let mut notes = sheet.source.notes.clone();
+    let mut order = SCALAR_LAST;
+    if let Some(names) = table
+        .numbered_quaternion()
+        .filter(|_| form == RotationForm::Quaternion)
+    {
+        let options = [SCALAR_LAST, SCALAR_FIRST].map(|order| {
+            let fits =
+                read(form, order, frame.unwrap_or_default()).is_ok_and(|rolls| is_rolling(&rolls));
+            (order, fits, scalar_names(order, names))
+        });
+        let [last, first] = &options;
+        let (found, setting) = match [last.1, first.1] {
+            [true, false] => (last.0, &last.2),
+            [false, true] => (first.0, &first.2),
+            _ => {
+                return fail(format!(
+                    "the scalar part of the quaternion may be its first or its last component; write setting `columns` '{}' or '{}'",
+                    first.2, last.2
+                ));
+            }
+        };
+        order = found;
+        let text = format!(
+            "the order of the quaternion's components was found from the rolls; it is that of setting `columns` '{setting}'"
+        );
+        notes.push(Warning::new("assumed-columns", text, []));
+    }
+    let turned = read(form, order, frame.unwrap_or_default())?;
+    if frame.is_none() {
+        let other = read(form, order, RotationFrame::World)?;
+        let mut pairs = turned.iter().zip(&other);
+        if pairs.any(|(probe, world)| {
+            (probe.0 - world.0).xy().norm() > MAX_FRAME_DIFFERENCE * probe.0.norm()
+        }) {
+            let text = "rotations are relative to the probe's frame at the start of each roll, along whose x and y the contact moves to u and v; setting `rotation_frame` world reads them relative to the frame of the orientations";
+            notes.push(Warning::new("assumed-columns", text, []));
+        }
+    }
+    let readings = turned
+        .iter()
+        .map(|(turned, [u, v])| reading(turned.x, turned.y, *u, *v));
+    let mut recording = RollRecording {
+        unit: sheet.unit,
+        probes: rolls.iter().map(|roll| roll.probe).collect(),
+        readings: readings.collect(),
+        rows: rolls.iter().map(|roll| roll.row).collect(),
+        note,
+        ..RollRecording::new::<2>(&[], &[], None)?
+    };
+    recording.source.name.clone_from(&sheet.source.name);
+    recording.source.notes = notes;
     recording.extras = sheet.extras;
     Ok(recording)
 }
 
-/// Whether a table has time series. If it has the columns of both kinds, the setting `columns` must choose.
-fn is_series(header: &Header<'_>) -> Result<bool, String> {
-    let has = |column: &Column| header.has(column);
-    let (shifts, pads) = (&ROLLS[3..], &ROLL_SERIES[4..]);
-    match (shifts.iter().all(has), pads.iter().all(has)) {
-        (true, true) => match (header.is_assigned(shifts), header.is_assigned(pads)) {
-            (shifts, pads) if shifts != pads => Ok(pads),
-            _ => Err("there are both shift_u, shift_v and pad_u, pad_v; state which to read, as in setting `columns` 'shift_u=…,shift_v=…'".to_owned()),
-        },
-        (true, false) => Ok(false),
-        (false, true) => Ok(true),
-        (false, false) => Ok(pads.iter().any(has) || has(&ROLL_SERIES[1])),
+/// Difference of the rotations in two frames, relative to their size, above which a note names the frame.
+const MAX_FRAME_DIFFERENCE: f64 = 0.02;
+
+/// Places of the components x, y, z, w in a quaternion.
+const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
+const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
+
+/// Setting that names the components of a quaternion in this order.
+fn scalar_names(order: [usize; 4], names: &[String; 4]) -> String {
+    let pairs = QUATERNION.iter().zip(order);
+    let pairs: Vec<String> = pairs
+        .map(|(column, place)| pair(column.name, &names[place]))
+        .collect();
+    pairs.join(",")
+}
+
+/// First and last row of a roll, each with its line.
+struct Roll<'a> {
+    probe: u64,
+    row: usize,
+    start: (usize, &'a [f64]),
+    end: (usize, &'a [f64]),
+}
+
+/// Rotation vector of a roll, and the shift of its contact.
+type Turned = (Vector3<f64>, [f64; 2]);
+
+impl Roll<'_> {
+    /// Rotation and shift from start to end; or the line that is wrong, and why.
+    fn relative(
+        &self,
+        kind: Kind,
+        form: RotationForm,
+        order: [usize; 4],
+        frame: RotationFrame,
+    ) -> Result<Turned, (usize, String)> {
+        let rotation = |(line, numbers): (usize, &[f64])| {
+            let numbers = &numbers[..numbers.len() - 2];
+            let ordered = order.map(|place| numbers.get(place).copied().unwrap_or_default());
+            let numbers = if form == RotationForm::Quaternion {
+                &ordered
+            } else {
+                numbers
+            };
+            form.rotation(numbers).map_err(|message| (line, message))
+        };
+        let place = |numbers: &[f64]| [numbers[numbers.len() - 2], numbers[numbers.len() - 1]];
+        let (end, start) = (place(self.end.1), place(self.start.1));
+        let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
+        let turned = match self.end.1 {
+            // The rotation since the start, with all its digits.
+            [x, y, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
+            _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),
+            _ => between(&rotation(self.start)?, &rotation(self.end)?, frame),
+        };
+        Ok((
+            turned,
+            match kind {
+                Kind::Contacts => [end[0] - start[0], end[1] - start[1]],
+                Kind::Rows | Kind::Pads => end,
+            },
+        ))
+    }
+}
+
+/// Largest rotation about the normal, relative to the others, of rolls; and smallest correlation of the shifts with
+/// those on a plane.
+const MAX_SPIN: f64 = 0.3;
+const MIN_CORRELATION: f64 = 0.5;
+
+/// Whether rotations and shifts may be those of rolls: a contact moves to +u if the rotation about v is negative.
+fn is_rolling(rolls: &[Turned]) -> bool {
+    let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
+    let spin = sum(&|(turned, _)| turned.z * turned.z);
+    let turn = sum(&|(turned, _)| turned.xy().norm_squared());
+    let along = sum(&|(turned, [u, v])| turned.x * v - turned.y * u);
+    let shift = sum(&|(_, [u, v])| u * u + v * v);
+    turn > 0.0
+        && spin <= MAX_SPIN * MAX_SPIN * turn
+        && along >= MIN_CORRELATION * (turn * shift).sqrt()
+}
+
+/// Kind of a table of rolls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// One row per probe.
+    Rows,
+    /// A time series per probe, with the shift since its start.
+    Pads,
+    /// A time series per probe, with the place of the contact.
+    Contacts,
+}
+
+impl Kind {
+    /// Kind by the columns of the contact. If there are columns of several kinds, the setting `columns` must choose.
+    fn of(header: &Header<'_>) -> Result<Self, String> {
+        let has = |column: &Column| header.has(column);
+        let kinds = [
+            (Self::Rows, &ROLLS[3..]),
+            (Self::Pads, &ROLL_SERIES[4..]),
+            (Self::Contacts, &CONTACTS[..]),
+        ];
+        let mut whole = kinds.to_vec();
+        whole.retain(|(_, columns)| columns.iter().all(has));
+        if let [_, _, ..] = whole[..] {
+            whole.retain(|(_, columns)| header.is_assigned(columns));
+            if whole.len() != 1 {
+                return Err("there are both shift_u, shift_v and pad_u, pad_v, or contact_u, contact_v; state which to read, as in setting `columns` 'shift_u=…,shift_v=…'".to_owned());
+            }
+        }
+        if let [(kind, _)] = whole[..] {
+            return Ok(kind);
+        }
+        let any = |columns: &[Column]| columns.iter().any(has);
+        Ok(match () {
+            () if any(&ROLL_SERIES[4..]) => Self::Pads,
+            () if any(&ROLLS[3..]) => Self::Rows,
+            () if any(&CONTACTS) || header.time().is_some() => Self::Contacts,
+            () => Self::Rows,
+        })
     }
 }
 
@@ -256,22 +426,4 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
         rotation: Vector2::new(rotation_x, rotation_y),
         shift: Vector2::new(u, v),
     }
-}
-
-/// Largest accepted difference of a quaternion's length from 1; a file rounds the components.
-const MAX_LENGTH_ERROR: f64 = 1e-3;
-
-/// Rotation vector (x and y, rad) of a unit quaternion `(x, y, z, w)` with scalar part w; at most half a turn.
-fn rotation_vector([x, y, z, w]: [f64; 4]) -> Result<[f64; 2], String> {
-    let vector = libm::hypot(libm::hypot(x, y), z);
-    let length = libm::hypot(vector, w);
-    if (length - 1.0).abs() > MAX_LENGTH_ERROR {
-        let length = Number::rounded(length);
-        return Err(format!(
-            "columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has {length}"
-        ));
-    }
-    let angle = 2.0 * libm::atan2(vector, w.abs()).copysign(w);
-    let scale = if vector > 0.0 { angle / vector } else { 0.0 };
-    Ok([x * scale, y * scale])
 }

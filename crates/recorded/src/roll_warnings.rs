@@ -41,6 +41,7 @@ impl RollEstimate {
             .chain(Warning::of("units", self.rotation_noise()))
             .chain(Warning::of("repeated-rows", self.repeated.clone()))
             .chain(Warning::of("unnamed-probes", note.clone()))
+            .chain(self.recorded.source.notes.iter().cloned())
             .collect()
     }
 

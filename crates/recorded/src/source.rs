@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use palpate_statistics::Number;
+use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 use super::error::RecordedError;
@@ -14,16 +15,23 @@ pub(super) struct ReadingSource {
     pub(super) lines: Vec<usize>,
     /// Row of each reading, counted from 0; empty if no row is left out.
     pub(super) rows: Vec<usize>,
+    /// Warnings of columns that were found without their names, or are not read.
+    pub(super) notes: Vec<Warning>,
 }
 
 impl ReadingSource {
     /// Arrays that a program has in memory.
     pub(super) fn arrays() -> Self {
-        let (lines, rows) = Default::default();
+        Self::new("readings", Vec::new())
+    }
+
+    /// Rows of a file without notes.
+    pub(super) fn new(name: &str, lines: Vec<usize>) -> Self {
         Self {
-            name: "readings".to_owned(),
+            name: name.to_owned(),
             lines,
-            rows,
+            rows: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -51,6 +59,7 @@ impl ReadingSource {
             name: self.name.clone(),
             lines,
             rows: rows.to_vec(),
+            notes: Vec::new(),
         }
     }
 
@@ -163,9 +172,7 @@ mod tests {
 
     #[test]
     fn a_warning_names_copied_rows() {
-        let (name, lines) = ("r.csv".to_owned(), vec![2, 3, 5, 6]);
-        let rows = Vec::new();
-        let source = ReadingSource { name, lines, rows };
+        let source = ReadingSource::new("r.csv", vec![2, 3, 5, 6]);
         let warning = |rows: &[[f64; 2]]| source.repeated("marker", rows.iter().copied(), 0.0);
         assert_eq!(warning(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
         let one = warning(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();

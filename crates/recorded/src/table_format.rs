@@ -6,6 +6,7 @@ use palpate_study::config::LengthUnit;
 use palpate_study::readings::ColumnNames;
 
 use super::delimited_text::fields;
+use super::roll_rotation::RotationFrame;
 
 /// Form of a table of readings. Settings that are `None` are detected in the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub struct Form {
     pub decimal: Option<Decimal>,
     /// Unit of lengths: lengths with a unit in the header are converted to it, all others are already in it.
     pub length_unit: Option<LengthUnit>,
+    /// Frame in which rotations count, if rolls are orientations over time; the probe's by default.
+    pub rotation_frame: Option<RotationFrame>,
 }
 
 /// Character between the fields of a row.
@@ -29,11 +32,13 @@ pub enum Delimiter {
     Semicolon,
     /// `,`.
     Comma,
+    /// Any number of spaces and tabs.
+    Space,
 }
 
 impl Delimiter {
     /// Delimiters, in the order in which they are tried.
-    pub(super) const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
+    pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Space];
 
     /// Name in options.
     pub(super) const fn name(self) -> &'static str {
@@ -41,6 +46,7 @@ impl Delimiter {
             Self::Tab => "tab",
             Self::Semicolon => "semicolon",
             Self::Comma => "comma",
+            Self::Space => "space",
         }
     }
 
@@ -49,6 +55,7 @@ impl Delimiter {
             Self::Tab => b'\t',
             Self::Semicolon => b';',
             Self::Comma => b',',
+            Self::Space => b' ',
         }
     }
 }
@@ -60,7 +67,7 @@ impl FromStr for Delimiter {
     fn from_str(text: &str) -> Result<Self, String> {
         let is_named = |one: &Self| one.name() == text || text.as_bytes() == [one.byte()];
         let found = Self::ALL.into_iter().find(is_named);
-        found.ok_or_else(|| "must be comma, semicolon or tab".to_owned())
+        found.ok_or_else(|| "must be comma, semicolon, tab or space".to_owned())
     }
 }
 

@@ -1,12 +1,19 @@
 //! Tables as rows of text fields, whatever the format of the file.
 
+use std::cell::Cell;
+
 use csv::StringRecord;
+use palpate_study::readings::{Column, MATRIX, QUATERNION};
 
 use super::delimited_text::DelimitedText;
 use super::error::RecordedError;
 use super::file::RecordedFile;
-use super::json_lines;
+use super::json_table::JsonTable;
+use super::numpy::NumpyTable;
 use super::table_format::Delimiter;
+use super::table_layout::{
+    Wide, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
+};
 
 /// Maximum number of lines of a table.
 const MAX_LINES: usize = 5_000_000;
@@ -27,8 +34,10 @@ pub(super) type RowResult = Result<(), RecordedError>;
 enum Format<'a> {
     /// Fields that are separated by a delimiter.
     Delimited(DelimitedText<'a>),
-    /// A JSON object per line.
-    JsonLines(Text<'a>),
+    /// JSON, and its text.
+    Json(JsonTable<'a>, Text<'a>),
+    /// Arrays of NumPy.
+    Numpy(NumpyTable<'a>),
 }
 
 /// A table as text, with its header.
@@ -39,11 +48,127 @@ pub(super) struct TextTable<'a> {
     pub(super) header: Vec<String>,
     /// Line of the header.
     pub(super) header_line: usize,
+    /// Names of the columns in the file, and how they are divided among fingers, if there are several in a row.
+    wide: Option<(Vec<String>, Wide)>,
+    /// Number of contacts that a wide table lacks.
+    lost: Cell<usize>,
+    /// How the columns were found, if not by their names.
+    note: Option<String>,
+    /// Names of the components of a quaternion that the file only numbers.
+    numbered_quaternion: Option<[String; 4]>,
 }
 
 impl<'a> TextTable<'a> {
-    /// Recognises the format of a file and reads the header.
-    pub(super) fn of(file: &'a RecordedFile) -> Result<Self, RecordedError> {
+    /// Recognises the format of a file and reads the header. `orders` are the columns that a table without names may
+    /// have, the required ones first; a table of several fingers per row has those of the last.
+    pub(super) fn of(file: &'a RecordedFile, orders: &[&[Column]]) -> Result<Self, RecordedError> {
+        let (format, header, header_line) = match NumpyTable::of(file) {
+            Some(table) => {
+                let (table, header) = table?;
+                (Format::Numpy(table), header, 1)
+            }
+            None => Self::of_text(file)?,
+        };
+        let mut table = Self {
+            file,
+            format,
+            header,
+            header_line,
+            wide: None,
+            lost: Cell::new(0),
+            note: None,
+            numbered_quaternion: None,
+        };
+        table
+            .name_columns(orders)
+            .map_err(|message| file.fail(header_line, message))?;
+        Ok(table)
+    }
+
+    /// Finds columns whose names are not palpate's, unless the setting `columns` names them.
+    fn name_columns(&mut self, orders: &[&[Column]]) -> Result<(), String> {
+        let is_named = !self.file.form.columns.is_empty();
+        let count = match &self.format {
+            Format::Numpy(table) => table.columns(),
+            _ => self.header.len(),
+        };
+        let counts = |(name, place): (&String, usize)| *name == place.to_string();
+        if self.header.iter().zip(0..).all(counts) {
+            self.header = (0..count).map(|place| place.to_string()).collect();
+            if !is_named && !orders.is_empty() {
+                self.header = names_by_order(count, orders)?;
+                let names = self.header.join(",");
+                self.note = Some(format!(
+                    "the columns have no names; they are read as {names}"
+                ));
+            }
+        }
+        let Some(columns) = orders.last() else {
+            return Ok(());
+        };
+        let names = &self.file.form.columns;
+        let is_free = |name: &String| names.values().all(|one| one.trim() != name.trim());
+        if columns.contains(&MATRIX[0])
+            && let Some(header) = of_matrix(&self.header)
+        {
+            let mut pairs = self.header.iter().zip(&header);
+            if pairs.all(|(own, name)| own == name || is_free(own)) {
+                self.header = header;
+            }
+        }
+        let quaternion = numbered_quaternion(&self.header);
+        if let Some(places) = quaternion.filter(|_| columns.contains(&QUATERNION[0])) {
+            let own = places.map(|place| self.header[place].clone());
+            if own.iter().all(is_free) {
+                for (place, column) in places.into_iter().zip(QUATERNION) {
+                    self.header[place] = column.name.to_owned();
+                }
+                self.numbered_quaternion = Some(own);
+            }
+        }
+        if is_named {
+            return Ok(());
+        }
+        if let Some((header, pairs)) = of_rostopic(&self.header, columns) {
+            self.header = header;
+            self.note = Some(format!(
+                "a log of ROS, whose lengths are in metres, is read by setting `columns` '{pairs}'"
+            ));
+        } else if let Some(wide) = wide(&self.header, columns) {
+            let header = std::mem::replace(&mut self.header, wide.header.clone());
+            self.wide = Some((header, wide));
+        }
+        Ok(())
+    }
+
+    /// Names of the components of a quaternion that the file only numbers. The header calls them as if the scalar part
+    /// were the last.
+    pub(super) const fn numbered_quaternion(&self) -> Option<&[String; 4]> {
+        self.numbered_quaternion.as_ref()
+    }
+
+    /// How the columns were found, if not by their names. To be called when all rows are read.
+    pub(super) fn note(&self) -> Option<String> {
+        let Some((_, wide)) = &self.wide else {
+            return self.note.clone();
+        };
+        let names: Vec<&str> = wide
+            .groups
+            .iter()
+            .map(|group| group.name.as_str())
+            .collect();
+        let lost = match self.lost.get() {
+            0 => String::new(),
+            lost => format!("; {lost} contacts without numbers are left out"),
+        };
+        let (label, names) = (&self.header[0], names.join(", "));
+        Some(format!(
+            "each row holds the columns of several values of `{label}`: {names}{lost}"
+        ))
+    }
+
+    /// A table of text, its header and the line of the header.
+    fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
         if lines > MAX_LINES {
@@ -52,8 +177,8 @@ impl<'a> TextTable<'a> {
         let (text, stated) = text.begun();
         let (first, header_line) = text.rows_after(0).next().unwrap_or(("", 1));
         let (format, header) = if first.trim_start().starts_with(['{', '[']) {
-            let header = json_lines::keys(file, header_line, first)?;
-            (Format::JsonLines(text), header)
+            let (table, header) = JsonTable::of(file, text, (first, header_line))?;
+            (Format::Json(table, text), header)
         } else {
             let stated = file.form.delimiter.or(stated);
             let (text, header) =
@@ -62,12 +187,7 @@ impl<'a> TextTable<'a> {
                 })?;
             (Format::Delimited(text), header)
         };
-        Ok(Self {
-            file,
-            format,
-            header,
-            header_line,
-        })
+        Ok((format, header, header_line))
     }
 
     /// Whether the columns are separated by commas.
@@ -81,19 +201,58 @@ impl<'a> TextTable<'a> {
             Format::Delimited(text) if text.delimiter == Delimiter::Comma => {
                 text.text.all.contains('"')
             }
-            Format::Delimited(DelimitedText { text, .. }) | Format::JsonLines(text) => {
+            Format::Delimited(DelimitedText { text, .. }) | Format::Json(_, text) => {
                 text.all.contains(',')
             }
+            Format::Numpy(_) => false,
         }
     }
 
     /// Calls `take` with every row until it fails.
-    pub(super) fn each(&self, take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+    pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+        let Some((header, wide)) = &self.wide else {
+            return self.rows(&self.header, take);
+        };
+        let mut lost = 0;
+        self.rows(header, |record| {
+            let (found, expected) = (record.fields.len(), header.len());
+            if found < expected {
+                let message = format!("{found} fields; the header has {expected}");
+                return Err(self.file.fail(record.line, message));
+            }
+            let field = |place: &usize| &record.fields[*place];
+            for group in &wide.groups {
+                let numbers = || group.places.iter().map(field);
+                let is_none =
+                    |text: &str| text.trim().is_empty() || text.trim().eq_ignore_ascii_case("nan");
+                if numbers().all(is_none) {
+                    lost += 1;
+                    continue;
+                }
+                let shared = wide.shared.iter().map(field);
+                let fields = [group.name.as_str()]
+                    .into_iter()
+                    .chain(numbers())
+                    .chain(shared);
+                // Fields that the header does not have remain, so that they are refused.
+                let more = record.fields.iter().skip(header.len());
+                take(Record {
+                    fields: &fields.chain(more).collect(),
+                    ..record
+                })?;
+            }
+            Ok(())
+        })?;
+        self.lost.set(lost);
+        Ok(())
+    }
+
+    /// Calls `take` with every row of the file.
+    fn rows(&self, header: &[String], take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         match &self.format {
             Format::Delimited(text) => text.rows(take),
-            Format::JsonLines(text) => {
-                json_lines::rows(self.file, *text, (&self.header, self.header_line), take)
-            }
+            Format::Json(table, _) => table.rows(self.file, header, take),
+            Format::Numpy(table) => table.rows(take),
         }
     }
 }

@@ -179,6 +179,7 @@ subjects! {
         "units": "The readings, or a stated noise, seem to be in another unit, or displacements of a press to have the opposite sign.";
         "signs": "Readings seem to have the opposite sign, or their columns to be swapped: displacements that point outward, or normals that contradict the positions.";
         "unnamed-probes": "No column names the probes; they are counted by rows, blank lines or times.";
+        "assumed-columns": "The file does not name its columns as palpate does. They were found by their order, or as columns of several fingers, or some are not read.";
         "unnamed-fingers": "No column names the fingers; they are separated by blank lines or long steps.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
         "left-out": "Contacts are left out of the fit: lost readings and other outliers.";

@@ -162,7 +162,10 @@ impl Column {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
         }
-        let rest = name.strip_prefix(self.stem())?;
+        // Logs call a time by its full name.
+        let is_time = self.measure == Measure::Time && name.starts_with("time");
+        let stem = if is_time { "time" } else { self.stem() };
+        let rest = name.strip_prefix(stem)?;
         if rest.is_empty() {
             return Some(None);
         }
@@ -194,6 +197,40 @@ pub const QUATERNION: [Column; 4] = [
     Column::of("qy", Measure::Plain),
     Column::of("qz", Measure::Plain),
     Column::of("qw", Measure::Plain),
+];
+
+/// Columns of a rotation matrix, row by row: its columns are the axes of the probe.
+pub const MATRIX: [Column; 9] = [
+    Column::of("r11", Measure::Plain),
+    Column::of("r12", Measure::Plain),
+    Column::of("r13", Measure::Plain),
+    Column::of("r21", Measure::Plain),
+    Column::of("r22", Measure::Plain),
+    Column::of("r23", Measure::Plain),
+    Column::of("r31", Measure::Plain),
+    Column::of("r32", Measure::Plain),
+    Column::of("r33", Measure::Plain),
+];
+
+/// Columns of a rotation about a unit axis.
+pub const AXIS_ANGLE: [Column; 4] = [
+    Column::of("axis_x", Measure::Plain),
+    Column::of("axis_y", Measure::Plain),
+    Column::of("axis_z", Measure::Plain),
+    Column::of("angle_rad", Measure::Angle),
+];
+
+/// Columns of a rotation vector; the last may be missing.
+pub const ROTATION_VECTOR: [Column; 3] = [
+    ROLLS[1],
+    ROLLS[2],
+    Column::of("rotation_z_rad", Measure::Angle),
+];
+
+/// Columns of the place of the contact on the probe, in a time series per roll.
+pub const CONTACTS: [Column; 2] = [
+    Column::of("contact_u", Measure::Length),
+    Column::of("contact_v", Measure::Length),
 ];
 
 /// Quaternion column with this name as [`spelt`] returns it: `qx`, `quat_x`, `pose_orientation_x`.
@@ -266,7 +303,15 @@ pub const CALIBRATIONS: [Column; 7] = [
 /// Columns of the readings of a kind of scene, each once; empty for a kind without tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
-        "roll" => &[&ROLLS, &ROLL_SERIES, &QUATERNION],
+        "roll" => &[
+            &ROLLS,
+            &ROLL_SERIES,
+            &QUATERNION,
+            &ROTATION_VECTOR,
+            &MATRIX,
+            &AXIS_ANGLE,
+            &CONTACTS,
+        ],
         "glide" => &[&GLIDES],
         "press" => &[&PRESSES, &PRESS_ROW],
         _ => &[],

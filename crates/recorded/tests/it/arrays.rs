@@ -138,3 +138,31 @@ fn errors_name_invalid_arrays() {
         None,
     );
 }
+
+/// Sensors that are almost flat: the press of a ball of 4 mm on a flat pad, with a stated indentation or a fitted one.
+#[test]
+fn sensors_of_large_radius_are_pressed() {
+    let bytes = include_bytes!("../data/press-flat-pad-ball4.csv").to_vec();
+    let readings = parse_press(RecordedFile::new("pad.csv", bytes)).unwrap();
+    for radius in [1e3, 1e4, 1e6] {
+        for indentation in [None, Some(0.5)] {
+            let options = PressOptions {
+                marker_depth: Some(0.0),
+                indentation,
+                ..PressOptions::new(radius)
+            };
+            let report = estimate_press(&readings, &options);
+            let report = report.unwrap_or_else(|error| panic!("{radius} {indentation:?}: {error}"));
+            let report = serde_json::to_value(report).unwrap();
+            let ends = [0, 1].map(|end| report["object_curvature"]["interval95"][end].as_f64());
+            let [Some(low), Some(high)] = ends else {
+                panic!("{report}");
+            };
+            assert!(
+                (low..=high).contains(&(0.25 - 1.0 / radius)),
+                "{radius} {indentation:?}: {low} {high}"
+            );
+            assert!(high - low < 0.1, "{radius}: {low} {high}");
+        }
+    }
+}

@@ -4,7 +4,10 @@
 mod arrays;
 mod camera_calibration;
 mod extreme_readings;
+mod frame_files;
 mod image_estimate;
 mod load_curve;
 mod logs;
 mod reading_files;
+mod rotations;
+mod table_files;

@@ -165,15 +165,11 @@ fn unusable_quaternions_are_refused() {
     );
     refused(
         quaternions("time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
-        "column `time_s`: a time series of a roll is not read with quaternions; give one row per roll, with a column `probe`",
+        "column `time_s`: the rows may be a time series",
     );
     refused(
         quaternions("header_stamp_secs,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
-        "column `header_stamp_secs`: a time series of a roll",
-    );
-    refused(
-        quaternions("probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm", |q| q),
-        "a quaternion is read from qx,qy,qz,qw, where qw is its scalar part",
+        "column `header_stamp_secs`: the rows may be a time series",
     );
     let readings = RecordedFile::new("q.csv", quaternions(header, |q| q).into_bytes());
     let form = Form {
@@ -189,7 +185,7 @@ fn unusable_quaternions_are_refused() {
     );
     refused(
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
-        "probe 0 occurs twice: a time series of a roll",
+        "probe 0 occurs twice",
     );
     // Components of a quaternion are never proposed for a rotation vector.
     let hint = roll_of(quaternions(

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
+use palpate_recorded::{GlideOptions, PressOptions, RollSettings, RotationFrame};
 use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
 use super::form::FormArgs;
@@ -13,8 +13,9 @@ use super::settings::Settings;
 /// Paragraph on tables that every help of them has.
 macro_rules! tables {
     () => {
-        "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8, or
-JSON with one object per line, whose keys are the columns (nested keys are joined by points). Columns may have any
+        "The table may be CSV with commas, semicolons, tabs or spaces, with decimal points or commas, in UTF-8,
+JSON with one object per line or a list of objects, whose keys are the columns (nested keys are joined by points),
+or an array of NumPy, .npy or .npz. Columns may have any
 order and any case of letters. A unit follows the name, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad, deg.
 Inches are converted to mm and nm to um, unless --length-unit states another unit. If the file has other column
 names, assign them by --columns, or by a table [columns] in the study of --like.
@@ -32,6 +33,10 @@ or, with the rotation from start to end as a unit quaternion,
   probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm
 or a time series per probe, whose last row counts,
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
+or one with the place of the contact on the probe, whose last row counts relative to its first,
+  probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm
+Each may have, instead of rotation_x_rad and rotation_y_rad, a quaternion qx,qy,qz,qw, a matrix r11,r12,r13,r21 to r33,
+or axis_x,axis_y,axis_z,angle_rad,
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
 rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact. Without a column
 probe, each row is a probe; a new time series starts after a blank line or where the time does not increase.
@@ -188,7 +193,7 @@ pub(crate) struct LikeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateRollArgs {
-    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
+    /// The recorded readings: CSV, JSON, .npy or .npz; - is standard input.
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
@@ -197,6 +202,10 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
+    /// Frame along whose x and y the contact moves to u and v, if the rolls are orientations over time: probe, the probe's
+    /// at the start of each roll, or world, that of the orientations [default: probe].
+    #[arg(long, value_name = "FRAME")]
+    pub(crate) rotation_frame: Option<RotationFrame>,
     #[command(flatten)]
     pub(crate) rolls: Settings<RollSettings>,
     #[command(flatten)]
@@ -205,7 +214,7 @@ pub(crate) struct EstimateRollArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateGlideArgs {
-    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
+    /// The recorded readings: CSV, JSON, .npy or .npz; - is standard input.
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
@@ -232,7 +241,7 @@ pub(crate) struct EstimateGlideArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimatePressArgs {
-    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
+    /// The recorded readings: CSV, JSON, .npy or .npz; - is standard input.
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,

@@ -14,7 +14,7 @@ pub(crate) struct FormArgs {
     /// contains a comma in quotation marks. A unit in palpate's name (x_mm) applies if the header states none.
     #[arg(long, value_name = "NAME=COLUMN,...", value_parser = column_names)]
     pub(crate) columns: Option<ColumnNames>,
-    /// Character between fields: comma, semicolon or tab [default: detected from header and rows].
+    /// Character between fields: comma, semicolon, tab or space [default: detected from header and rows].
     #[arg(long, value_name = "NAME")]
     pub(crate) delimiter: Option<Delimiter>,
     /// Decimal sign: point or comma [default: detected from the numbers].
@@ -50,6 +50,7 @@ impl FormArgs {
             delimiter: self.delimiter,
             decimal: self.decimal,
             length_unit: self.length_unit,
+            rotation_frame: None,
         }
     }
 }

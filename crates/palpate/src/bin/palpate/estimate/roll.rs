@@ -1,6 +1,6 @@
 //! `palpate estimate roll`.
 
-use palpate_recorded::{RollOptions, estimate_roll, parse_roll};
+use palpate_recorded::{Form, RollOptions, estimate_roll, parse_roll};
 
 use super::like::Like;
 use super::table::{form, shown, table, warn};
@@ -10,7 +10,11 @@ use crate::output;
 
 pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let like = Like::of(&args.like)?;
-    let file = table(&args.readings, form(&args.form, like.as_ref()))?;
+    let form = Form {
+        rotation_frame: args.rotation_frame,
+        ..form(&args.form, like.as_ref())
+    };
+    let file = table(&args.readings, form)?;
     let readings = parse_roll(file).map_err(Failure::work)?;
     let unit = readings.unit.or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, palpate::study_options::roll));

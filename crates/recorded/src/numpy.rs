@@ -1,0 +1,380 @@
+//! Tables from NumPy: an array in a `.npy` file, or the arrays of an `.npz` file as columns.
+
+use std::borrow::Cow;
+
+use csv::StringRecord;
+
+use super::error::RecordedError;
+use super::file::RecordedFile;
+use super::text_table::{Record, RowResult};
+use super::zip_archive;
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+/// Maximum number of columns.
+const MAX_COLUMNS: usize = 1_000;
+
+/// Type of the elements of an array: letter, size in bytes and byte order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scalar {
+    letter: char,
+    size: usize,
+    is_big_endian: bool,
+}
+
+impl Scalar {
+    /// Type by NumPy's name, such as `<f8`; `None` for types that are neither numbers nor text.
+    fn of(name: &str) -> Option<Self> {
+        let order = name.chars().next()?;
+        let name = name.trim_start_matches(['<', '>', '|', '=']);
+        let letter = name.chars().next()?;
+        let digits = name[letter.len_utf8()..].split('[').next()?;
+        let count: usize = digits.parse().ok()?;
+        let size = match (letter, count) {
+            ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('M' | 'm', 8) => count,
+            ('S', 1..=1000) => count,
+            ('U', 1..=1000) => 4 * count,
+            _ => return None,
+        };
+        let is_big_endian = order == '>';
+        Some(Self {
+            letter,
+            size,
+            is_big_endian,
+        })
+    }
+
+    /// An element as text.
+    fn text(self, bytes: &[u8]) -> String {
+        let mut word = [0; 8];
+        let used = self.size.min(8);
+        word[..used].copy_from_slice(&bytes[..used]);
+        if self.is_big_endian {
+            word[..used].reverse();
+        }
+        let whole = u64::from_le_bytes(word);
+        let unused = 64 - 8 * used as u32;
+        match (self.letter, self.size) {
+            ('f', 4) => number_text(f64::from(f32::from_bits(whole as u32))),
+            ('f', _) => number_text(f64::from_bits(whole)),
+            ('u' | 'b', _) => whole.to_string(),
+            ('i' | 'm' | 'M', _) => ((whole << unused) as i64 >> unused).to_string(),
+            ('U', _) => {
+                let letters = bytes.as_chunks::<4>().0.iter().map(|bytes| {
+                    let code = match self.is_big_endian {
+                        true => u32::from_be_bytes(*bytes),
+                        false => u32::from_le_bytes(*bytes),
+                    };
+                    char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER)
+                });
+                letters.take_while(|letter| *letter != '\0').collect()
+            }
+            _ => {
+                let text = String::from_utf8_lossy(bytes);
+                text.trim_end_matches('\0').to_owned()
+            }
+        }
+    }
+}
+
+/// A number with all its digits, and an exponent where that is much shorter.
+fn number_text(number: f64) -> String {
+    let size = number.abs();
+    match size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {
+        true => number.to_string(),
+        false => format!("{number:e}"),
+    }
+}
+
+/// A column: elements at equal distances in one of the arrays.
+struct ArrayColumn {
+    array: usize,
+    scalar: Scalar,
+    start: usize,
+    stride: usize,
+}
+
+/// The columns of one or several arrays.
+pub(super) struct NumpyTable<'a> {
+    /// Data of each array.
+    arrays: Vec<Cow<'a, [u8]>>,
+    columns: Vec<ArrayColumn>,
+    rows: usize,
+}
+
+/// An array: type and shape with its data.
+struct Array<'a> {
+    /// Name, type and number of elements of each field; one field without a name for a plain array.
+    fields: Vec<(String, Scalar, usize)>,
+    is_fortran: bool,
+    shape: Vec<usize>,
+    data: Cow<'a, [u8]>,
+}
+
+impl<'a> NumpyTable<'a> {
+    /// The table of a file that begins as `.npy` or `.npz` files do, with the names of its columns; the names are
+    /// empty if the array has none. Other files: `None`.
+    pub(super) fn of(file: &'a RecordedFile) -> Option<Result<(Self, Vec<String>), RecordedError>> {
+        let bytes = file.bytes.as_slice();
+        let table = match () {
+            () if bytes.starts_with(MAGIC) => {
+                Array::of(Cow::Borrowed(bytes)).and_then(Self::single)
+            }
+            () if bytes.starts_with(b"PK\x03\x04") => Self::archive(bytes),
+            () => return None,
+        };
+        Some(table.map_err(|message| file.error(message)))
+    }
+
+    fn single(array: Array<'a>) -> Result<(Self, Vec<String>), String> {
+        let dimensions = array.shape.len();
+        let is_plain = array.fields.iter().all(|(name, ..)| name.is_empty());
+        if dimensions != if is_plain { 2 } else { 1 } {
+            return Err(format!(
+                "is an array of shape {}; one row per reading is needed, such as shape (30, 3)",
+                array.shape_text()
+            ));
+        }
+        let mut table = Self::empty(array.shape[0]);
+        let names = table.add("", array)?;
+        Ok((table, if is_plain { Vec::new() } else { names }))
+    }
+
+    /// Columns of all arrays in an `.npz` file. Single numbers in it are no columns.
+    fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
+        let mut arrays = Vec::new();
+        for (name, member) in zip_archive::members(bytes)? {
+            let Some(name) = name.strip_suffix(".npy") else {
+                continue;
+            };
+            let array = Array::of(member).map_err(|message| format!("array `{name}` {message}"))?;
+            if array.shape.iter().any(|&length| length != 1) {
+                arrays.push((name.to_owned(), array));
+            }
+        }
+        match arrays.len() {
+            0 => Err("has no array of more than one number".to_owned()),
+            1 => arrays
+                .pop()
+                .map_or(Err(String::new()), |(_, array)| Self::single(array)),
+            _ => {
+                let mut table = Self::empty(arrays[0].1.shape[0]);
+                let mut names = Vec::new();
+                let first = arrays[0].0.clone();
+                for (name, array) in arrays {
+                    let [own, other] = [array.shape[0], table.rows];
+                    if own != other {
+                        return Err(format!(
+                            "has columns of different lengths: array `{first}` has {other} rows, array `{name}` has {own}"
+                        ));
+                    }
+                    names.extend(table.add(&name, array)?);
+                }
+                Ok((table, names))
+            }
+        }
+    }
+
+    const fn empty(rows: usize) -> Self {
+        Self {
+            arrays: Vec::new(),
+            columns: Vec::new(),
+            rows,
+        }
+    }
+
+    /// Adds the columns of an array, and returns their names: `position.0` is the first column of an array `position`.
+    fn add(&mut self, name: &str, array: Array<'a>) -> Result<Vec<String>, String> {
+        let within = &array.shape[1..];
+        let count: usize = within.iter().product();
+        let item: usize = array
+            .fields
+            .iter()
+            .map(|(_, scalar, repeats)| scalar.size * repeats)
+            .sum();
+        let mut names = Vec::new();
+        if count
+            * array
+                .fields
+                .iter()
+                .map(|(_, _, repeats)| repeats)
+                .sum::<usize>()
+            > MAX_COLUMNS
+        {
+            return Err(format!(
+                "is an array of shape {}; at most {MAX_COLUMNS} columns are read",
+                array.shape_text()
+            ));
+        }
+        for element in 0..count {
+            // Indices of the element in each dimension after the first, the last of them running fastest.
+            let mut rest = element;
+            let mut indices = vec![0; within.len()];
+            for (index, length) in indices.iter_mut().zip(within).rev() {
+                *index = rest % length;
+                rest /= length;
+            }
+            let (place, stride) = match array.is_fortran {
+                false => (element, count),
+                true => {
+                    let lengths = array.shape.iter();
+                    let steps = lengths.scan(1, |step, length| {
+                        *step *= length;
+                        Some(*step)
+                    });
+                    (
+                        indices
+                            .iter()
+                            .zip(steps)
+                            .map(|(index, step)| index * step)
+                            .sum(),
+                        1,
+                    )
+                }
+            };
+            let mut start = place * item;
+            let suffix: String = indices.iter().map(|index| format!(".{index}")).collect();
+            for (field, scalar, repeats) in &array.fields {
+                for repeat in 0..*repeats {
+                    let of_list = if *repeats > 1 {
+                        format!(".{repeat}")
+                    } else {
+                        String::new()
+                    };
+                    names.push(format!("{name}{field}{suffix}{of_list}"));
+                    self.columns.push(ArrayColumn {
+                        array: self.arrays.len(),
+                        scalar: *scalar,
+                        start,
+                        stride: stride * item,
+                    });
+                    start += scalar.size;
+                }
+            }
+        }
+        self.arrays.push(array.data);
+        Ok(names)
+    }
+
+    pub(super) const fn columns(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Calls `take` with every row; the number of a row counts as its line.
+    pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+        let mut fields = StringRecord::new();
+        for row in 0..self.rows {
+            fields.clear();
+            for column in &self.columns {
+                let start = column.start + row * column.stride;
+                let bytes = &self.arrays[column.array][start..start + column.scalar.size];
+                fields.push_field(&column.scalar.text(bytes));
+            }
+            take(Record {
+                line: row + 1,
+                is_after_gap: false,
+                fields: &fields,
+            })?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> Array<'a> {
+    /// Parses the header of a `.npy` file: a Python dictionary with the keys `descr`, `fortran_order` and `shape`.
+    fn of(bytes: Cow<'a, [u8]>) -> Result<Self, String> {
+        let damaged = || "is no sound .npy array: its header is damaged".to_owned();
+        let start = match bytes.get(6) {
+            Some(1) => 10,
+            Some(2 | 3) => 12,
+            _ => return Err(damaged()),
+        };
+        let length = bytes.get(8..start).ok_or_else(damaged)?.iter().rev();
+        let length = length.fold(0, |length, &byte| length << 8 | usize::from(byte));
+        let header = bytes.get(start..start + length).ok_or_else(damaged)?;
+        let header = std::str::from_utf8(header).map_err(|_| damaged())?;
+        let after = |key: &str| Some(header.split_once(key)?.1.trim_start());
+        let shape = after("'shape':").and_then(|rest| rest.strip_prefix('('));
+        let shape = shape
+            .and_then(|rest| rest.split_once(')'))
+            .ok_or_else(damaged)?
+            .0;
+        let lengths = shape
+            .split(',')
+            .map(str::trim)
+            .filter(|length| !length.is_empty());
+        let shape: Vec<usize> = lengths
+            .map(|length| length.parse().map_err(|_| damaged()))
+            .collect::<Result<_, _>>()?;
+        let is_fortran = after("'fortran_order':").is_some_and(|rest| rest.starts_with("True"));
+        let fields = fields(after("'descr':").ok_or_else(damaged)?)?;
+        let item = fields
+            .iter()
+            .try_fold(0_usize, |sum, (_, scalar, repeats)| {
+                sum.checked_add(scalar.size.checked_mul(*repeats)?)
+            });
+        let needed = shape
+            .iter()
+            .try_fold(item.ok_or_else(damaged)?, |size, &length| {
+                size.checked_mul(length)
+            });
+        let held = bytes.len() - start - length;
+        let array = Self {
+            fields,
+            is_fortran,
+            shape,
+            data: match bytes {
+                Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[start + length..]),
+                Cow::Owned(mut bytes) => Cow::Owned(bytes.split_off(start + length)),
+            },
+        };
+        match needed {
+            Some(needed) if needed == held => Ok(array),
+            _ => Err(format!(
+                "is no sound .npy array: shape {} does not fit {held} bytes of data",
+                array.shape_text()
+            )),
+        }
+    }
+
+    fn shape_text(&self) -> String {
+        let lengths: Vec<String> = self.shape.iter().map(usize::to_string).collect();
+        format!("({})", lengths.join(", "))
+    }
+}
+
+/// Fields of a type: `'<f8'`, or `[('x', '<f8'), ('position', '<f8', (3,))]`.
+fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
+    let scalar = |name: &str| {
+        Scalar::of(name).ok_or_else(|| {
+            format!("has elements of type `{name}`; numbers are needed, such as float64")
+        })
+    };
+    if let Some(name) = text.strip_prefix('\'') {
+        let name = name.split('\'').next().unwrap_or_default();
+        return Ok(vec![(String::new(), scalar(name)?, 1)]);
+    }
+    let list = text
+        .strip_prefix('[')
+        .and_then(|rest| rest.split_once("],"));
+    let mut fields = Vec::new();
+    // The text between the names and the types is in the odd places.
+    let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
+    for part in parts.get(1..).unwrap_or_default().chunks(4) {
+        let [name, _, kind, after] = part else {
+            return Err("is no sound .npy array: its type is damaged".to_owned());
+        };
+        let shape = after.trim_start_matches(',').trim_start().strip_prefix('(');
+        let shape = shape.and_then(|rest| rest.split_once(')'));
+        let lengths = shape.map_or("", |(shape, _)| shape).split(',');
+        let lengths = lengths.filter_map(|length| length.trim().parse::<usize>().ok());
+        fields.push((
+            (*name).to_owned(),
+            scalar(kind)?,
+            lengths.fold(1, usize::saturating_mul),
+        ));
+    }
+    match fields.is_empty() {
+        true => Err("is no sound .npy array: its type is damaged".to_owned()),
+        false => Ok(fields),
+    }
+}

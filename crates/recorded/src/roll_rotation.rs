@@ -1,0 +1,136 @@
+//! Rotations of a probe as files state them: vectors, quaternions, matrices, axes with angles.
+
+use std::str::FromStr;
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use palpate_statistics::Number;
+use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_VECTOR};
+
+/// Largest accepted difference of a length or a product of axes from that of a rotation; a file rounds the components.
+const MAX_ERROR: f64 = 1e-3;
+
+/// Frame along whose x and y the axes u and v of the contact lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RotationFrame {
+    /// The probe's frame at the start of the roll.
+    #[default]
+    Probe,
+    /// The frame in which orientations are stated.
+    World,
+}
+
+/// A frame by its name.
+impl FromStr for RotationFrame {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "probe" => Ok(Self::Probe),
+            "world" => Ok(Self::World),
+            _ => Err("must be probe or world".to_owned()),
+        }
+    }
+}
+
+/// Form in which a table states rotations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum RotationForm {
+    Vector,
+    /// A rotation vector with its component along the normal.
+    WholeVector,
+    Quaternion,
+    Matrix,
+    AxisAngle,
+}
+
+impl RotationForm {
+    /// The form whose columns are all in a table, else one of which some are.
+    pub(super) fn of(has: impl Fn(&Column) -> bool) -> Self {
+        let all = |columns: &[Column]| columns.iter().all(&has);
+        let any = |columns: &[Column]| columns.iter().any(&has);
+        match () {
+            () if all(&ROTATION_VECTOR) => Self::WholeVector,
+            () if all(&ROTATION_VECTOR[..2]) => Self::Vector,
+            () if all(&QUATERNION) => Self::Quaternion,
+            () if all(&MATRIX) => Self::Matrix,
+            () if all(&AXIS_ANGLE) => Self::AxisAngle,
+            () if any(&QUATERNION) => Self::Quaternion,
+            () if any(&MATRIX) => Self::Matrix,
+            () if any(&AXIS_ANGLE) => Self::AxisAngle,
+            () => Self::Vector,
+        }
+    }
+
+    pub(super) const fn columns(self) -> &'static [Column] {
+        match self {
+            Self::Vector => ROTATION_VECTOR.split_at(2).0,
+            Self::WholeVector => &ROTATION_VECTOR,
+            Self::Quaternion => &QUATERNION,
+            Self::Matrix => &MATRIX,
+            Self::AxisAngle => &AXIS_ANGLE,
+        }
+    }
+
+    /// The rotation that a row states. `numbers` are those of [`Self::columns`].
+    pub(super) fn rotation(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
+        let of_length_1 = |length: f64, columns: &str, what: &str| {
+            let is_unit = (length - 1.0).abs() <= MAX_ERROR;
+            let length = Number::rounded(length);
+            is_unit.then_some(()).ok_or_else(|| {
+                format!(
+                    "columns {columns}: a rotation is {what} of length 1, this one has {length}"
+                )
+            })
+        };
+        match *numbers {
+            [x, y] => Ok(UnitQuaternion::from_scaled_axis(Vector3::new(x, y, 0.0))),
+            [x, y, z] => Ok(UnitQuaternion::from_scaled_axis(Vector3::new(x, y, z))),
+            [x, y, z, w] if self == Self::Quaternion => {
+                let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+                of_length_1(quaternion.norm(), "`qx` to `qw`", "a quaternion")?;
+                Ok(UnitQuaternion::from_quaternion(quaternion))
+            }
+            [x, y, z, angle] => {
+                let axis = Vector3::new(x, y, z);
+                if angle == 0.0 {
+                    return Ok(UnitQuaternion::identity());
+                }
+                of_length_1(axis.norm(), "`axis_x` to `axis_z`", "about an axis")?;
+                Ok(UnitQuaternion::from_scaled_axis(axis.normalize() * angle))
+            }
+            _ => matrix(Matrix3::from_row_slice(numbers)),
+        }
+    }
+}
+
+/// Rotation of a matrix, which must be orthogonal and right-handed.
+fn matrix(matrix: Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
+    let determinant = Number::rounded(matrix.determinant());
+    let error = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    if error > MAX_ERROR {
+        let error = Number::rounded(error);
+        return Err(format!(
+            "columns `r11` to `r33`: the axes of a rotation matrix are orthogonal and of length 1; their products here differ by {error}"
+        ));
+    }
+    if matrix.determinant() < 0.0 {
+        return Err(format!(
+            "columns `r11` to `r33`: the matrix is left-handed, with a determinant of {determinant}; that of a rotation is 1"
+        ));
+    }
+    let rotation = Rotation3::from_matrix_unchecked(matrix);
+    Ok(UnitQuaternion::from_rotation_matrix(&rotation))
+}
+
+/// Rotation vector from an orientation at the start of a roll to one at its end.
+pub(super) fn between(
+    start: &UnitQuaternion<f64>,
+    end: &UnitQuaternion<f64>,
+    frame: RotationFrame,
+) -> Vector3<f64> {
+    let rotation = match frame {
+        RotationFrame::Probe => start.inverse() * end,
+        RotationFrame::World => end * start.inverse(),
+    };
+    rotation.scaled_axis()
+}

@@ -1,0 +1,119 @@
+//! Frames in the formats of other cameras.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageFormat, RgbImage};
+use palpate_recorded::{
+    Frame, FrameReader, PictureOptions, RecordedFile, calibrate_camera, parse_camera, parse_frame,
+    track_frames,
+};
+use palpate_study::config::parse;
+
+const REST: &[u8] = include_bytes!("../data/rest.jpg");
+const PRESSED: &[u8] = include_bytes!("../data/pressed.jpg");
+
+/// The sensor of the frames of the field.
+const SENSOR: &str = r#"
+name = "field"
+length_unit = "mm"
+scene.kind = "press"
+scene.object = { kind = "sphere", radius = 30.0 }
+scene.motion = { indentation = 1.0 }
+scene.model = { kind = "bonded-layer", thickness = 5.0 }
+scene.sensor = { kind = "rendered", size_px = 640 }
+scene.noise = { pixel = { kind = "gaussian", std = 2.0 } }
+scene.estimator = { kind = "image", indentation = "fitted" }
+[scene.probe]
+kind = "marker-sphere"
+radius = 20.0
+marker_depth = 2.0
+layout = "published"
+discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 }
+"#;
+
+fn frame(bytes: &[u8]) -> Result<Frame, String> {
+    let frame = parse_frame(&RecordedFile::new("frame", bytes.to_vec()));
+    frame.map_err(|error| error.to_string())
+}
+
+/// Curvature by the frames of the field, with the camera that the frame at rest shows.
+fn curvature([rest, pressed]: [Frame; 2]) -> [f64; 3] {
+    let study = parse("field.toml", SENSOR).unwrap();
+    let camera = calibrate_camera(&rest, &study.config).unwrap();
+    let camera = parse_camera(&RecordedFile::new(
+        "camera.toml",
+        camera.to_toml().into_bytes(),
+    ));
+    let mut options = PictureOptions::from_study(&study.config, study.config.length_unit).unwrap();
+    options.camera = Some(("camera.toml".to_owned(), camera.unwrap()));
+    options.indentation = Some(1.0);
+    let tracked = track_frames(&rest, &pressed).unwrap();
+    let reader = FrameReader::Pictures(Box::new(options));
+    let read = reader
+        .read([&rest, &pressed], &tracked, (3, 0.0), None)
+        .unwrap();
+    let estimate = serde_json::to_value(read.estimate.unwrap()).unwrap();
+    let curvature = &estimate["object_curvature"];
+    let [low, high] = [0, 1].map(|end| curvature["interval95"][end].as_f64().unwrap());
+    [curvature["value"].as_f64().unwrap(), low, high]
+}
+
+#[test]
+fn jpeg_frames_of_the_field_give_the_curvature() {
+    let frames = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
+    let [value, low, high] = curvature(frames.clone());
+    assert!((low..=high).contains(&(1.0 / 30.0)), "{value} {low} {high}");
+    // Frames of 4:3 show the same in their central square.
+    let wide = frames.clone().map(|frame| {
+        let mut image = RgbImage::from_pixel(854, 640, image::Rgb([255; 3]));
+        image::imageops::replace(&mut image, &frame.image, 107, 0);
+        Frame { image, ..frame }
+    });
+    assert_eq!(wide.map(Frame::central_square), frames);
+}
+
+#[test]
+fn frames_of_all_formats_have_the_same_pixels() {
+    let rest = frame(REST).unwrap();
+    let encoded = |image: DynamicImage, format| {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    };
+    let whole = DynamicImage::from(rest.image.clone());
+    for format in [
+        ImageFormat::Png,
+        ImageFormat::Bmp,
+        ImageFormat::Tiff,
+        ImageFormat::WebP,
+    ] {
+        let bytes = encoded(whole.clone(), format);
+        assert_eq!(frame(&bytes).unwrap().image, rest.image, "{format:?}");
+        let error = frame(&bytes[..bytes.len() / 2]).unwrap_err();
+        assert!(
+            error.contains("is a broken or truncated"),
+            "{format:?}: {error}"
+        );
+    }
+    let grey = DynamicImage::from(whole.to_luma16());
+    let read = frame(&encoded(grey.clone(), ImageFormat::Tiff)).unwrap();
+    assert_eq!(read.image, grey.to_rgb8());
+    let error = frame(&REST[..REST.len() / 2]).unwrap_err();
+    assert_eq!(
+        error,
+        "frame: is a truncated JPEG image: the marker of its end is missing"
+    );
+    assert!(
+        frame(b"GIF89a")
+            .unwrap_err()
+            .contains("is not a PNG, JPEG, BMP, TIFF or WebP image")
+    );
+    // Pixels that are encoded by sRGB are linear again.
+    let mut image = RgbImage::new(3, 1);
+    for (pixel, level) in image.pixels_mut().zip([0, 188, 255]) {
+        pixel.0 = [level; 3];
+    }
+    let linear = Frame { image, ..rest }.linearised();
+    let levels: Vec<u8> = linear.image.pixels().map(|pixel| pixel.0[1]).collect();
+    assert_eq!(levels, [0, 128, 255]);
+}

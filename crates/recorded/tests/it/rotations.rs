@@ -1,0 +1,251 @@
+//! The same rolls with rotations as vectors, quaternions, matrices and axes, in rows and as time series.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use palpate_recorded::{
+    Form, RecordedFile, RollOptions, RotationFrame, column_names, estimate_roll, parse_roll,
+};
+use palpate_study::config::LengthUnit;
+use serde_json::Value;
+
+fn roll(table: &str, columns: &str, frame: Option<RotationFrame>) -> Result<Value, String> {
+    let form = Form {
+        rotation_frame: frame,
+        ..Form::default()
+    };
+    roll_in(table, columns, form)
+}
+
+fn roll_in(table: &str, columns: &str, form: Form) -> Result<Value, String> {
+    let mut form = form;
+    if !columns.is_empty() {
+        form.columns = column_names(columns).unwrap();
+    }
+    let file = RecordedFile::new("r.csv", table.as_bytes().to_vec()).written(form);
+    let readings = parse_roll(file).map_err(|error| error.to_string())?;
+    let estimate = estimate_roll(readings, &RollOptions::new(10.0));
+    let estimate = estimate.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+fn mean(estimate: &Value) -> f64 {
+    estimate["mean_curvature"]["value"].as_f64().unwrap()
+}
+
+/// A rotation as numbers.
+type Write = fn(UnitQuaternion<f64>) -> Vec<f64>;
+
+fn quaternion(rotation: UnitQuaternion<f64>) -> Vec<f64> {
+    rotation.coords.iter().copied().collect()
+}
+
+fn scalar_first(rotation: UnitQuaternion<f64>) -> Vec<f64> {
+    let [x, y, z, w]: [f64; 4] = rotation.coords.into();
+    vec![-w, -x, -y, -z]
+}
+
+fn matrix(rotation: UnitQuaternion<f64>) -> Vec<f64> {
+    let matrix = rotation.to_rotation_matrix();
+    matrix.matrix().transpose().iter().copied().collect()
+}
+
+fn axis_angle(rotation: UnitQuaternion<f64>) -> Vec<f64> {
+    let axis = rotation
+        .axis()
+        .map_or([0.0; 3], |axis| axis.into_inner().into());
+    [&axis[..], &[rotation.angle()]].concat()
+}
+
+fn vector(rotation: UnitQuaternion<f64>) -> Vec<f64> {
+    rotation.scaled_axis().iter().copied().collect()
+}
+
+/// Rolls of a probe of radius 10 on a surface with the curvatures 0.04 and 0.01, and a little spin.
+fn rolls() -> Vec<(Vector3<f64>, [f64; 2])> {
+    (0..6)
+        .map(|probe| {
+            let (sin, cos) = libm::sincos(f64::from(probe));
+            let turned = Vector3::new(0.3 * sin, -0.3 * cos, 0.01 * cos);
+            (turned, [0.3 * cos / 0.14, 0.3 * sin / 0.11])
+        })
+        .collect()
+}
+
+/// Rows with a probe, a time where it is a series, a rotation and a place. `start` is the orientation of the probe at the
+/// start of each roll.
+fn table(header: &str, start: Option<UnitQuaternion<f64>>, write: Write) -> String {
+    let mut table = format!("{header}\n");
+    for (probe, (turned, [u, v])) in rolls().into_iter().enumerate() {
+        let mut push = |time: Option<f64>, rotation, [u, v]: [f64; 2]| {
+            let numbers = time.into_iter().chain(write(rotation)).chain([u, v]);
+            let numbers: Vec<String> = numbers.map(|number: f64| number.to_string()).collect();
+            table += &format!("{probe},{}\n", numbers.join(","));
+        };
+        match start {
+            None => push(None, UnitQuaternion::from_scaled_axis(turned), [u, v]),
+            Some(start) => {
+                for step in 0..=4 {
+                    let share = f64::from(step) / 4.0;
+                    let rotation = start * UnitQuaternion::from_scaled_axis(share * turned);
+                    push(Some(share), rotation, [0.2 + share * u, share * v - 0.1]);
+                }
+            }
+        }
+    }
+    table
+}
+
+const FORMS: [(&str, Write); 10] = [
+    ("rotation_x_rad,rotation_y_rad,rotation_z_rad", vector),
+    ("qx,qy,qz,qw", quaternion),
+    ("quat_w,quat_x,quat_y,quat_z", scalar_first),
+    ("q0,q1,q2,q3", quaternion),
+    ("q1,q2,q3,q4", scalar_first),
+    (
+        "orientation.0,orientation.1,orientation.2,orientation.3",
+        scalar_first,
+    ),
+    ("r11,r12,r13,r21,r22,r23,r31,r32,r33", matrix),
+    (
+        "R_0_0,R_0_1,R_0_2,R_1_0,R_1_1,R_1_2,R_2_0,R_2_1,R_2_2",
+        matrix,
+    ),
+    (
+        "rot.0,rot.1,rot.2,rot.3,rot.4,rot.5,rot.6,rot.7,rot.8",
+        matrix,
+    ),
+    ("axis_x,axis_y,axis_z,angle_rad", axis_angle),
+];
+
+#[test]
+fn the_same_rolls_in_each_form_have_one_estimate() {
+    let header = "probe,rotation_x_rad,rotation_y_rad,rotation_z_rad,shift_u_mm,shift_v_mm";
+    let expected = roll(&table(header, None, vector), "", None).unwrap();
+    assert!((mean(&expected) - 0.025).abs() < 1e-12);
+    let same = |found: Value, what: &str| {
+        for quantity in [
+            "normal_curvature_u",
+            "normal_curvature_v",
+            "gaussian_curvature",
+        ] {
+            let [found, expected] =
+                [&found, &expected].map(|one| one[quantity]["value"].as_f64().unwrap());
+            assert!(
+                (found - expected).abs() < 1e-9,
+                "{what} {quantity}: {found} {expected}"
+            );
+        }
+    };
+    let turned = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, 1.1, -0.7));
+    for (names, write) in FORMS {
+        let rows = table(&format!("probe,{names},shift_u_mm,shift_v_mm"), None, write);
+        same(roll(&rows, "", None).unwrap(), &rows);
+        let header = format!("probe,time_s,{names},contact_u_mm,contact_v_mm");
+        for start in [UnitQuaternion::identity(), turned] {
+            let series = table(&header, Some(start), write);
+            let found = roll(&series, "", None).unwrap_or_else(|error| panic!("{error}: {series}"));
+            let warnings = found["warnings"].to_string();
+            assert_eq!(
+                warnings.contains("`rotation_frame` world"),
+                start == turned,
+                "{warnings}"
+            );
+            same(found, &series);
+        }
+    }
+    // Rotations whose axes are those of the world, of a probe that a quarter turn about its normal rotated before.
+    let quarter = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
+    let header = "probe,time_s,qx,qy,qz,qw,contact_u_mm,contact_v_mm";
+    let series = table(header, Some(quarter), |rotation| {
+        let quarter = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        quaternion(quarter.inverse() * rotation * quarter)
+    });
+    same(
+        roll(&series, "", Some(RotationFrame::World)).unwrap(),
+        "world",
+    );
+    assert!(roll(&series, "", Some(RotationFrame::Probe)).is_err());
+}
+
+#[test]
+fn rolls_of_the_field_have_their_answer() {
+    let log = include_str!("../data/rolls-quaternions.csv");
+    let error = roll(log, "", None).unwrap_err();
+    let (_, hint) = error.split_once("setting `columns` '").unwrap();
+    let hint = hint.split_once('\'').unwrap().0;
+    assert_eq!(hint, "contact_u=cop_x,contact_v=cop_y,probe=trial");
+    // The log has the places in metres, which no name states.
+    let in_metres = hint.replace("cop_x", "cop_x_m").replace("cop_y", "cop_y_m");
+    let form = Form {
+        length_unit: Some(LengthUnit::Mm),
+        ..Form::default()
+    };
+    let log = log.replace("cop_x,cop_y", "cop_x_m,cop_y_m");
+    let found = roll_in(&log, &in_metres, form).unwrap();
+    assert_eq!(found["arc_length"]["unit"], "mm");
+    assert!((mean(&found) - 0.04).abs() < 0.003, "{found}");
+}
+
+#[test]
+fn unusable_rotations_are_refused_with_line_and_value() {
+    let header = "probe,r11,r12,r13,r21,r22,r23,r31,r32,r33,shift_u_mm,shift_v_mm";
+    let left = |rotation| matrix(rotation).iter().map(|number| -number).collect();
+    let skewed = |rotation| matrix(rotation).iter().map(|number| 1.1 * number).collect();
+    let long = |rotation| {
+        quaternion(rotation)
+            .iter()
+            .map(|number| 1.1 * number)
+            .collect()
+    };
+    for (table, words) in [
+        (
+            table(header, None, left),
+            "r.csv:2: columns `r11` to `r33`: the matrix is left-handed, with a determinant of -1;",
+        ),
+        (
+            table(header, None, skewed),
+            "r.csv:2: columns `r11` to `r33`: the axes of a rotation matrix are orthogonal and of length 1; their products here differ by 0.21",
+        ),
+        (
+            table("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, long),
+            "r.csv:2: columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has 1.1",
+        ),
+        (
+            table(
+                "probe,axis_x,axis_y,axis_z,angle_rad,shift_u_mm,shift_v_mm",
+                None,
+                |rotation| vec![1.0, 1.0, 0.0, rotation.angle()],
+            ),
+            "r.csv:2: columns `axis_x` to `axis_z`",
+        ),
+        (
+            table("probe,r11,r12,r13,shift_u_mm,shift_v_mm", None, vector),
+            "no columns `r21`, `r22`",
+        ),
+        (
+            table(
+                "probe,time_s,qx,qy,qz,qw,contact_u_mm,contact_v_cm",
+                Some(UnitQuaternion::identity()),
+                quaternion,
+            ),
+            "lengths are in mm and in cm",
+        ),
+    ] {
+        let error = roll(&table, "", None).unwrap_err();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    // Where rolls do not show which component is the scalar part, the message names both orders, and each is read.
+    let two =
+        "probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm\n0,0.7,0.1,0.1,0.7,1,0\n1,0.7,0.1,-0.1,0.7,0,1\n";
+    let error = roll(two, "", None).unwrap_err();
+    assert!(
+        error.contains("'qx=q1,qy=q2,qz=q3,qw=q0' or 'qx=q0,qy=q1,qz=q2,qw=q3'"),
+        "{error}"
+    );
+    // A series with shifts is read when they are named as places.
+    let header = "probe,time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
+    let series = table(header, Some(UnitQuaternion::identity()), quaternion);
+    let error = roll(&series, "", None).unwrap_err();
+    let (_, hint) = error.split_once("setting `columns` '").unwrap();
+    let found = roll(&series, hint.split_once('\'').unwrap().0, None).unwrap();
+    assert!((mean(&found) - 0.025).abs() < 1e-9, "{error}");
+}

@@ -1,0 +1,319 @@
+//! The same contacts in the files that other programs write: equal estimates, and hints that work.
+
+use palpate_recorded::{
+    Form, GlideOptions, RecordedFile, column_names, estimate_glide, parse_glide,
+};
+use serde_json::Value;
+
+const BALL: &str = include_str!("../data/glide-ball25.csv");
+
+fn glide(contents: impl AsRef<[u8]>, columns: &str) -> Result<Value, String> {
+    let mut form = Form::default();
+    if !columns.is_empty() {
+        form.columns = column_names(columns).unwrap();
+    }
+    let file = RecordedFile::new("r", contents.as_ref().to_vec()).written(form);
+    let readings = parse_glide(file).map_err(|error| error.to_string())?;
+    let estimate = estimate_glide(&readings, &GlideOptions::default());
+    let (estimate, _) = estimate.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+fn mean(estimate: &Value) -> f64 {
+    estimate["mean_curvature"]["value"].as_f64().unwrap()
+}
+
+/// The setting that a message proposes.
+#[track_caller]
+fn hint(message: &str) -> &str {
+    let rest = message.split_once("setting `columns` '");
+    let (_, rest) = rest.unwrap_or_else(|| panic!("{message}"));
+    rest.split_once('\'').unwrap().0
+}
+
+/// Rows of the ball: finger, place, normal.
+fn rows() -> Vec<Vec<f64>> {
+    let row = |line: &str| {
+        line.split(',')
+            .map(|field| field.parse().unwrap())
+            .collect()
+    };
+    BALL.lines().skip(1).map(row).collect()
+}
+
+/// A table of the ball with these columns of it.
+fn table(header: &str, delimiter: &str, columns: &[usize]) -> String {
+    let row = |row: &Vec<f64>| {
+        let fields: Vec<String> = columns.iter().map(|&at| row[at].to_string()).collect();
+        fields.join(delimiter) + "\n"
+    };
+    format!("{header}{}", rows().iter().map(row).collect::<String>())
+}
+
+const ALL: [usize; 7] = [0, 1, 2, 3, 4, 5, 6];
+
+#[test]
+fn files_of_other_programs_hold_the_same_contacts() {
+    let expected = glide(BALL, "").unwrap();
+    assert!((mean(&expected) - 0.04).abs() < 0.002);
+    let objects = |between: &str| {
+        let rows = rows().into_iter().map(|row| {
+            let [finger, x, y, z, nx, ny, nz] = row[..] else { panic!() };
+            format!("{{\"finger\":{finger},\"x_mm\":{x},\"y_mm\":{y},\"z_mm\":{z},\"normal_x\":{nx},\"normal_y\":{ny},\"normal_z\":{nz}}}")
+        });
+        rows.collect::<Vec<_>>().join(between)
+    };
+    let columns = |dictionary: bool| {
+        let column = |(at, name): (usize, &str)| {
+            let values = rows()
+                .into_iter()
+                .enumerate()
+                .map(|(row, fields)| match dictionary {
+                    true => format!("\"{row}\":{}", fields[at]),
+                    false => fields[at].to_string(),
+                });
+            let values = values.collect::<Vec<_>>().join(",");
+            match dictionary {
+                true => format!("\"{name}\": {{{values}}}"),
+                false => format!("\"{name}\": [{values}]"),
+            }
+        };
+        let names = BALL.lines().next().unwrap().split(',');
+        let columns: Vec<String> = names.enumerate().map(column).collect();
+        format!("{{\n{}\n}}", columns.join(",\n"))
+    };
+    for contents in [
+        table(
+            "# finger x_mm y_mm z_mm normal_x normal_y normal_z\n",
+            " ",
+            &ALL,
+        ),
+        table(
+            "# finger, x_mm, y_mm, z_mm, normal_x, normal_y, normal_z\n",
+            "  ",
+            &ALL,
+        ),
+        format!("[{}]", objects(",")),
+        format!("[\n  {}\n]\n", objects(",\n  ")),
+        objects("\n"),
+        columns(false),
+        columns(true),
+    ] {
+        let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
+        assert_eq!(found, expected, "{contents}");
+    }
+    // Arrays have no unit, and their columns another order or names of two words.
+    let hinted = |contents: &[u8]| {
+        let error = glide(contents, "").unwrap_err();
+        glide(contents, hint(&error)).unwrap()
+    };
+    for contents in [
+        &include_bytes!("../data/glide-ball25.npz")[..],
+        include_bytes!("../data/glide-record-array.npy"),
+    ] {
+        let found = hinted(contents);
+        assert_eq!(
+            found["mean_curvature"]["value"],
+            expected["mean_curvature"]["value"]
+        );
+        assert_eq!(
+            (&found["with_normals"], &found["fingers"]),
+            (&true.into(), &3.into())
+        );
+    }
+    let found = hinted(table("", ",", &ALL).as_bytes());
+    assert_eq!(
+        (mean(&found), &found["fingers"]),
+        (mean(&expected), &3.into())
+    );
+}
+
+#[test]
+fn files_of_the_field_give_their_answers() {
+    let array = glide(include_bytes!("../data/glide-array.npy"), "").unwrap();
+    assert!((mean(&array) - 0.04).abs() < 0.004, "{array}");
+    let said = array["warnings"].to_string();
+    assert!(
+        said.contains("the columns have no names; they are read as x,y,z"),
+        "{said}"
+    );
+    let saved = glide(include_str!("../data/glide-savetxt-header.csv"), "").unwrap();
+    assert!((mean(&saved) - 0.04).abs() < 0.004, "{saved}");
+    let ros = include_str!("../data/glide-rostopic-echo.csv");
+    let log = glide(ros, "").unwrap();
+    assert_eq!(
+        (&log["length_unit"], &log["with_normals"]),
+        (&"m".into(), &true.into())
+    );
+    assert!((mean(&log) - 40.0).abs() < 2.0, "{log}");
+    // The warning states the setting that reads the same columns.
+    let said = log["warnings"].as_array().unwrap().iter();
+    let said = said.map(|one| one["text"].as_str().unwrap());
+    let said = said
+        .into_iter()
+        .find(|text| text.contains("`columns`"))
+        .unwrap();
+    assert_eq!(
+        glide(ros, hint(said)).unwrap()["mean_curvature"],
+        log["mean_curvature"]
+    );
+    let optional = table("x_mm,y_mm,z_mm,nx,ny,nz\n", ",", &ALL[1..]);
+    let found = glide(&optional, "").unwrap();
+    let said = found["warnings"].to_string();
+    assert_eq!(hint(&said), "normal_x=nx,normal_y=ny,normal_z=nz");
+    assert_eq!(glide(&optional, hint(&said)).unwrap()["with_normals"], true);
+}
+
+/// One row per time, with the columns of three fingers side by side.
+#[test]
+fn wide_tables_hold_several_fingers() {
+    let expected = glide(BALL, "").unwrap();
+    let rows = rows();
+    let wide = |header: &str, columns: &[usize]| {
+        let row = |time: usize| {
+            let places = (0..3).flat_map(|finger| columns.iter().map(move |&at| (finger, at)));
+            let fields = places.map(|(finger, at)| rows[10 * finger + time][at].to_string());
+            format!("{time},{}\n", fields.collect::<Vec<_>>().join(","))
+        };
+        format!("{header}\n{}", (0..10).map(row).collect::<String>())
+    };
+    let repeated = |name: &dyn Fn(&str, &str) -> String, fingers: [&str; 3], columns: &[&str]| {
+        let names = fingers
+            .iter()
+            .flat_map(|finger| columns.iter().map(|column| name(finger, column)));
+        format!("time_s,{}", names.collect::<Vec<_>>().join(","))
+    };
+    let full = ["x_mm", "y_mm", "z_mm", "normal_x", "normal_y", "normal_z"];
+    let letters = ["x", "y", "z", "nx", "ny", "nz"];
+    for header in [
+        repeated(
+            &|finger, column| format!("{finger}_{column}"),
+            ["finger1", "finger2", "finger3"],
+            &full,
+        ),
+        repeated(
+            &|finger, column| format!("{finger}.{column}"),
+            ["thumb", "index", "ring"],
+            &full,
+        ),
+        repeated(
+            &|finger, column| format!("{column}{finger}"),
+            ["1", "2", "3"],
+            &letters,
+        ),
+        repeated(
+            &|finger, column| format!("{column}_{finger}"),
+            ["f0", "f1", "f2"],
+            &full,
+        ),
+    ] {
+        let found =
+            glide(wide(&header, &ALL[1..]), "").unwrap_or_else(|error| panic!("{error}: {header}"));
+        assert!((mean(&found) - mean(&expected)).abs() < 1e-12, "{header}");
+        assert_eq!(
+            (&found["fingers"], &found["contacts"]),
+            (&3.into(), &30.into())
+        );
+    }
+    let header = repeated(
+        &|finger, column| format!("{finger}_{column}"),
+        ["f1", "f2", "f3"],
+        &["x", "y", "z"],
+    );
+    let table = wide(&header, &ALL[1..4]);
+    let first: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    let lost = table.replacen(&first[1..4].join(","), ",NaN,", 1);
+    let found = glide(&lost, "").unwrap();
+    assert_eq!(found["contacts"], 29);
+    assert!(
+        found["warnings"]
+            .to_string()
+            .contains("1 contacts without numbers are left out")
+    );
+    let short = table.replacen(&format!(",{}", first[9]), "", 1);
+    assert_eq!(
+        glide(short, "").unwrap_err(),
+        "r:2: 9 fields; the header has 10"
+    );
+    // Commanded and measured places are not two fingers.
+    let header = repeated(
+        &|finger, column| format!("{finger}_{column}"),
+        ["set", "real", "x"],
+        &["x", "y", "z"],
+    );
+    assert!(
+        glide(wide(&header, &ALL[1..4]), "")
+            .unwrap_err()
+            .contains("no columns `x`")
+    );
+}
+
+#[test]
+fn damaged_files_are_refused_with_the_reason() {
+    let array = include_bytes!("../data/glide-array.npy");
+    let archive = include_bytes!("../data/glide-ball25.npz");
+    let edited = |from: &str, to: &str| {
+        let at = array
+            .windows(from.len())
+            .position(|part| part == from.as_bytes())
+            .unwrap();
+        [&array[..at], to.as_bytes(), &array[at + from.len()..]].concat()
+    };
+    let mut damaged = archive.to_vec();
+    damaged[200] ^= 1;
+    let not_a_number = [
+        &array[..128 + 8 * 40],
+        &f64::NAN.to_le_bytes(),
+        &array[128 + 8 * 41..],
+    ]
+    .concat();
+    for (contents, words) in [
+        (
+            array[..800].to_vec(),
+            "r: is no sound .npy array: shape (30, 3) does not fit 672 bytes",
+        ),
+        (array[..50].to_vec(), "its header is damaged"),
+        (edited("(30, 3)", "(3, 30)"), "the 30 columns have no names"),
+        (edited("(30, 3)", "(90,)  "), "is an array of shape (90)"),
+        (edited("<f8", "<c8"), "has elements of type `<c8`"),
+        (edited("<f8", "|O8"), "has elements of type `|O8`"),
+        (not_a_number, "r:11: column `y`: must be finite, is NaN"),
+        (
+            archive[..archive.len() - 30].to_vec(),
+            "is no sound zip archive: it is truncated",
+        ),
+        (damaged, "is damaged"),
+        (
+            b"[{\"x\":1,\"y\":2,\"z\":3},{\"x\":2,\"y\":2,\"z\":3}".to_vec(),
+            "is no JSON object",
+        ),
+        (
+            b"[{\"x\":1,\"y\":2,\"z\":3}] 3".to_vec(),
+            "is no JSON object",
+        ),
+        (
+            b"{\"x\":[1,2],\"y\":[1]}".to_vec(),
+            "columns of different lengths: `x` has 2 values, `y` has 1",
+        ),
+    ] {
+        let error = glide(&contents, "").unwrap_err();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+/// Tables of a million rows are read in seconds.
+#[test]
+#[ignore = "takes seconds without optimisation"]
+fn a_million_rows_are_read() {
+    let rows = 1_000_000_usize;
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 3), }}");
+    let mut array = b"\x93NUMPY\x01\0".to_vec();
+    array.extend((header.len() as u16).to_le_bytes());
+    array.extend(header.bytes());
+    let numbers = (0..3 * rows).flat_map(|number| (number as f64 * 0.1).to_le_bytes());
+    array.extend(numbers);
+    let start = std::time::Instant::now();
+    let readings = parse_glide(RecordedFile::new("r.npy", array)).unwrap();
+    assert!(!readings.has_normals());
+    assert!(start.elapsed().as_secs_f64() < 5.0, "{:?}", start.elapsed());
+}
