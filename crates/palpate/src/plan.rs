@@ -157,8 +157,14 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
 /// Noiseless pass of a cell that estimates the quantities `in_cell`, with this tolerance; `None` where the scene cannot be
 /// set up or its trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
-    let scene = with_tolerance(&config.scene, tolerance)?;
-    let scene = Scene::new(&with_ideal_sensor(&scene), config.length_unit, config.seed).ok()?;
+    let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
+    let mut scene = with_tolerance(&config.scene, tolerance)?;
+    if matches!(scene, SceneConfig::Roll(_)) {
+        // Noise moves a probe off a line of symmetry, so without noise `auto` could choose another rung.
+        let ladder = set_up(&scene)?.ladder().ok()??;
+        scene = scene.with_model(&ladder.taken().model)?;
+    }
+    let scene = set_up(&with_ideal_sensor(&scene))?;
     let quantities = scene.quantities();
     let mut values = Vec::new();
     let mut truths = vec![0.0_f64; quantities.len()];
