@@ -94,7 +94,8 @@ impl AutoChoice {
         match self.kind {
             Kind::Roll => adequate.all(|place| taken <= MAX_COST_RATIO * evaluations(place)),
             Kind::Glide => self.taken == 0 || !self.is_adequate(0),
-            Kind::Press => adequate.all(|place| place >= self.taken),
+            // Hertz contact and the half-space cost the same.
+            Kind::Press => adequate.all(|place| place.max(1) >= self.taken),
         }
     }
 
