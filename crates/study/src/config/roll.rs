@@ -61,10 +61,13 @@ impl RollConfig {
         if let Some(RotationNoise {
             std_deg: None,
             std_rad: None,
+            bias_deg: None,
+            drift_deg_per_s: None,
             ..
         }) = self.noise.rotation
         {
-            return Err(("scene.noise.rotation", "needs `std_deg` or `std_rad`"));
+            let message = "needs `std_deg`, `std_rad`, `bias_deg` or `drift_deg_per_s`";
+            return Err(("scene.noise.rotation", message));
         }
         if let Some(EncoderConfig {
             step_deg: None,
@@ -342,7 +345,7 @@ pub struct RotationNoise {
     /// Distribution of the error.
     #[serde(default)]
     pub kind: GaussianKind,
-    /// Its standard deviation. Give either this or `std_rad`.
+    /// Its standard deviation, 0 by default. Give either this or `std_rad`.
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
     /// Its standard deviation. Give either this or `std_deg`.
